@@ -8,7 +8,8 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
-use crate::workspace::{MODEL_PACKAGE, PAPER_PACKAGE, Workspace};
+use crate::platform::Version;
+use crate::workspace::{MAP_PACKAGE, MODEL_PACKAGE, PAPER_PACKAGE, Workspace};
 
 /// The example that prints the model description.
 pub const DESCRIPTION_EXAMPLE: &str = "model_description";
@@ -84,25 +85,51 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
 /// # Errors
 /// The compilation or the program that prints the description fails.
 pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
+    let (library, program) = build_other(workspace, PAPER_PACKAGE, &["--features", "fmu"])?;
+    Ok((library, printed(&mut Command::new(program))?))
+}
+
+/// Compiles the shared library of the variator from maps, optimised for this machine, and returns its path and its model description
+/// of a version, with the tables of the published variator.
+///
+/// # Errors
+/// As [`build_paper`].
+pub fn build_map(workspace: &Workspace, version: Version) -> anyhow::Result<(PathBuf, String)> {
+    let (library, program) = build_other(workspace, MAP_PACKAGE, &[])?;
+    let number = if version == Version::Three { "3" } else { "2" };
+    let description = printed(Command::new(program).arg(number).arg(workspace.map_tables()))?;
+    Ok((library, description))
+}
+
+/// Compiles another library and the program that prints its description, and returns both.
+fn build_other(workspace: &Workspace, package: &str, options: &[&str]) -> anyhow::Result<(PathBuf, PathBuf)> {
     let mut build = command(workspace);
-    build.args(["build", "--release", "--package", PAPER_PACKAGE, "--features", "fmu"]);
+    build
+        .args(["build", "--release", "--package", package, "--lib", "--bins"])
+        .args(options);
     let (mut library, mut program) = (None, None);
     compile(&mut build, |artifact| {
-        if artifact.name == PAPER_PACKAGE.replace('-', "_") {
+        if artifact.name == package.replace('-', "_") {
             library = artifact.shared_library();
         } else if artifact.executable.is_some() {
             program = artifact.executable;
         }
     })?;
-    let library = library.context("cargo built no shared library of the paper's belts")?;
-    let program = program.context("cargo built no program that prints its description")?;
-    let output = Command::new(program).stderr(Stdio::inherit()).output()?;
+    Ok((
+        library.with_context(|| format!("cargo built no shared library of {package}"))?,
+        program.with_context(|| format!("cargo built no program that prints the description of {package}"))?,
+    ))
+}
+
+/// What a program prints.
+fn printed(program: &mut Command) -> anyhow::Result<String> {
+    let output = program.stderr(Stdio::inherit()).output()?;
     ensure!(
         output.status.success(),
         "the description can't be made ({})",
         output.status
     );
-    Ok((library, String::from_utf8(output.stdout)?))
+    Ok(String::from_utf8(output.stdout)?)
 }
 
 /// Compiles a program, optimised for this machine, and returns its path.

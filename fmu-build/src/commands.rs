@@ -21,6 +21,7 @@ pub mod docs;
 pub mod drive;
 pub mod durability;
 pub mod linearize;
+pub mod maps;
 pub mod paper;
 pub mod sweep;
 pub mod test;

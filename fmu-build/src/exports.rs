@@ -27,6 +27,19 @@ fn names() -> BTreeSet<&'static str> {
 /// # Errors
 /// The names differ, or the table of exports can't be read.
 pub fn check(library: &[u8]) -> anyhow::Result<()> {
+    check_against(&names(), library)
+}
+
+/// The same for the names of the standard alone.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_standard(library: &[u8]) -> anyhow::Result<()> {
+    let standard = names().into_iter().filter(|name| name.starts_with("fmi")).collect();
+    check_against(&standard, library)
+}
+
+fn check_against(listed: &BTreeSet<&str>, library: &[u8]) -> anyhow::Result<()> {
     let file = object::File::parse(library).context("the library can't be read")?;
     let mac = file.format() == object::BinaryFormat::MachO;
     let exports: Vec<_> = file
@@ -49,7 +62,7 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
             found.insert(name);
         }
     }
-    compare(&names(), &found)
+    compare(listed, &found)
 }
 
 fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()> {

@@ -44,6 +44,7 @@ const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      belt, build, demo, compare, describe, durability, linearize
   a minute     drive, sweep, calibrate (60 points), bench
+  two minutes  maps
   minutes      test (3), validate (3), paper, wheel, docs
   15 minutes   test --all
 The first command of a new clone compiles and installs for two minutes more.";
@@ -66,6 +67,8 @@ enum Command {
     Sweep(commands::sweep::Arguments),
     /// Write a parameter set for a belt of given dimensions to target/belt/
     Belt(commands::belt::Arguments),
+    /// Solve for maps of the variator and write them as NetCDF, MATLAB, Modelica and CSV files and target/maps/report.html
+    Maps(commands::maps::Arguments),
     /// Fit parameters to a table of measured steady points and write target/calibrate/report.html
     Calibrate(commands::calibrate::Arguments),
     /// Compare the FMU with theory and measurements and write target/validate/report.html
@@ -105,6 +108,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
         Command::Belt(arguments) => commands::belt::run(&workspace, arguments),
+        Command::Maps(arguments) => commands::maps::run(&workspace, arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
         Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
         Command::Wheel(arguments) => commands::wheel::run(&workspace, arguments),

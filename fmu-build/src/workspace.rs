@@ -7,6 +7,8 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, ensure};
 use serde_json::Value;
 
+use crate::platform::Version;
+
 /// Name of the package whose library is the binary in the FMU.
 pub const MODEL_PACKAGE: &str = "pushbelt";
 
@@ -15,6 +17,12 @@ pub const PAPER_PACKAGE: &str = "pushbelt-paper";
 
 /// Its model name and model identifier.
 pub const PAPER_IDENTIFIER: &str = "PushbeltPaper";
+
+/// Name of the package whose library is the binary in the FMU of maps.
+pub const MAP_PACKAGE: &str = "pushbelt-map-unit";
+
+/// Its model name and model identifier.
+pub const MAP_IDENTIFIER: &str = "PushbeltMap";
 
 /// Model name and model identifier of the FMU.
 pub const MODEL_IDENTIFIER: &str = "PushbeltVariator";
@@ -65,6 +73,17 @@ impl Workspace {
     /// The packed FMU of the paper's belts.
     pub fn paper_fmu(&self) -> PathBuf {
         self.target.join(format!("{PAPER_IDENTIFIER}.fmu"))
+    }
+
+    /// The packed FMU of maps, of FMI 2.0 or 3.0.
+    pub fn map_fmu(&self, version: Version) -> PathBuf {
+        let number = if version == Version::Three { "3" } else { "" };
+        self.target.join(format!("{MAP_IDENTIFIER}{number}.fmu"))
+    }
+
+    /// The folder with the tables of the published variator, checked in.
+    pub fn map_tables(&self) -> PathBuf {
+        self.root.join("resources").join("maps")
     }
 
     /// The model description of FMI 2.0, checked in at the top level.

@@ -2,10 +2,11 @@
 
 - `Variator`: a variator over time, its steady states and linear models (`linear`, `linear_grid`); `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
-- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports.
+- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports; `cluster`: tasks on a
+  cluster; `map_data`: data sets of maps.
 - `theory`: results of theories, independent of the FMU.
-- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. They do
-  not import each other.
+- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `maps`, `paper`, `sweep`, `validate`: programs, each run
+  by `python -m pushbelt.…`. They do not import each other.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from pushbelt.sweep import Design, DesignError, Slurm, Study, cluster, sweep
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import DesignPoint, Varied, crossed, full_values, listed, varied
 from pushbelt.sweep.design_report import correlation
-from pushbelt.sweep.slurm import SlurmError
+from pushbelt.slurm import SlurmError
 from pushbelt.sweep.store import METADATA
 from pushbelt.sweep.study import variator
 

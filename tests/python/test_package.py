@@ -11,7 +11,9 @@ from conftest import ROOT
 import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
-PROGRAMS = ("belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "paper", "sweep", "validate")
+PROGRAMS = (
+    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "paper", "sweep", "validate",
+)  # fmt: skip
 MODULES = {
     ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
     for path in sorted(PACKAGE.rglob("*.py"))

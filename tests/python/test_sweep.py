@@ -480,6 +480,6 @@ def test_a_point_that_crashes_its_worker_is_identified() -> None:
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT", 0.5)
+    monkeypatch.setattr("pushbelt.cluster.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(cluster.ClusterError, match="127.0.0.1:9"), cluster.connect("tcp://127.0.0.1:9", None):
         pass

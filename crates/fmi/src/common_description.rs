@@ -8,7 +8,21 @@ use super::xml::{Element, Number};
 
 /// A hash of a description without its token, in the form of a GUID, so that description and binary fit each other.
 pub(super) fn token_of(describe: impl Fn(&str) -> Element) -> String {
-    let digits = format!("{:032x}", hash::of_bytes(describe("").document().as_bytes()));
+    token_form(hash::of_bytes(describe("").document().as_bytes()))
+}
+
+/// A token with the hash of a unit's data in it: the bitwise exclusive or of both. A tool that replaces the data of an FMU can
+/// therefore calculate the new token from the old one.
+pub(super) fn token_with(token: &str, data: Option<u128>) -> String {
+    let Some(data) = data else {
+        return token.to_owned();
+    };
+    let digits: String = token.chars().filter(char::is_ascii_hexdigit).collect();
+    token_form(u128::from_str_radix(&digits, 16).unwrap_or_default() ^ data)
+}
+
+fn token_form(hash: u128) -> String {
+    let digits = format!("{hash:032x}");
     let [a, b, c, d, e] = [0..8, 8..12, 12..16, 16..20, 20..32].map(|range| &digits[range]);
     format!("{{{a}-{b}-{c}-{d}-{e}}}")
 }

@@ -8,7 +8,8 @@ fn mix(hash: u128, value: u128) -> u128 {
 }
 
 /// Hash of bytes.
-pub(super) fn of_bytes(bytes: &[u8]) -> u128 {
+#[must_use]
+pub fn of_bytes(bytes: &[u8]) -> u128 {
     bytes.iter().fold(START, |hash, byte| mix(hash, (*byte).into()))
 }
 

@@ -13,6 +13,7 @@
 //! | [`simple`] | a shorter trait for a model without internal steps and events |
 //! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
 //! | [`slave`] | one instance: its calls, for both versions |
+//! | [`hash`] | a hash of bytes: texts, stored states, data of a unit |
 //! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
 //! | [`log`] | messages to the importer |
 //! | `common_description`, `xml` | common parts of the model descriptions of both versions; elements and numbers of XML |
@@ -39,7 +40,7 @@ pub mod fmi2;
 #[allow(unsafe_code)]
 pub mod fmi3;
 #[forbid(unsafe_code)]
-mod hash;
+pub mod hash;
 #[forbid(unsafe_code)]
 pub mod log;
 #[forbid(unsafe_code)]

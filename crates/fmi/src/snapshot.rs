@@ -21,10 +21,6 @@ pub struct Snapshot<U: Unit> {
 }
 
 impl<U: Unit> Snapshot<U> {
-    pub(super) fn new() -> Self {
-        Self::starting_from(U::Settings::default())
-    }
-
     pub(super) fn starting_from(settings: U::Settings) -> Self {
         Self {
             state: State::Instantiated,
@@ -46,17 +42,18 @@ impl<U: Unit> Snapshot<U> {
         Ok(bytes::seal(guid, &tape.into_bytes()))
     }
 
-    /// The state that bytes of an FMU with this GUID hold.
+    /// The state that bytes of an FMU with this GUID hold. `defaults` are settings with the data of the model.
     ///
     /// # Errors
     /// The reason, as a sentence.
     pub(super) fn from_bytes(
         table: &Table<U::Settings, U::Readings>,
         guid: &str,
+        defaults: &U::Settings,
         sealed: &[u8],
     ) -> Result<Self, String> {
         let mut tape = Tape::reader(bytes::open(guid, sealed)?);
-        let mut snapshot = Self::new();
+        let mut snapshot = Self::starting_from(defaults.clone());
         snapshot.serialize(table, &mut tape)?;
         let fits = tape.finish();
         fits.map_err(|Mismatch| "the stored state does not fit this version of the model".to_string())?;

@@ -43,14 +43,18 @@ impl Token {
     }
 }
 
-/// The settings that an instance starts from: those of the file in the first folder that has one, over the defaults; `None` if
+/// The settings that an instance starts from: those of the file in the first folder that has one, over `defaults`; `None` if
 /// there is no file.
 ///
 /// # Errors
 /// The file is unusable, or missing in a copy. The reason is a sentence with file, line, variable and value.
-pub(crate) fn find<U: Unit>(folders: &[PathBuf], token: Token) -> Result<Option<U::Settings>, String> {
+pub(crate) fn find<U: Unit>(
+    folders: &[PathBuf],
+    token: Token,
+    defaults: &U::Settings,
+) -> Result<Option<U::Settings>, String> {
     for folder in folders {
-        let found = read::<U>(folder)?;
+        let found = read::<U>(folder, defaults)?;
         if found.is_some() {
             return Ok(found);
         }
@@ -69,16 +73,16 @@ pub(crate) fn find<U: Unit>(folders: &[PathBuf], token: Token) -> Result<Option<
     }
 }
 
-/// The settings of the file in this folder, over the defaults; `None` if there is no file.
+/// The settings of the file in this folder, over `defaults`; `None` if there is no file.
 ///
 /// # Errors
 /// The reason, as a sentence with file, line, variable and value.
-pub fn read<U: Unit>(resources: &Path) -> Result<Option<U::Settings>, String> {
+pub fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
     match text(&path).map_err(unusable)? {
         None => Ok(None),
-        Some(text) => parse(&text, &U::table()).map(Some).map_err(unusable),
+        Some(text) => parse(&text, &U::table(), defaults).map(Some).map_err(unusable),
     }
 }
 
@@ -103,8 +107,8 @@ fn text(path: &Path) -> Result<Option<String>, String> {
         .map_err(|_| "it is not text in UTF-8".to_string())
 }
 
-fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
-    let mut settings = S::default();
+fn parse<S: Clone, R>(text: &str, table: &Table<S, R>, defaults: &S) -> Result<S, String> {
+    let mut settings = defaults.clone();
     let mut seen = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         let line = line.trim();

@@ -2,6 +2,7 @@
 
 use super::table::Table;
 use pushbelt_tape::Tape;
+use std::path::Path;
 
 /// What the master sets for the run before it starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -136,6 +137,19 @@ pub trait Unit: Clone + Sized {
 
     /// All variables of the model.
     fn table() -> Table<Self::Settings, Self::Readings>;
+
+    /// The settings of a new instance, with data of the model from the folder of its resources; no folder if the importer names none.
+    ///
+    /// # Errors
+    /// The data are missing or damaged; the reason, as a sentence. There is no instance then.
+    fn load(_resources: Option<&Path>) -> Result<Self::Settings, String> {
+        Ok(Self::Settings::default())
+    }
+
+    /// A hash of the data that [`Unit::load`] has read. It is part of the GUID and of stored states.
+    fn data(_settings: &Self::Settings) -> Option<u128> {
+        None
+    }
 
     /// Checks the settings as a whole, when a tunable parameter changes during a run.
     ///

@@ -5,6 +5,7 @@ use std::process::Command;
 use clap::Args;
 
 use crate::cargo::{self, Program};
+use crate::commands::maps;
 use crate::progress;
 use crate::workspace::Workspace;
 
@@ -14,6 +15,9 @@ const VARIATOR: &str = "variator";
 /// Options of the benchmark.
 #[derive(Args)]
 pub struct Arguments {
+    /// Measure the time of the default maps instead, of `cargo fmu maps`
+    #[arg(long)]
+    maps: bool,
     /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
@@ -24,6 +28,10 @@ pub struct Arguments {
 /// # Errors
 /// The benchmark doesn't compile or fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    // After `--` the option is among those that are passed on.
+    if arguments.maps || arguments.passed_on.iter().any(|option| option == "--maps") {
+        return maps::measure(workspace);
+    }
     let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");
     let mut bench = Command::new(program);

@@ -10,7 +10,7 @@ use clap::Args;
 use crate::archive::Archive;
 use crate::description::{self, Description};
 use crate::platform::{Platform, Version};
-use crate::workspace::{MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
+use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
 /// The documentation in the FMU; values from the model description replace `{{…}}`.
@@ -52,6 +52,9 @@ pub struct Options {
     /// Write target/PushbeltPaper.fmu instead, with the rings that the paper compares, for this machine
     #[arg(long, conflicts_with_all = ["fmi3", "portable"])]
     paper: bool,
+    /// Write target/PushbeltMap.fmu instead, a variator from maps, for this machine; with --fmi3 target/PushbeltMap3.fmu
+    #[arg(long, conflicts_with_all = ["paper", "portable"])]
+    map: bool,
 }
 
 /// Builds the FMU of FMI 2.0 or 3.0.
@@ -63,6 +66,9 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
         return run_paper(workspace).map(drop);
     }
     let version = if options.fmi3 { Version::Three } else { Version::Two };
+    if options.map {
+        return run_map(workspace, version).map(drop);
+    }
     let _alone = workspace.lock("build")?;
     let binaries = compile(workspace, options.machines, version)?;
     pack(workspace, &binaries, options.machines.machines(), version).map(drop)
@@ -147,12 +153,41 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
+/// Builds the FMU of maps for this machine, with the tables of the published variator, and returns its path.
+///
+/// # Errors
+/// As [`run_options`].
+pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBuf> {
+    let _alone = workspace.lock("build")?;
+    progress::headline("Compiling the binary of the variator from maps");
+    let (library, description) = cargo::build_map(workspace, version)?;
+    let mut archive = Archive::default();
+    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER)?;
+    let bytes = read(&library)?;
+    exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
+    archive.add(binary, bytes)?;
+    archive.add("modelDescription.xml", description.into_bytes())?;
+    archive.add("resources/maps.json", read(&workspace.map_tables().join("maps.json"))?)?;
+    add_licenses(&mut archive, workspace)?;
+    archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
+    let third_party = licenses::third_party(&workspace.packages(Machines::This)?)?;
+    archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;
+    let path = workspace.map_fmu(version);
+    write(archive, &path)?;
+    Ok(path)
+}
+
 /// Adds the parameter sets and the project's licences.
 fn add_resources(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<()> {
     let parameters = workspace.root().join("resources").join("parameters");
     for (name, content) in files(&parameters, "json")? {
         archive.add(format!("resources/{name}"), content)?;
     }
+    add_licenses(archive, workspace)
+}
+
+/// Adds the project's licences.
+fn add_licenses(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<()> {
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let content = read(&workspace.root().join(license))?;
         archive.add(format!("{LICENSES}/{license}.txt"), content)?;

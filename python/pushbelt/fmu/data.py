@@ -15,7 +15,7 @@ import numpy as np
 
 from .enumerations import BeltKind
 from .files import RESOURCES
-from .geometry import Array, TwoPulleyCurve, theta_of
+from .geometry import Array, TwoPulleyCurve, primary_radius, theta_of
 from .results import BeltState, LoadCase
 from .untrusted import read_parameters
 
@@ -79,6 +79,22 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
 def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
     """Reference curve of a variator in a computed state."""
     return curve_of(parameters, state["reference.theta"])
+
+
+def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
+    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P.
+
+    The centre line of the ring has these radii plus the pitch offset.
+    """
+    distance, length = parameters["geometry.centerDistance"], parameters["geometry.beltLength"]
+    offset = parameters["belt.pitchOffset"]
+    outer = ratio
+    for _ in range(100):
+        radius = primary_radius(theta_of(outer), distance, length) - offset
+        before, outer = outer, (ratio * radius + offset) / (radius + offset)
+        if abs(outer - before) < 1e-14 * outer:
+            break
+    return radius
 
 
 def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius: float) -> float:

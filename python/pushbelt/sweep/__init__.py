@@ -14,7 +14,7 @@ The function `sweep` is the interface; `python -m pushbelt.sweep` is its command
 
 from .design import Design, DesignError
 from .run import Progress, sweep
-from .slurm import Slurm
+from pushbelt.slurm import Slurm
 from .study import Grid, Study
 
 __all__ = ["Design", "DesignError", "Grid", "Progress", "Slurm", "Study", "sweep"]

@@ -17,7 +17,7 @@ from . import measure
 from .cluster import ClusterError
 from .run import Progress, sweep
 from .design import AXIS_OF, Design, Varied, crossed, listed, varied
-from .slurm import HELP, Slurm
+from pushbelt.slurm import HELP, Slurm
 from .store import Store, write_parquet
 from .study import AXES, DEFAULT, SHORT, Study, variator
 

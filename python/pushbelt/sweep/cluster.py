@@ -1,178 +1,29 @@
-"""Distribution of points to workers by dask, on a local or an existing cluster."""
+"""The points of a study on a cluster: `pushbelt.cluster` with the worker of a study."""
 
 from __future__ import annotations
 
-import signal
-import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
-from types import ModuleType
-from typing import Any
+from contextlib import AbstractContextManager
 
-import cloudpickle
-from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, as_completed, get_worker
+from distributed import Client
 
-import pushbelt.fmu
+from pushbelt import cluster
+from pushbelt.cluster import WORKER_LOST, ClusterError, by_value, connect, interrupts_ignored
 
 from . import point, worker
-from . import slurm as jobs
 from .point import Row, failure
-from .slurm import Slurm
 from .worker import Chunk, UnitPlugin
 
-POLL = 0.1
-"""Interval of polling for finished chunks, s."""
-CONNECT_TIMEOUT = 10.0
-"""Timeout for the connection to a scheduler, s."""
-WORKERS_TIMEOUT = 60.0
-"""Timeout for the first worker of a cluster, s."""
-
-QUEUE_TIMEOUT = 7 * 86400.0
-"""Timeout for the first job of Slurm, which may wait in a queue, s."""
+__all__ = ["WORKER_LOST", "ClusterError", "by_value", "connect", "interrupts_ignored", "rows", "shipped"]
 
 
-class ClusterError(RuntimeError):
-    """The cluster cannot be reached, or the connection is lost."""
-
-
-@contextmanager
-def connect(scheduler: str | None, workers: int | None, slurm: Slurm | None = None) -> Iterator[Client]:
-    """A client of the scheduler at an address such as `tcp://host:port`, of new jobs of Slurm, or of a new local cluster of processes.
-
-    Raises ClusterError if there is no worker within the timeout.
-    """
-    with ExitStack() as stack:
-        try:
-            timeout = WORKERS_TIMEOUT
-            if slurm is not None:
-                if not jobs.is_there():
-                    raise ClusterError("sbatch is not on the path: this is no machine that submits jobs to Slurm")
-                queue = stack.enter_context(slurm.cluster())
-                # Jobs that end are replaced.
-                queue.adapt(minimum_jobs=slurm.jobs, maximum_jobs=slurm.jobs)
-                scheduler, timeout = queue, QUEUE_TIMEOUT
-            elif scheduler is None:
-                with interrupts_ignored():
-                    local = LocalCluster(
-                        n_workers=workers,
-                        threads_per_worker=1,
-                        memory_limit=0,
-                        dashboard_address=":0",
-                        silence_logs="ERROR",
-                    )
-                scheduler = stack.enter_context(local)
-            client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
-            client.wait_for_workers(1, timeout=timeout)
-        except (OSError, TimeoutError) as error:
-            raise ClusterError(f"{scheduler}: {error or 'no worker'}") from error
-        yield client
-
-
-@contextmanager
-def interrupts_ignored() -> Iterator[None]:
-    """Processes that are started in this context ignore Ctrl-C; only this process handles it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def shipped(client: Client, fmu: bytes) -> Iterator[Callable[[Chunk], list[Row]]]:
-    """Sends the FMU and the code to the workers; returns the function that solves chunks there.
-
-    Raises ClusterError if a worker cannot load them.
-    """
-    name = f"pushbelt-{client.id}"
-    try:
-        with by_value(pushbelt.fmu, worker, point):
-            client.register_plugin(UnitPlugin(name, fmu))
-    except Exception as error:  # Any exception type is possible, since it comes from a worker.
-        raise ClusterError(f"a worker cannot load the FMU: {error}") from error
-    try:
-        yield solver(name)
-    finally:
-        if client.status == "running":
-            client.unregister_worker_plugin(name)
-
-
-def solver(name: str) -> Callable[[Chunk], list[Row]]:
-    """The function that solves a chunk on a worker.
-
-    It is a local function so that it is pickled by value: scheduler and workers do not have this project's modules.
-    """
-
-    def solve(chunk: Chunk) -> list[Row]:
-        return get_worker().plugins[name].solver.solve(chunk)
-
-    return solve
-
-
-@contextmanager
-def by_value(*modules: ModuleType) -> Iterator[None]:
-    """Objects of these modules and their submodules are pickled by value."""
-    for module in modules:
-        cloudpickle.register_pickle_by_value(module)
-    try:
-        yield
-    finally:
-        for module in modules:
-            cloudpickle.unregister_pickle_by_value(module)
+def shipped(client: Client, fmu: bytes) -> AbstractContextManager[Callable[[Chunk], list[Row]]]:
+    """Sends the FMU and the code to the workers; returns the function that solves chunks there."""
+    return cluster.shipped(client, lambda name: UnitPlugin(name, fmu), worker, point)
 
 
 def rows(
     client: Client, solve: Callable[[Chunk], list[Row]], chunks: Iterable[Chunk], waiting: Callable[[], object]
 ) -> Iterator[list[Row]]:
-    """Rows of the chunks in the order of completion. `waiting` is called periodically.
-
-    Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its worker is split: its points are solved
-    at the end, one at a time, so that the point that crashes the worker is identified.
-    """
-    given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
-    suspects: list[Any] = []
-    for future in _finished(as_completed(given), waiting):
-        chunk, result = given.pop(future), _result(future)
-        if result is None:
-            suspects.extend(chunk)
-        else:
-            yield result
-    for suspect in suspects:
-        future = client.submit(solve, [suspect], pure=False)
-        for _ in _finished(as_completed([future]), waiting):
-            result = _result(future)
-            yield [failure(suspect[0], WORKER_LOST)] if result is None else result
-
-
-WORKER_LOST = "the worker process crashed repeatedly"
-
-
-def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
-    """Futures as they finish or finally fail."""
-    while not futures.is_empty():
-        if not futures.has_ready():
-            waiting()
-            time.sleep(POLL)
-            continue
-        for future in futures.next_batch(block=False):
-            # A result that was not fetched is lost with its worker and is computed again.
-            if future.status in ("pending", "lost"):
-                futures.add(future)
-            else:
-                yield future
-
-
-def _result(future: Future) -> list[Row] | None:
-    """Rows of a chunk; None if it lost too many workers."""
-    try:
-        return future.result()
-    except KilledWorker:
-        return None
-    except CancelledError as error:
-        raise ClusterError("the connection to the scheduler is lost") from error
-    finally:
-        future.release()
+    """Rows of the chunks in the order of completion. `waiting` is called periodically."""
+    return cluster.rows(client, solve, chunks, waiting, lambda task: failure(task[0], WORKER_LOST))

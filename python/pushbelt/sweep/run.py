@@ -13,7 +13,7 @@ import pyarrow as pa
 from distributed import Client
 
 from . import cluster
-from .slurm import Slurm
+from pushbelt.slurm import Slurm
 from .store import Store, table, with_metadata
 from .study import Study
 from .worker import Chunk

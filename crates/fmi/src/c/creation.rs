@@ -1,5 +1,7 @@
 //! Creation of an instance, for both versions.
 
+use std::path::PathBuf;
+
 use super::library;
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
@@ -15,8 +17,8 @@ pub(crate) struct Arguments<'a> {
     pub name: Option<&'a str>,
     /// The standard's name for the token, and its value.
     pub token: (&'static str, Option<&'a str>),
-    /// Token of this binary.
-    pub expected: String,
+    /// Token of this binary with data of a hash.
+    pub expected: fn(Option<u128>) -> String,
     /// The resource location, a URI or a path.
     pub resources: Option<&'a str>,
     /// Whether debug logging is on.
@@ -35,7 +37,7 @@ pub(crate) fn create<U: Unit>(
             sink.send(status, category, &format!("{}: {text}", arguments.function));
         }
     };
-    let checked = check(&arguments).and_then(|token| {
+    let checked = named(&arguments).and_then(|given| {
         let mut warnings = Vec::new();
         let master = master(&mut warnings)?;
         // A location that means no place is a warning: without start values in its resources an FMU works too.
@@ -49,8 +51,10 @@ pub(crate) fn create<U: Unit>(
             }
         }
         places.extend(library::path().and_then(|library| resources::beside(&library)));
-        let start = start_values::find::<U>(&places, token)?;
-        Ok((master, start.unwrap_or_default()))
+        let defaults = load::<U>(&places)?;
+        let token = check(&arguments, given, &(arguments.expected)(U::data(&defaults)))?;
+        let start = start_values::find::<U>(&places, token, &defaults)?;
+        Ok((master, start.unwrap_or(defaults)))
     });
     let (master, start) = match checked {
         Ok(checked) => checked,
@@ -66,13 +70,29 @@ pub(crate) fn create<U: Unit>(
     Some(Slave::with(master, log, start))
 }
 
-fn check(arguments: &Arguments<'_>) -> Result<Token, String> {
+fn named<'a>(arguments: &Arguments<'a>) -> Result<&'a str, String> {
     if arguments.name.is_none_or(str::is_empty) {
         return Err("the instance name is missing".to_owned());
     }
     let (what, token) = arguments.token;
-    let token = token.ok_or_else(|| format!("the {what} is missing"))?;
-    let expected = &arguments.expected;
+    token.ok_or_else(|| format!("the {what} is missing"))
+}
+
+/// The settings of a new instance with the data of the first folder that has them.
+fn load<U: Unit>(folders: &[PathBuf]) -> Result<U::Settings, String> {
+    let mut refused = None;
+    for folder in folders {
+        match U::load(Some(folder)) {
+            Ok(found) => return Ok(found),
+            Err(why) => refused = refused.or(Some(why)),
+        }
+    }
+    refused.map_or_else(|| U::load(None), Err)
+}
+
+/// Compares the token with that of this binary.
+fn check(arguments: &Arguments<'_>, token: &str, expected: &str) -> Result<Token, String> {
+    let (what, _) = arguments.token;
     Token::of(token, expected).ok_or_else(|| {
         format!(
             "the {what} {token} is not that of this binary, {expected}: the model description belongs to another binary"

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use libc::{c_char, c_int, c_void};
 use std::ptr;
 
-use super::description::guid;
+use super::description::guid_with;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Arguments, create};
 use crate::c::entry::{contain, text};
@@ -99,7 +99,7 @@ unsafe fn instantiate_here<U: Unit>(
             function: "fmi2Instantiate",
             name: name.as_deref(),
             token: ("GUID", token.as_deref()),
-            expected: guid::<U>(),
+            expected: guid_with::<U>,
             resources: location.as_deref(),
             debug,
         };

@@ -1,7 +1,7 @@
 //! `modelDescription.xml` of FMI 2.0, generated from the variable table, and the GUID made from it.
 
 use crate::common_description::{
-    default_experiment, head, items, log_categories, token_of, typed, unit_definition, variable_head,
+    default_experiment, head, items, log_categories, token_of, token_with, typed, unit_definition, variable_head,
 };
 use crate::log::Category;
 use crate::table::{Causality, Enumeration, Kind, Table, Variable};
@@ -14,10 +14,21 @@ pub fn model_description<U: Unit>() -> String {
     describe::<U>(&guid::<U>()).document()
 }
 
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    describe::<U>(&guid_with::<U>(Some(data))).document()
+}
+
 /// The GUID of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn guid<U: Unit>() -> String {
-    token_of(describe::<U>)
+    guid_with::<U>(U::data(&U::Settings::default()))
+}
+
+/// The GUID of a unit with data of this hash.
+pub(crate) fn guid_with<U: Unit>(data: Option<u128>) -> String {
+    token_with(&token_of(describe::<U>), data)
 }
 
 fn describe<U: Unit>(guid: &str) -> Element {

@@ -28,6 +28,7 @@ pub mod functions;
 pub mod query;
 mod types;
 
-pub use description::{guid, model_description};
+pub(crate) use description::guid_with;
+pub use description::{guid, model_description, model_description_with};
 pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};

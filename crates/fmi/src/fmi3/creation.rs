@@ -5,7 +5,7 @@ use std::ffi::CString;
 use libc::c_int;
 use std::ptr;
 
-use super::description::{instantiation_token, is_intermediate};
+use super::description::{instantiation_token_with, is_intermediate};
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Arguments, create};
@@ -92,7 +92,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             function: "fmi3InstantiateCoSimulation",
             name: name.as_deref().map(str::trim),
             token: ("instantiation token", token.as_deref()),
-            expected: instantiation_token::<U>(),
+            expected: instantiation_token_with::<U>,
             resources: path.as_deref(),
             debug,
         };

@@ -4,7 +4,7 @@
 //! the value reference of its first element. Its size is fixed: FMI 2.0 names each element.
 
 use crate::common_description::{
-    default_experiment, head, items, log_categories, token_of, typed, unit_definition, variable_head,
+    default_experiment, head, items, log_categories, token_of, token_with, typed, unit_definition, variable_head,
 };
 use crate::log::Category;
 use crate::slave::TIME;
@@ -18,10 +18,21 @@ pub fn model_description<U: Unit>() -> String {
     describe::<U>(&instantiation_token::<U>()).document()
 }
 
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    describe::<U>(&instantiation_token_with::<U>(Some(data))).document()
+}
+
 /// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn instantiation_token<U: Unit>() -> String {
-    token_of(describe::<U>)
+    instantiation_token_with::<U>(U::data(&U::Settings::default()))
+}
+
+/// The instantiation token of a unit with data of this hash.
+pub(super) fn instantiation_token_with<U: Unit>(data: Option<u128>) -> String {
+    token_with(&token_of(describe::<U>), data)
 }
 
 /// Whether a variable can be set or read in intermediate update mode: real inputs and outputs can.

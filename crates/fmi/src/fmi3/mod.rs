@@ -36,7 +36,7 @@ mod types;
 #[forbid(unsafe_code)]
 mod unsupported;
 
-pub use description::{instantiation_token, model_description};
+pub use description::{instantiation_token, model_description, model_description_with};
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
 pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::error::{CallError, Outcome, refused};
 use super::step_in_progress::StepInProgress;
-use crate::fmi2::guid;
+use crate::fmi2::guid_with;
 use crate::log::{Category, Log, Sink, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
@@ -86,7 +86,7 @@ impl<U: Unit> Slave<U> {
 
     /// The GUID of the unit.
     pub(super) fn guid(&self) -> &str {
-        self.guid.get_or_init(guid::<U>)
+        self.guid.get_or_init(|| guid_with::<U>(U::data(&self.start)))
     }
 
     /// State of the state machine.

@@ -36,7 +36,7 @@ impl<U: Unit> Slave<U> {
     /// The state in these bytes.
     pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
-        let found = Snapshot::from_bytes(&self.table, self.guid(), sealed);
+        let found = Snapshot::from_bytes(&self.table, self.guid(), &self.start, sealed);
         found.map_err(CallError::Refused)
     }
 }

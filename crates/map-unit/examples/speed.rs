@@ -1,0 +1,52 @@
+//! Speed of the variator from maps: steps of 10 ms with inputs that change in every step, and as the C functions are called.
+//! `cargo run --release --package pushbelt-map-unit --example speed`
+
+use std::path::Path;
+use std::time::Instant;
+
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, Unit};
+use pushbelt_map_unit::unit::MapUnit;
+
+const STEP: f64 = 1e-2;
+const STEPS: u32 = 200_000;
+
+fn main() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps");
+    let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
+    // Shafts as heavy as an engine and a car.
+    (settings.primary.inertia, settings.secondary.inertia) = (0.15, 8.0);
+    for (name, slope) in [("inputs as ramps", true), ("inputs held, reached within 1 ms", false)] {
+        let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
+        let mut settings = settings.clone();
+        let mut sum = 0.0;
+        let begin = Instant::now();
+        for k in 0..STEPS {
+            let from = STEP * f64::from(k);
+            let phase = 0.02 * f64::from(k);
+            settings.inputs.primary.torque = 40.0 + 30.0 * phase.sin();
+            settings.inputs.secondary.torque = -40.0 - 30.0 * phase.sin();
+            settings.inputs.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
+            let rates = slope.then(|| {
+                let mut rates = settings.clone();
+                rates.inputs =
+                    pushbelt_map_unit::settings::Inputs::of_array([60.0 * phase.cos(), 0.0, 0.0, 0.0, 0.0, 0.0]);
+                rates
+            });
+            let mut step = CommunicationStep {
+                from,
+                to: STEP * f64::from(k + 1),
+                rates,
+                progress: (),
+            };
+            unit.begin(&mut step, &settings).expect("a step");
+            unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
+            sum += unit.readings(false).slip;
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        let real_time = STEP * f64::from(STEPS) / seconds;
+        println!(
+            "{name}: {real_time:.0} times faster than real time, mean slip {:.5}",
+            sum / f64::from(STEPS)
+        );
+    }
+}

@@ -1,0 +1,282 @@
+//! Torques, losses and shift rate of a state.
+//!
+//! The state is ω_P, ω_S and ℓ = ln i, with i = r_S/r_P of the pitch radii. The sliding speed v = r_P ω_P − r_S ω_S gives the slip
+//! s = v/q with q = √((r_P ω_P)² + v_0²), and the table of the traction the utilisation u(s). The torque of the primary shaft on the belt
+//! is T_P = u 2μ r_P F_S/cosβ, positive where it drives. Beyond the slip s_c at capacity u_c
+//!
+//! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
+//!
+//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), so the belt loses
+//! T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
+//! ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
+//!
+//! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
+//! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
+
+use crate::settings::{Inputs, PulleyParameters, Settings};
+use crate::tables::{Geometry, Place, Tables};
+
+/// Regularisation speed v_0 of the slip, m/s.
+pub const SLIP_SPEED: f64 = 0.1;
+/// Speed ω_0 below which drag and belt loss fade, rad/s.
+pub const FADING_SPEED: f64 = 2.0;
+/// Smallest force in a quotient of forces, N.
+pub const LEAST_FORCE: f64 = 1.0;
+/// Number of places of the table of radii.
+const RADII: usize = 257;
+/// Range of ln i of the table of radii beyond the end stops.
+const BEYOND_STOPS: f64 = 0.05;
+
+/// Radii over the ratio, between the end stops.
+#[derive(Clone, Debug)]
+pub struct Radii {
+    first: f64,
+    per_step: f64,
+    primary: Vec<f64>,
+    /// Least and greatest ln i, at the end stops.
+    pub stops: [f64; 2],
+}
+
+/// Pitch radius on the primary pulley at a ratio of the pitch radii, m; none if no belt of this length fits there.
+#[must_use]
+pub fn primary_radius(geometry: &Geometry, ratio: f64) -> Option<f64> {
+    let Geometry {
+        center_distance: distance,
+        belt_length: length,
+        pitch_offset: offset,
+        ..
+    } = *geometry;
+    // The length grows with the radius, so the root is bracketed.
+    let excess = |radius: f64| {
+        let [on_primary, on_secondary] = [radius + offset, ratio * radius + offset];
+        let difference = on_primary - on_secondary;
+        let angle = (difference / distance).clamp(-1.0, 1.0).acos();
+        let strand = (distance * distance - difference * difference).max(0.0).sqrt();
+        2.0 * (strand + on_primary * (std::f64::consts::PI - angle) + on_secondary * angle) - length
+    };
+    let steepest = (1.0 - ratio).abs();
+    let (mut low, mut high) = (0.0, if steepest > 0.0 { distance / steepest } else { length });
+    high = high.min(length);
+    if excess(high) < 0.0 {
+        return None;
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if excess(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+impl Radii {
+    /// The radii of a variator with these settings.
+    ///
+    /// # Errors
+    /// The radii at the end stops allow no range of ratios.
+    pub fn new(geometry: &Geometry, settings: &Settings) -> Result<Self, String> {
+        let (primary, secondary) = (&settings.primary, &settings.secondary);
+        // Along a growing ratio the primary radius falls and the secondary radius grows.
+        let last_with = |holds: &dyn Fn(f64, f64) -> bool| {
+            let (mut low, mut high) = (-4.0_f64, 4.0_f64);
+            for _ in 0..100 {
+                let middle: f64 = 0.5 * (low + high);
+                let ratio = middle.exp();
+                // A belt that does not fit has too large a radius on one pulley.
+                let inside = match primary_radius(geometry, ratio) {
+                    Some(radius) => holds(radius, ratio * radius),
+                    None => middle < 0.0,
+                };
+                if inside {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            0.5 * (low + high)
+        };
+        let least = last_with(&|r, _| r > primary.max_radius).max(last_with(&|_, s| s < secondary.min_radius));
+        let most = last_with(&|r, _| r > primary.min_radius).min(last_with(&|_, s| s < secondary.max_radius));
+        if least >= most {
+            return Err("the radii at the end stops leave no range of ratios".to_owned());
+        }
+        let first = least - BEYOND_STOPS;
+        let step = (most + BEYOND_STOPS - first) / (RADII - 1) as f64;
+        let radius = |k: usize| {
+            let ratio = (first + k as f64 * step).exp();
+            primary_radius(geometry, ratio).ok_or_else(|| format!("no belt fits at the ratio {ratio:.3}"))
+        };
+        Ok(Self {
+            first,
+            per_step: 1.0 / step,
+            primary: (0..RADII).map(radius).collect::<Result<_, _>>()?,
+            stops: [least, most],
+        })
+    }
+
+    /// Pitch radius on the primary pulley at ln i, m.
+    #[must_use]
+    pub fn primary(&self, log_ratio: f64) -> f64 {
+        let scaled = ((log_ratio - self.first) * self.per_step).clamp(0.0, (RADII - 1) as f64);
+        let k = (scaled as usize).min(RADII - 2);
+        self.primary[k] + (scaled - k as f64) * (self.primary[k + 1] - self.primary[k])
+    }
+}
+
+/// A state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Primary speed, rad/s.
+    pub primary: f64,
+    /// Secondary speed, rad/s.
+    pub secondary: f64,
+    /// ln i.
+    pub log_ratio: f64,
+}
+
+/// What is constant over the solution of a stage.
+pub struct Law<'a> {
+    /// The tables.
+    pub tables: &'a Tables,
+    /// Radii over the ratio.
+    pub radii: &'a Radii,
+    /// Parameters.
+    pub settings: &'a Settings,
+}
+
+/// Utilisation, its derivative with respect to the sliding speed, s/m, and whether the belt slips through.
+#[derive(Clone, Copy, Debug)]
+pub struct Traction {
+    /// Utilisation u.
+    pub value: f64,
+    /// ∂u/∂v.
+    pub slope: f64,
+    /// Whether the slip is beyond that at capacity.
+    pub macro_slip: bool,
+}
+
+/// The place of a state in the tables, and what the traction needs there.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Place in the tables.
+    pub place: Place,
+    /// Pitch radius on the primary pulley, m.
+    pub radius: f64,
+    /// Ratio.
+    pub ratio: f64,
+    /// Torque at utilisation 1, N·m.
+    pub torque: f64,
+    /// Speed q by which the sliding speed is divided, m/s.
+    pub speed: f64,
+    /// Share of forward running: 1, or 0 for reverse running, and between them near standstill.
+    pub forward: f64,
+    capacity: [f64; 2],
+    capacity_slip: [f64; 2],
+}
+
+impl Law<'_> {
+    /// The frame of a state under a secondary force, N.
+    #[must_use]
+    pub fn frame(&self, state: &State, force: f64) -> Frame {
+        let place = self.tables.place(force, state.primary.abs(), state.log_ratio);
+        let (capacity, capacity_slip) = self.tables.limits(&place);
+        let radius = self.radii.primary(state.log_ratio);
+        let around = radius * state.primary;
+        let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
+        // Slightly steeper than b, so that only one direction is evaluated at running speeds.
+        let direction = (1.001 * around / speed).clamp(-1.0, 1.0);
+        Frame {
+            place,
+            radius,
+            ratio: state.log_ratio.exp(),
+            torque: 2.0 * self.settings.friction * radius * force / self.tables.geometry.wedge_angle.cos(),
+            speed,
+            forward: 0.5 * (1.0 + direction),
+            capacity,
+            capacity_slip,
+        }
+    }
+
+    /// The traction of forward running at a sliding speed, m/s.
+    fn one_way(&self, frame: &Frame, sliding: f64) -> Traction {
+        let driving = usize::from(sliding >= 0.0);
+        let limit = frame.capacity_slip[driving].abs() * frame.speed;
+        let share = sliding / limit;
+        if share.abs() <= 1.0 {
+            let (value, slope) = self.tables.traction(&frame.place, share);
+            return Traction {
+                value,
+                slope: slope / limit,
+                macro_slip: false,
+            };
+        }
+        let Geometry { fall, fall_speed, .. } = self.tables.geometry;
+        let decay = (-(sliding.abs() - limit) / fall_speed).exp();
+        let capacity = frame.capacity[driving];
+        Traction {
+            value: capacity * (1.0 - fall * (1.0 - decay)),
+            slope: -capacity * fall * decay / fall_speed * sliding.signum(),
+            macro_slip: true,
+        }
+    }
+
+    /// The traction at a sliding speed v, m/s.
+    #[must_use]
+    pub fn traction(&self, frame: &Frame, sliding: f64) -> Traction {
+        let b = frame.forward;
+        if b == 1.0 {
+            return self.one_way(frame, sliding);
+        }
+        let mut mirrored = self.one_way(frame, -sliding);
+        mirrored.value = -mirrored.value;
+        if b == 0.0 {
+            return mirrored;
+        }
+        let ahead = self.one_way(frame, sliding);
+        let main = if b >= 0.5 { ahead } else { mirrored };
+        Traction {
+            value: b * ahead.value + (1.0 - b) * mirrored.value,
+            slope: b * ahead.slope + (1.0 - b) * mirrored.slope,
+            macro_slip: main.macro_slip,
+        }
+    }
+
+    /// A quantity of a table at a sliding speed: `of` is its value at a utilisation.
+    #[must_use]
+    pub fn mean(&self, frame: &Frame, sliding: f64, of: impl Fn(f64) -> f64) -> f64 {
+        let b = frame.forward;
+        if b == 1.0 {
+            return of(self.one_way(frame, sliding).value);
+        }
+        let mirrored = of(self.one_way(frame, -sliding).value);
+        if b == 0.0 {
+            return mirrored;
+        }
+        b * of(self.one_way(frame, sliding).value) + (1.0 - b) * mirrored
+    }
+
+    /// Drag torque of a shaft, N·m, and its slope over the speed.
+    #[must_use]
+    pub fn drag(&self, pulley: &PulleyParameters, speed: f64, load: f64) -> (f64, f64) {
+        let direction = (speed / FADING_SPEED).tanh();
+        let loaded = pulley.drag_constant + pulley.bearing_friction * pulley.bearing_radius * load;
+        (
+            direction * loaded + pulley.drag_viscous * speed,
+            (1.0 - direction * direction) / FADING_SPEED * loaded + pulley.drag_viscous,
+        )
+    }
+
+    /// ℓ' at a primary speed (rad/s) and with the clamping forces of the inputs, 1/s; zero where the ratio is held.
+    #[must_use]
+    pub fn shift(&self, frame: &Frame, sliding: f64, primary: f64, inputs: &Inputs) -> f64 {
+        let [closing, other] = [inputs.primary.clamping_force, inputs.secondary.clamping_force];
+        let rate = self.mean(frame, sliding, |utilisation| {
+            let holding = self.tables.thrust_ratio(&frame.place, utilisation) * other;
+            let excess = (closing.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
+            self.tables.shift_rate(&frame.place, utilisation, excess)
+        });
+        -primary.abs() * rate
+    }
+}

@@ -1,0 +1,29 @@
+//! A pushbelt variator from maps: `PushbeltMap.fmu`, level 0. Its tables come from the detailed model.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`cubic`] | monotone cubic interpolation, to refine a table |
+//! | [`tables`] | the tables: read from JSON, refined, evaluated |
+//! | [`settings`] | parameters, inputs, outputs |
+//! | [`law`] | torques, losses and shift rate of a state |
+//! | [`stage`] | one implicit stage |
+//! | [`unit`] | the FMU: start, steps, outputs, stored states |
+//! | `variables` | the variable table |
+#![warn(missing_docs)]
+
+#[forbid(unsafe_code)]
+pub mod cubic;
+#[forbid(unsafe_code)]
+pub mod law;
+#[forbid(unsafe_code)]
+pub mod settings;
+#[forbid(unsafe_code)]
+pub mod stage;
+#[forbid(unsafe_code)]
+pub mod tables;
+#[forbid(unsafe_code)]
+pub mod unit;
+#[forbid(unsafe_code)]
+mod variables;
+
+pushbelt_fmi::export!(crate::unit::MapUnit);

@@ -1,0 +1,166 @@
+//! One implicit stage: y = base + k f(y).
+//!
+//! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding speed is v = v_0 − m T_P(v) with m ≥ 0.
+//! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
+//! outer iteration.
+
+use crate::law::{FADING_SPEED, Frame, Law, State};
+use crate::settings::{Axial, Drive, Inputs, PulleyParameters};
+
+/// Lag of a shaft behind its set point, s: as in the detailed unit.
+pub const SPEED_LAG: f64 = 1e-3;
+/// Largest number of outer iterations.
+const ITERATIONS: usize = 60;
+/// Largest number of iterations for the sliding speed.
+const INNER: usize = 80;
+/// Relative tolerance of speeds, and tolerance of ln i.
+const TOLERANCE: f64 = 1e-9;
+/// Bound of the utilisation, above every capacity.
+const MOST: f64 = 3.0;
+
+/// A stage.
+pub struct Stage<'a> {
+    /// Laws.
+    pub law: &'a Law<'a>,
+    /// The inputs at the time of the stage.
+    pub inputs: Inputs,
+    /// Secondary force under which the belt is clamped, N.
+    pub force: f64,
+}
+
+/// Speed of a shaft as a linear function of a torque.
+struct Line {
+    constant: f64,
+    slope: f64,
+}
+
+impl Stage<'_> {
+    /// The solution, from a guess; none if the iteration does not converge.
+    #[must_use]
+    pub fn solve(&self, base: &State, k: f64, guess: &State) -> Option<State> {
+        let mut state = *guess;
+        for _ in 0..ITERATIONS {
+            let next = self.iterate(base, k, &state)?;
+            let near = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * (1.0 + a.abs());
+            let done = near(next.primary, state.primary)
+                && near(next.secondary, state.secondary)
+                && (next.log_ratio - state.log_ratio).abs() <= TOLERANCE;
+            state = next;
+            if done {
+                return Some(state);
+            }
+        }
+        None
+    }
+
+    fn iterate(&self, base: &State, k: f64, state: &State) -> Option<State> {
+        let law = self.law;
+        let settings = law.settings;
+        let frame = law.frame(state, self.force);
+        let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
+        let utilisation = law.traction(&frame, sliding).value;
+        let power_utilisation = if frame.forward >= 0.5 {
+            utilisation
+        } else {
+            -utilisation
+        };
+        let load = law.tables.bearing_load(&frame.place, power_utilisation);
+        let lost = law.mean(&frame, sliding, |u| law.tables.torque_loss(&frame.place, u));
+        let lost = (state.primary / FADING_SPEED).tanh() * lost;
+
+        let torque = self.inputs.primary.torque;
+        let shaft = (&settings.primary, base.primary, state.primary);
+        let primary = self.line(shaft, k, load, torque, -1.0, self.inputs.primary.speed_setpoint);
+        let torque = self.inputs.secondary.torque - frame.ratio * lost;
+        let shaft = (&settings.secondary, base.secondary, state.secondary);
+        let secondary = self.line(
+            shaft,
+            k,
+            load,
+            torque,
+            frame.ratio,
+            self.inputs.secondary.speed_setpoint,
+        );
+
+        let free = frame.radius * (primary.constant - frame.ratio * secondary.constant);
+        let per_torque = -frame.radius * (primary.slope - frame.ratio * secondary.slope);
+        let sliding = self.sliding(&frame, free, per_torque, sliding)?;
+        let torque = frame.torque * law.traction(&frame, sliding).value;
+        let log_ratio = if self.is_held() {
+            base.log_ratio
+        } else {
+            let rate = law.shift(&frame, sliding, state.primary, &self.inputs);
+            let [least, most] = law.radii.stops;
+            (base.log_ratio + k * rate).clamp(least, most)
+        };
+        Some(State {
+            primary: primary.constant + primary.slope * torque,
+            secondary: secondary.constant + secondary.slope * torque,
+            log_ratio,
+        })
+    }
+
+    fn is_held(&self) -> bool {
+        let settings = self.law.settings;
+        settings.primary.axial == Axial::Held || settings.secondary.axial == Axial::Held
+    }
+
+    /// The speed of a shaft: J (ω − base) = k (T + `lever` T_P − drag), with the drag linear about the present speed; or its lag
+    /// behind the set point.
+    fn line(
+        &self,
+        (pulley, base, speed): (&PulleyParameters, f64, f64),
+        k: f64,
+        load: f64,
+        torque: f64,
+        lever: f64,
+        setpoint: f64,
+    ) -> Line {
+        if pulley.drive == Drive::Speed {
+            return Line {
+                constant: (base + k / SPEED_LAG * setpoint) / (1.0 + k / SPEED_LAG),
+                slope: 0.0,
+            };
+        }
+        let (drag, slope) = self.law.drag(pulley, speed, load);
+        let per_torque = k / (pulley.inertia + k * slope);
+        let constant = per_torque * (pulley.inertia / k * base + torque - drag + slope * speed);
+        Line {
+            constant,
+            slope: per_torque * lever,
+        }
+    }
+
+    /// The root of v − `free` + m T_P(v), from a guess.
+    fn sliding(&self, frame: &Frame, free: f64, m: f64, guess: f64) -> Option<f64> {
+        let per_utilisation = m * frame.torque;
+        if per_utilisation == 0.0 {
+            return Some(free);
+        }
+        let reach = MOST * per_utilisation;
+        let (mut low, mut high) = (free - reach, free + reach);
+        let mut v = guess.clamp(low, high);
+        let tolerance = 1e-12 + 1e-13 * (free.abs() + reach);
+        for _ in 0..INNER {
+            let traction = self.law.traction(frame, v);
+            let excess = v - free + per_utilisation * traction.value;
+            if excess > 0.0 {
+                high = v;
+            } else {
+                low = v;
+            }
+            let slope = 1.0 + per_utilisation * traction.slope;
+            let newton = v - excess / slope;
+            let next = if slope > 0.0 && newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - v).abs() <= tolerance {
+                return Some(next);
+            }
+            v = next;
+        }
+        None
+    }
+}

@@ -1,0 +1,563 @@
+//! The unit of the FMU: start, steps, outputs, stored states.
+//!
+//! Steps are those of an L-stable method of second order (SDIRK2, γ = 1 − 1/√2), at most 10 ms long. Inputs are linear over each step.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pushbelt_fmi::Tape;
+use pushbelt_fmi::table::Table;
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
+
+use crate::law::{FADING_SPEED, Frame, Law, Radii, State};
+use crate::settings::{Axial, Drive, Inputs, PulleyOutputs, Readings, Settings};
+use crate::stage::{SPEED_LAG, Stage};
+use crate::tables::Tables;
+use crate::variables;
+
+/// Longest step, s.
+const LONGEST: f64 = 1e-2;
+/// Shortest step, s: a step that does not converge is divided down to it.
+const SHORTEST: f64 = 1e-7;
+/// γ of the method.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// Times closer than this are the same, s.
+const INSTANT: f64 = 1e-12;
+
+/// A variator from maps.
+#[derive(Clone, Debug)]
+pub struct MapUnit {
+    tables: Arc<Tables>,
+    radii: Arc<Radii>,
+    settings: Settings,
+    state: State,
+    time: f64,
+    /// The inputs that act at the present time.
+    acting: [f64; 6],
+    /// Thrust ratio of the last step, from which a held secondary sheave gets its force.
+    thrust_ratio: f64,
+    /// Whether it has been logged that the state is beyond the tables.
+    logged: bool,
+    readings: Readings,
+}
+
+impl MapUnit {
+    fn blank_with(settings: &Settings) -> Result<Self, String> {
+        let tables = settings.tables.clone().ok_or("the unit has no tables")?;
+        check(settings)?;
+        let radii = Arc::new(Radii::new(&tables.geometry, settings)?);
+        Ok(Self {
+            tables,
+            radii,
+            settings: settings.clone(),
+            state: State {
+                primary: 0.0,
+                secondary: 0.0,
+                log_ratio: 0.0,
+            },
+            time: 0.0,
+            acting: settings.inputs.array(),
+            thrust_ratio: 1.0,
+            logged: false,
+            readings: Readings::default(),
+        })
+    }
+
+    fn law(&self) -> Law<'_> {
+        Law {
+            tables: &self.tables,
+            radii: &self.radii,
+            settings: &self.settings,
+        }
+    }
+
+    /// The state at the start.
+    fn initialise(&mut self, remarks: &mut Vec<Remark>) {
+        let mut warn = |text: String| remarks.push(Remark { warning: true, text });
+        let [least, most] = self.radii.stops;
+        let wanted = self.settings.ratio.ln();
+        self.state.log_ratio = wanted.clamp(least, most);
+        // The detailed unit accepts a start up to 6 % beyond, where a loaded belt rests.
+        if (self.state.log_ratio - wanted).abs() > 0.06 {
+            let [least, most] = self.radii.stops.map(f64::exp);
+            warn(format!(
+                "initial.ratio = {} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop",
+                self.settings.ratio
+            ));
+        }
+        let drive = [self.settings.primary.drive, self.settings.secondary.drive];
+        self.state.primary = match drive[0] {
+            Drive::Speed => self.acting[2],
+            Drive::Torque => self.settings.primary_speed,
+        };
+        self.thrust_ratio = self.law().tables.thrust_ratio(&self.frame().place, 0.0);
+        self.settle(drive, &mut warn);
+        if self.settings.steady && self.settings.equilibrium && !self.is_held() {
+            self.balance(drive, &mut warn);
+        }
+        self.update_thrust_ratio();
+    }
+
+    fn is_held(&self) -> bool {
+        self.settings.primary.axial == Axial::Held || self.settings.secondary.axial == Axial::Held
+    }
+
+    /// Sets the secondary speed at the present ratio: that of the steady slip, of the set point, or without slip.
+    fn settle(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
+        let ratio = self.state.log_ratio.exp();
+        if drive[1] == Drive::Speed {
+            self.state.secondary = self.acting[5];
+            if drive[0] == Drive::Torque {
+                self.state.primary = self.acting[5] * ratio;
+            }
+        } else {
+            self.state.secondary = self.state.primary / ratio;
+        }
+        if !self.settings.steady || drive == [Drive::Speed; 2] || self.state.primary == 0.0 {
+            return;
+        }
+        // The speed of the shaft that is not given follows from the slip. Torque, loss and bearing load are iterated.
+        let mut wanted = 0.0;
+        for _ in 0..30 {
+            let frame = self.frame();
+            wanted = self.steady_torque(&frame, drive) / frame.torque.max(1e-9);
+            let Some(slip) = self.slip_at(&frame, wanted) else {
+                warn(format!(
+                    "the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip"
+                ));
+                return;
+            };
+            // s = v/q; the slip is that of running speed.
+            let sliding = slip * frame.speed / frame.radius;
+            let before = self.state;
+            if drive[1] == Drive::Speed {
+                self.state.primary = ratio * self.state.secondary + sliding;
+            } else {
+                self.state.secondary = (self.state.primary - sliding) / ratio;
+            }
+            let change = (self.state.primary - before.primary).abs() + (self.state.secondary - before.secondary).abs();
+            if change <= 1e-12 * self.state.primary.abs() {
+                break;
+            }
+        }
+        let _ = wanted;
+    }
+
+    /// The torque T_P with which the slip stays constant, N·m: the free shafts accelerate together.
+    fn steady_torque(&self, frame: &Frame, drive: [Drive; 2]) -> f64 {
+        let law = self.law();
+        let State { primary, secondary, .. } = self.state;
+        let sliding = frame.radius * (primary - frame.ratio * secondary);
+        let load = law.mean(frame, sliding, |u| self.tables.bearing_load(&frame.place, u));
+        let lost = law.mean(frame, sliding, |u| self.tables.torque_loss(&frame.place, u));
+        let lost = (primary / FADING_SPEED).tanh() * lost;
+        let (on_primary, _) = law.drag(&self.settings.primary, primary, load);
+        let (on_secondary, _) = law.drag(&self.settings.secondary, secondary, load);
+        let (into, out) = (self.acting[0] - on_primary, self.acting[3] - on_secondary);
+        let i = frame.ratio;
+        match drive {
+            [Drive::Torque, Drive::Speed] => into,
+            [Drive::Speed, _] => lost - out / i,
+            // (into − T)/J_P = i (out + i (T − lost))/J_S
+            [Drive::Torque, Drive::Torque] => {
+                let (j_p, j_s) = (self.settings.primary.inertia, self.settings.secondary.inertia);
+                (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
+            }
+        }
+    }
+
+    /// The slip s at a utilisation; none beyond the capacity.
+    fn slip_at(&self, frame: &Frame, wanted: f64) -> Option<f64> {
+        let law = self.law();
+        let at = |slip: f64| law.traction(frame, slip * frame.speed);
+        let (mut low, mut high) = (-1.0, 1.0);
+        // Beyond the capacity the traction falls: only the rising part is searched.
+        while at(low).macro_slip && low < -1e-6 {
+            low *= 0.98;
+        }
+        while at(high).macro_slip && high > 1e-6 {
+            high *= 0.98;
+        }
+        if wanted < at(low).value || wanted > at(high).value {
+            return None;
+        }
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if at(middle).value < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(0.5 * (low + high))
+    }
+
+    /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
+    fn balance(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
+        let mut unheard = |_: String| {};
+        let [mut low, mut high] = self.radii.stops;
+        for _ in 0..60 {
+            self.state.log_ratio = 0.5 * (low + high);
+            self.settle(drive, &mut unheard);
+            self.update_thrust_ratio();
+            // Too small a primary force: the ratio grows.
+            if self.acting[1] < self.thrust_ratio * self.acting[4] {
+                low = self.state.log_ratio;
+            } else {
+                high = self.state.log_ratio;
+            }
+        }
+        self.settle(drive, warn);
+    }
+
+    /// The secondary force, N: the input, or with a held sheave what the primary force requires.
+    fn force(&self, inputs: &[f64; 6]) -> f64 {
+        match self.settings.secondary.axial {
+            Axial::Force => inputs[4],
+            Axial::Held => inputs[1] / self.thrust_ratio,
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        self.law().frame(&self.state, self.force(&self.acting))
+    }
+
+    fn sliding(&self, frame: &Frame) -> f64 {
+        frame.radius * (self.state.primary - frame.ratio * self.state.secondary)
+    }
+
+    fn update_thrust_ratio(&mut self) {
+        let frame = self.frame();
+        let sliding = self.sliding(&frame);
+        let law = self.law();
+        let found = law.mean(&frame, sliding, |u| self.tables.thrust_ratio(&frame.place, u));
+        self.thrust_ratio = found;
+    }
+
+    /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
+    fn step(&mut self, duration: f64, to: [f64; 6]) -> bool {
+        let from = self.acting;
+        let at = |share: f64| Inputs::of_array(std::array::from_fn(|n| from[n] + share * (to[n] - from[n])));
+        let k = GAMMA * duration;
+        let law = self.law();
+        let force = |inputs: &Inputs| self.force(&inputs.array());
+        let start = self.state;
+        let inputs = at(GAMMA);
+        let stage = Stage {
+            law: &law,
+            inputs,
+            force: force(&inputs),
+        };
+        let Some(first) = stage.solve(&start, k, &start) else {
+            return false;
+        };
+        // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
+        let share = (1.0 - GAMMA) / GAMMA;
+        let ahead = |start: f64, first: f64| start + share * (first - start);
+        let base = State {
+            primary: ahead(start.primary, first.primary),
+            secondary: ahead(start.secondary, first.secondary),
+            log_ratio: ahead(start.log_ratio, first.log_ratio),
+        };
+        let inputs = at(1.0);
+        let stage = Stage {
+            law: &law,
+            inputs,
+            force: force(&inputs),
+        };
+        let Some(second) = stage.solve(&base, k, &first) else {
+            return false;
+        };
+        self.state = second;
+        self.acting = to;
+        if self.settings.secondary.axial == Axial::Held {
+            self.update_thrust_ratio();
+        }
+        true
+    }
+
+    /// Steps to a time, s, at which the inputs are `to`.
+    fn run_to(&mut self, end: f64, to: [f64; 6]) -> Result<(), StepFailure> {
+        let mut longest = LONGEST;
+        while end - self.time > INSTANT {
+            let left = end - self.time;
+            let count = (left / longest - 1e-9).ceil().max(1.0);
+            let duration = left / count;
+            let share = if count > 1.0 { duration / left } else { 1.0 };
+            let next = if count > 1.0 {
+                std::array::from_fn(|n| self.acting[n] + share * (to[n] - self.acting[n]))
+            } else {
+                to
+            };
+            if self.step(duration, next) {
+                self.time = if count > 1.0 { self.time + duration } else { end };
+                longest = (2.0 * longest).min(LONGEST);
+            } else {
+                longest = 0.5 * duration;
+                if longest < SHORTEST {
+                    return Err(StepFailure::Discarded(format!(
+                        "the equations have no solution at {} s, even in steps of {SHORTEST} s",
+                        self.time
+                    )));
+                }
+            }
+        }
+        self.acting = to;
+        self.time = end;
+        Ok(())
+    }
+
+    /// Logs once that the state is beyond the tables.
+    fn log_outside(&mut self, remarks: &mut Vec<Remark>) {
+        if self.logged {
+            return;
+        }
+        let frame = self.frame();
+        if frame.place.outside {
+            self.logged = true;
+            remarks.push(Remark {
+                warning: true,
+                text: format!(
+                    "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
+                     secondary force {:.0} N; map.outside shows it from now on",
+                    frame.ratio,
+                    self.state.primary,
+                    self.force(&self.acting)
+                ),
+            });
+        }
+    }
+
+    fn read(&self) -> Readings {
+        let law = self.law();
+        let frame = self.frame();
+        let force = self.force(&self.acting);
+        let State { primary, secondary, .. } = self.state;
+        let sliding = self.sliding(&frame);
+        let traction = law.traction(&frame, sliding);
+        let torque = frame.torque * traction.value;
+        let load = law.mean(&frame, sliding, |u| self.tables.bearing_load(&frame.place, u));
+        let lost = law.mean(&frame, sliding, |u| self.tables.torque_loss(&frame.place, u));
+        let on_secondary = frame.ratio * (torque - (primary / FADING_SPEED).tanh() * lost);
+        let holding = law.mean(&frame, sliding, |u| self.tables.thrust_ratio(&frame.place, u));
+        let drag = [(&self.settings.primary, primary), (&self.settings.secondary, secondary)]
+            .map(|(pulley, speed)| law.drag(pulley, speed, load).0);
+        let axial = match self.settings.primary.axial {
+            Axial::Held => holding * force,
+            Axial::Force => self.acting[1],
+        };
+        let setpoint = |speed: f64, pulley: usize, from_belt: f64| {
+            let of = [&self.settings.primary, &self.settings.secondary][pulley];
+            match of.drive {
+                Drive::Torque => self.acting[3 * pulley],
+                Drive::Speed => {
+                    of.inertia * (self.acting[3 * pulley + 2] - speed) / SPEED_LAG - from_belt + drag[pulley]
+                }
+            }
+        };
+        let belt_powers = [torque * primary, -on_secondary * secondary];
+        let shaft_powers = [belt_powers[0] + drag[0] * primary, belt_powers[1] + drag[1] * secondary];
+        let shaft_loss = drag[0] * primary + drag[1] * secondary;
+        let slip_speed = 1e-3;
+        Readings {
+            thrust_ratio: if force < 1.0 { 0.0 } else { axial / force },
+            belt_speed: 0.5 * frame.radius * (primary + frame.ratio * secondary),
+            ratio_speed: if secondary == 0.0 { 0.0 } else { primary / secondary },
+            ratio_geometric: frame.ratio,
+            slip: if primary.abs() < slip_speed {
+                0.0
+            } else {
+                (1.0 - secondary / primary * frame.ratio).clamp(-2.0, 2.0)
+            },
+            efficiency: efficiency(shaft_powers),
+            belt_efficiency: efficiency(belt_powers),
+            utilisation: traction.value.abs(),
+            macro_slip: traction.macro_slip,
+            loss: belt_powers[0] + belt_powers[1] + shaft_loss,
+            shaft_loss,
+            stored_energy: 0.5
+                * (self.settings.primary.inertia * primary * primary
+                    + self.settings.secondary.inertia * secondary * secondary),
+            outside: frame.place.outside,
+            primary: PulleyOutputs {
+                speed: primary,
+                radius: frame.radius,
+                axial_force: axial,
+                shaft_torque: -torque,
+                external_torque: setpoint(primary, 0, -torque),
+                power: belt_powers[0],
+            },
+            secondary: PulleyOutputs {
+                speed: secondary,
+                radius: frame.ratio * frame.radius,
+                axial_force: force,
+                shaft_torque: on_secondary,
+                external_torque: setpoint(secondary, 1, on_secondary),
+                power: belt_powers[1],
+            },
+        }
+    }
+}
+
+/// Driven / driving power, 0 to 1; 0 without power flow.
+fn efficiency(powers: [f64; 2]) -> f64 {
+    let driving: f64 = powers.iter().filter(|power| **power > 0.0).sum();
+    let driven: f64 = powers.iter().filter(|power| **power < 0.0).sum();
+    if driving > 0.0 {
+        (-driven / driving).min(1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Settings that do not fit each other.
+fn check(settings: &Settings) -> Result<(), String> {
+    if settings.primary.axial == Axial::Held && settings.secondary.axial == Axial::Held {
+        return Err(
+            "primary.axial and secondary.axial are both Held: maps have no forces for that, one must be Force"
+                .to_owned(),
+        );
+    }
+    if let Some(tables) = &settings.tables {
+        let steepest = tables.geometry.wedge_angle.tan();
+        if settings.friction >= steepest {
+            return Err(format!(
+                "friction.pulley = {} must be below tan(geometry.wedgeAngle) = {steepest:.4} of the maps",
+                settings.friction
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Unit for MapUnit {
+    type Settings = Settings;
+    type Readings = Readings;
+    type Progress = ();
+
+    const IDENTITY: Identity = Identity {
+        name: "PushbeltMap",
+        description: "Pushbelt CVT variator from maps of the detailed model: speeds of both shafts and ratio as states. SI units; \
+                      torques are positive in the direction of positive speed.",
+        version: env!("CARGO_PKG_VERSION"),
+        author: "pushbelt",
+        license: env!("CARGO_PKG_LICENSE"),
+        generation_tool: concat!("pushbelt ", env!("CARGO_PKG_VERSION")),
+        stop_time: 10.0,
+        step_size: 1e-2,
+        tolerance: 1e-4,
+        longest_step: 1e3,
+    };
+    const INTERPOLATES_INPUTS: bool = true;
+
+    fn table() -> Table<Settings, Readings> {
+        variables::table()
+    }
+
+    fn load(resources: Option<&Path>) -> Result<Settings, String> {
+        let resources = resources.ok_or("the importer names no folder of resources, and the tables are there")?;
+        let tables = Tables::read(resources)?;
+        Ok(Settings {
+            tables: Some(Arc::new(tables)),
+            ..Settings::default()
+        })
+    }
+
+    fn data(settings: &Settings) -> Option<u128> {
+        settings.tables.as_ref().map(|tables| tables.hash)
+    }
+
+    fn check(settings: &Settings) -> Result<(), String> {
+        check(settings)
+    }
+
+    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+        let mut unit = Self::blank_with(settings)?;
+        unit.time = experiment.start;
+        unit.initialise(remarks);
+        unit.log_outside(remarks);
+        Ok(unit)
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn readings(&mut self, _: bool) -> &Readings {
+        self.readings = self.read();
+        &self.readings
+    }
+
+    fn begin(&mut self, _: &mut CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
+        self.settings.friction = settings.friction;
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        step: &mut CommunicationStep<Self>,
+        settings: &Settings,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
+        let wanted = settings.inputs.array();
+        let duration = step.to - self.time;
+        let rates = step.rates.as_ref().map_or([0.0; 6], |rates| rates.inputs.array());
+        let ramp = if settings.ramp < 0.0 {
+            duration
+        } else {
+            settings.ramp.min(duration)
+        };
+        // An input with a rate starts at its value; the others reach theirs at the end of the ramp.
+        for n in 0..6 {
+            if rates[n] != 0.0 || ramp <= INSTANT {
+                self.acting[n] = wanted[n];
+            }
+        }
+        let at = |since: f64| -> [f64; 6] {
+            std::array::from_fn(|n| {
+                let value = wanted[n] + rates[n] * since;
+                if n % 3 == 1 { value.max(0.0) } else { value }
+            })
+        };
+        let from = self.time;
+        if self.acting != wanted && ramp > INSTANT && ramp < duration {
+            self.run_to(from + ramp, at(ramp))?;
+        }
+        self.run_to(step.to, at(duration))?;
+        self.log_outside(remarks);
+        // After the step an input has the value that was set last.
+        self.acting = wanted;
+        if rates != [0.0; 6] {
+            self.acting = at(duration);
+        }
+        Ok(())
+    }
+
+    fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {
+        Self::blank_with(settings)
+    }
+
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
+        let State {
+            primary,
+            secondary,
+            log_ratio,
+        } = &mut self.state;
+        for value in [primary, secondary, log_ratio, &mut self.time, &mut self.thrust_ratio] {
+            tape.real(value);
+        }
+        for value in &mut self.acting {
+            tape.real(value);
+        }
+        tape.flag(&mut self.logged);
+        let sound = [
+            self.state.primary,
+            self.state.secondary,
+            self.state.log_ratio,
+            self.thrust_ratio,
+        ];
+        if sound.iter().chain(&self.acting).any(|value| !value.is_finite()) || self.thrust_ratio <= 0.0 {
+            tape.reject();
+        }
+    }
+}

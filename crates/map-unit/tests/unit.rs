@@ -1,0 +1,563 @@
+//! The variator from maps: table of variables, equations, steps, stored states, tables.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pushbelt_fmi::Tape;
+use pushbelt_fmi::table::Value;
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, Unit};
+use pushbelt_map_unit::law::{Law, Radii, State, primary_radius};
+use pushbelt_map_unit::settings::{Axial, Drive, Readings, Settings};
+use pushbelt_map_unit::tables::{FILE, Tables};
+use pushbelt_map_unit::unit::MapUnit;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn folder() -> PathBuf {
+    root().join("resources/maps")
+}
+
+fn settings() -> Settings {
+    MapUnit::load(Some(&folder())).expect("the checked-in tables")
+}
+
+fn start(settings: &Settings) -> MapUnit {
+    let mut remarks = Vec::new();
+    let unit = MapUnit::start(settings, &Experiment::default(), &mut remarks).expect("a start");
+    assert!(remarks.is_empty(), "{remarks:?}");
+    unit
+}
+
+/// Steps to a time with held inputs.
+fn step(unit: &mut MapUnit, settings: &Settings, to: f64) {
+    let mut step = CommunicationStep {
+        from: unit.time(),
+        to,
+        rates: None,
+        progress: (),
+    };
+    unit.begin(&mut step, settings).expect("a step");
+    unit.advance(&mut step, settings, &mut Vec::new()).expect("a step");
+    assert_eq!(unit.time(), to);
+}
+
+fn run(unit: &mut MapUnit, settings: &Settings, time: f64, duration: f64) -> Readings {
+    let count = (duration / time).round() as usize;
+    let begin = unit.time();
+    for k in 1..=count {
+        step(unit, settings, begin + time * k as f64);
+    }
+    *unit.readings(false)
+}
+
+// Variables
+
+/// Attributes of an element of the detailed unit's model description.
+fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = element.split_once(&format!(" {name}=\""))?;
+    rest.split('"').next()
+}
+
+#[test]
+fn variables_are_those_of_the_detailed_unit() {
+    let detailed = fs::read_to_string(root().join("modelDescription.xml")).expect("the model description");
+    let own = pushbelt_fmi::model_description::<MapUnit>();
+    let elements = |text: &str| -> Vec<(String, String)> {
+        let parts = text.split("<ScalarVariable").skip(1);
+        parts
+            .map(|part| {
+                let part = part.split("</ScalarVariable>").next().unwrap_or_default().to_owned();
+                (attribute(&part, "name").expect("a name").to_owned(), part)
+            })
+            .collect()
+    };
+    let (detailed, own) = (elements(&detailed), elements(&own));
+    assert!(own.len() > 50);
+    for (name, element) in own {
+        if name == "map.outside" {
+            assert!(detailed.iter().all(|(other, of)| *other != name
+                && attribute(of, "valueReference") != attribute(&element, "valueReference")));
+            continue;
+        }
+        let (_, other) = detailed
+            .iter()
+            .find(|(other, _)| *other == name)
+            .unwrap_or_else(|| panic!("{name}"));
+        for what in [
+            "valueReference",
+            "causality",
+            "variability",
+            "unit",
+            "displayUnit",
+            "min",
+            "max",
+            "nominal",
+            "start",
+            "declaredType",
+        ] {
+            assert_eq!(attribute(&element, what), attribute(other, what), "{what} of {name}");
+        }
+    }
+}
+
+#[test]
+fn no_variable_of_the_rings_or_the_solver_is_there() {
+    for variable in MapUnit::table().variables() {
+        let name = &variable.name;
+        assert!(
+            !["profile", "spiral", "ring", "solver", "mesh"]
+                .iter()
+                .any(|part| name.starts_with(part)),
+            "{name}"
+        );
+    }
+}
+
+// Equations
+
+#[test]
+fn radii_close_the_belt_at_the_stops() {
+    let settings = settings();
+    let tables = settings.tables.clone().expect("tables");
+    let radii = Radii::new(&tables.geometry, &settings).expect("radii");
+    let [least, most] = radii.stops.map(f64::exp);
+    let at = |ratio: f64| primary_radius(&tables.geometry, ratio).expect("a radius");
+    assert!((at(least) - 0.082).abs().min((least * at(least) - 0.03).abs()) < 1e-9);
+    assert!((at(most) - 0.03).abs().min((most * at(most) - 0.082).abs()) < 1e-9);
+    for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
+        assert!((radii.primary(ratio.ln()) - at(ratio)).abs() < 1e-6, "{ratio}");
+        let geometry = &tables.geometry;
+        let (p, s) = (
+            at(ratio) + geometry.pitch_offset,
+            ratio * at(ratio) + geometry.pitch_offset,
+        );
+        let angle = ((p - s) / geometry.center_distance).acos();
+        let strand = (geometry.center_distance.powi(2) - (p - s).powi(2)).sqrt();
+        let length = 2.0 * (strand + p * (std::f64::consts::PI - angle) + s * angle);
+        assert!((length - geometry.belt_length).abs() < 1e-12);
+    }
+}
+
+/// The laws of settings.
+struct Bench {
+    settings: Settings,
+    tables: Arc<Tables>,
+    radii: Radii,
+}
+
+impl Bench {
+    fn new(settings: Settings) -> Self {
+        let tables = settings.tables.clone().expect("tables");
+        let radii = Radii::new(&tables.geometry, &settings).expect("radii");
+        Self {
+            settings,
+            tables,
+            radii,
+        }
+    }
+
+    /// T_P, T_S and ℓ' of a state.
+    fn torques(&self, state: State) -> ([f64; 2], f64) {
+        let Self {
+            settings,
+            tables,
+            radii,
+        } = self;
+        let law = Law {
+            tables,
+            radii,
+            settings,
+        };
+        let frame = law.frame(&state, settings.inputs.secondary.clamping_force);
+        let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
+        let torque = frame.torque * law.traction(&frame, sliding).value;
+        let lost = (state.primary / 2.0).tanh() * law.mean(&frame, sliding, |u| tables.torque_loss(&frame.place, u));
+        let shift = law.shift(&frame, sliding, state.primary, &settings.inputs);
+        ([torque, frame.ratio * (torque - lost)], shift)
+    }
+
+    /// T_P at two speeds and ln i.
+    fn torque(&self, primary: f64, secondary: f64, log_ratio: f64) -> f64 {
+        self.torques(State {
+            primary,
+            secondary,
+            log_ratio,
+        })
+        .0[0]
+    }
+}
+
+#[test]
+fn signs_are_those_of_the_detailed_unit() {
+    let mut bench = Bench::new(settings());
+    let ahead = State {
+        primary: 200.0,
+        secondary: 198.0,
+        log_ratio: 0.0,
+    };
+    let ([into, out], _) = bench.torques(ahead);
+    // The faster primary shaft drives the belt, and the belt drives the secondary shaft.
+    assert!(into > 40.0 && out > 30.0 && out < into);
+    let behind = State {
+        secondary: 202.0,
+        ..ahead
+    };
+    let ([into, out], _) = bench.torques(behind);
+    assert!(into < -30.0 && out < into);
+    // A larger primary force closes the primary pulley: overdrive, a smaller ratio.
+    let force = bench.settings.inputs.secondary.clamping_force;
+    bench.settings.inputs.primary.clamping_force = 2.0 * force;
+    assert!(bench.torques(ahead).1 < 0.0);
+    bench.settings.inputs.primary.clamping_force = 0.5 * force;
+    assert!(bench.torques(ahead).1 > 0.0);
+    let still = State {
+        primary: 0.0,
+        secondary: 0.0,
+        log_ratio: 0.0,
+    };
+    assert_eq!(bench.torques(still).1, 0.0);
+}
+
+#[test]
+fn reverse_running_is_the_mirror_image() {
+    let bench = Bench::new(settings());
+    for (primary, secondary) in [(200.0, 150.0), (30.0, 31.0), (0.5, 0.2), (0.0, 0.3), (-3.0, 1.0)] {
+        let state = |sign: f64| State {
+            primary: sign * primary,
+            secondary: sign * secondary,
+            log_ratio: 0.25,
+        };
+        let ([into, out], shift) = bench.torques(state(1.0));
+        let ([back_in, back_out], back) = bench.torques(state(-1.0));
+        assert!((into + back_in).abs() < 1e-12 * into.abs().max(1.0), "{primary}");
+        assert!((out + back_out).abs() < 1e-12 * out.abs().max(1.0), "{primary}");
+        assert!((shift - back).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn torque_is_continuous_through_standstill_and_at_capacity() {
+    let bench = Bench::new(settings());
+    let largest_jump = |torque: &dyn Fn(f64) -> f64| {
+        let values: Vec<f64> = (0..=20_000).map(|k| torque(f64::from(k) / 20_000.0)).collect();
+        let size = values.iter().copied().fold(0.0, f64::max);
+        let jumps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        jumps.fold(0.0, f64::max) / size
+    };
+    // Near standstill the torque grows by its capacity within 0.02 rad/s.
+    let still = largest_jump(&|t| bench.torque(2.0 * t - 1.0, 0.4, 0.1));
+    assert!(still < 0.01, "{still}");
+    let capacity = largest_jump(&|t| bench.torque(200.0, 185.0 - 60.0 * t, 0.1));
+    assert!(capacity < 0.01, "{capacity}");
+}
+
+#[test]
+fn a_belt_that_slips_through_carries_less_in_fast_sliding() {
+    let bench = Bench::new(settings());
+    let most = (0..8000).map(|k| bench.torque(200.0, 200.0 - 0.01 * f64::from(k), 0.0));
+    let most = most.fold(0.0, f64::max);
+    let share = bench.torque(200.0, 0.0, 0.0) / most;
+    assert!((share - (1.0 - bench.tables.geometry.fall)).abs() < 1e-3, "{share}");
+}
+
+#[test]
+fn friction_scales_the_torque() {
+    let mut bench = Bench::new(settings());
+    let torque = bench.torque(200.0, 198.5, 0.0);
+    bench.settings.friction *= 0.7;
+    assert!((bench.torque(200.0, 198.5, 0.0) - 0.7 * torque).abs() < 1e-12 * torque);
+}
+
+// Runs
+
+#[test]
+fn a_run_starts_steady_and_stays_there() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 13.5e3;
+    settings.secondary.drive = Drive::Speed;
+    settings.secondary.axial = Axial::Force;
+    settings.primary.axial = Axial::Held;
+    let mut unit = start(&settings);
+    let before = *unit.readings(false);
+    assert!((before.secondary.speed - 209.44).abs() < 1e-9);
+    let after = run(&mut unit, &settings, 1e-2, 1.0);
+    assert!(
+        (after.slip - before.slip).abs() < 1e-9,
+        "{} {}",
+        before.slip,
+        after.slip
+    );
+    assert_eq!(after.ratio_geometric, 1.0);
+    assert!(before.slip > 1e-3);
+    // Equilibrium of torques at both shafts, and power.
+    let into = after.primary.external_torque * after.primary.speed;
+    let out = after.secondary.external_torque * after.secondary.speed;
+    assert!(
+        (into + out - after.loss).abs() < 1e-6 * into,
+        "{into} {out} {}",
+        after.loss
+    );
+    assert!((after.efficiency + out / into).abs() < 1e-9);
+}
+
+#[test]
+fn the_belt_slips_through_and_recovers() {
+    let mut settings = settings();
+    settings.secondary.drive = Drive::Speed;
+    let mut unit = start(&settings);
+    settings.inputs.primary.torque = 150.0;
+    let slipping = run(&mut unit, &settings, 1e-2, 0.2);
+    assert!(slipping.macro_slip && slipping.slip > 0.2, "{}", slipping.slip);
+    settings.inputs.primary.torque = 20.0;
+    let caught = run(&mut unit, &settings, 1e-2, 2.0);
+    assert!(!caught.macro_slip && caught.slip < 0.01, "{}", caught.slip);
+}
+
+#[test]
+fn a_shift_ends_at_the_equilibrium_or_at_a_stop() {
+    let mut settings = settings();
+    settings.primary.drive = Drive::Speed;
+    settings.inputs.primary.clamping_force = 14e3;
+    let mut unit = start(&settings);
+    let found = run(&mut unit, &settings, 1e-2, 20.0);
+    settings.equilibrium = true;
+    settings.inputs.secondary.torque = -49.0;
+    let mut other = start(&settings);
+    let direct = *other.readings(false);
+    // The shafts also accelerate: the secondary speed is not yet constant at the start of the second run.
+    assert!(
+        (found.ratio_geometric - direct.ratio_geometric).abs() < 0.02,
+        "{} {}",
+        found.ratio_geometric,
+        direct.ratio_geometric
+    );
+    settings.inputs.primary.clamping_force = 60e3;
+    settings.equilibrium = false;
+    let stop = run(&mut unit, &settings, 1e-2, 5.0);
+    let tables = settings.tables.clone().expect("tables");
+    let [least, _] = Radii::new(&tables.geometry, &settings).expect("radii").stops;
+    assert!((stop.ratio_geometric.ln() - least).abs() < 1e-12);
+    assert!(stop.outside);
+}
+
+#[test]
+fn long_steps_are_accurate() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 16e3;
+    settings.ramp = 0.0;
+    let at = |time: f64| {
+        let mut unit = start(&settings);
+        let mut changed = settings.clone();
+        changed.inputs.primary.torque = 65.0;
+        let found = run(&mut unit, &changed, time, 0.32);
+        [found.primary.speed, found.secondary.speed, found.ratio_geometric]
+    };
+    let exact = at(1.25e-4);
+    let error = |time: f64| {
+        at(time)
+            .iter()
+            .zip(&exact)
+            .map(|(a, b)| ((a - b) / b).abs())
+            .fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (error(1e-2), error(2.5e-3));
+    // The tables are pieces of lines, whose kinks limit the order.
+    assert!(coarse < 1e-5, "{coarse}");
+    assert!(fine < 0.5 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn energy_is_balanced() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 15e3;
+    settings.inputs.primary.torque = 70.0;
+    let mut unit = start(&settings);
+    let begin = unit.readings(false).stored_energy;
+    let (mut supplied, mut lost) = (0.0, 0.0);
+    let mut before = *unit.readings(false);
+    for k in 1..=1000 {
+        step(&mut unit, &settings, 1e-3 * f64::from(k));
+        let now = *unit.readings(false);
+        let power = |one: &Readings| {
+            one.primary.external_torque * one.primary.speed + one.secondary.external_torque * one.secondary.speed
+        };
+        supplied += 0.5e-3 * (power(&before) + power(&now));
+        lost += 0.5e-3 * (before.loss + now.loss);
+        before = now;
+    }
+    let residual = supplied - lost - (before.stored_energy - begin);
+    assert!(lost > 100.0);
+    assert!(residual.abs() < 1e-4 * lost, "{residual} of {lost}");
+}
+
+#[test]
+fn inputs_ramp_jump_or_follow_their_derivative() {
+    let reached = |ramp: f64, rates: bool| {
+        let mut settings = settings();
+        settings.ramp = ramp;
+        let mut unit = start(&settings);
+        let mut changed = settings.clone();
+        let mut communication = CommunicationStep {
+            from: 0.0,
+            to: 0.1,
+            rates: None,
+            progress: (),
+        };
+        if rates {
+            let mut slopes = settings.clone();
+            slopes.inputs = pushbelt_map_unit::settings::Inputs::of_array([0.0; 6]);
+            slopes.inputs.primary.torque = 200.0;
+            communication.rates = Some(slopes);
+        } else {
+            changed.inputs.primary.torque = 70.0;
+        }
+        unit.begin(&mut communication, &changed).expect("a step");
+        unit.advance(&mut communication, &changed, &mut Vec::new())
+            .expect("a step");
+        unit.readings(false).primary.speed
+    };
+    let (jump, short, whole, derivative) = (
+        reached(0.0, false),
+        reached(1e-3, false),
+        reached(-1.0, false),
+        reached(1e-3, true),
+    );
+    assert!(jump > short && short > whole);
+    // 20 N·m more at the end of the step, linearly over all of it.
+    assert!((whole - derivative).abs() < 1e-9, "{whole} {derivative}");
+    assert!((jump - short) / (jump - whole) < 0.05);
+}
+
+#[test]
+fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
+    let mut settings = settings();
+    settings.secondary.axial = Axial::Held;
+    let mut unit = start(&settings);
+    let found = run(&mut unit, &settings, 1e-2, 0.5);
+    assert_eq!(found.ratio_geometric, 1.0);
+    assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);
+    assert!((found.thrust_ratio - 1.35).abs() < 0.05, "{}", found.thrust_ratio);
+    settings.primary.axial = Axial::Held;
+    let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
+    assert!(refused.unwrap_err().contains("both Held"));
+}
+
+#[test]
+fn beyond_the_tables_is_logged_once() {
+    let mut settings = settings();
+    settings.inputs.secondary.clamping_force = 2e5;
+    settings.inputs.primary.clamping_force = 2.7e5;
+    let mut remarks = Vec::new();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut remarks).expect("a start");
+    for k in 1..=3 {
+        let mut step = CommunicationStep {
+            from: unit.time(),
+            to: 0.01 * f64::from(k),
+            rates: None,
+            progress: (),
+        };
+        unit.advance(&mut step, &settings, &mut remarks).expect("a step");
+    }
+    assert_eq!(remarks.len(), 1, "{remarks:?}");
+    assert!(remarks[0].warning && remarks[0].text.contains("200000 N"));
+    assert!(unit.readings(false).outside);
+}
+
+// Stored states
+
+#[test]
+fn a_stored_state_continues_bit_for_bit() {
+    let mut settings = settings();
+    let mut unit = start(&settings);
+    settings.inputs.primary.torque = 65.0;
+    run(&mut unit, &settings, 1e-2, 0.1);
+    let mut tape = Tape::writer();
+    unit.serialize(&mut tape);
+    let bytes = tape.into_bytes();
+    let mut other = MapUnit::blank(&settings, &Experiment::default()).expect("a blank unit");
+    let mut tape = Tape::reader(&bytes);
+    other.serialize(&mut tape);
+    tape.finish().expect("all bytes");
+    let mut clone = unit.clone();
+    settings.inputs.primary.clamping_force = 16e3;
+    let found = run(&mut unit, &settings, 1e-2, 0.3);
+    assert_eq!(run(&mut other, &settings, 1e-2, 0.3), found);
+    assert_eq!(run(&mut clone, &settings, 1e-2, 0.3), found);
+}
+
+// Tables
+
+#[test]
+fn damaged_tables_are_refused() {
+    let text = fs::read_to_string(folder().join(FILE)).expect("the tables");
+    let tables = Tables::of_bytes(text.as_bytes()).expect("tables");
+    let damaged = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        Tables::of_bytes(text.replacen(from, to, 1).as_bytes())
+            .map(drop)
+            .unwrap_err()
+    };
+    assert!(damaged("{", "[").contains("not JSON"));
+    assert!(damaged("pushbelt map unit", "maps").contains("format"));
+    assert!(damaged("\"version\":1", "\"version\":2").contains("version"));
+    assert!(damaged("\"thrustRatio\":", "\"other\":").contains("thrustRatio"));
+    assert!(damaged("\"geometry.beltLength\":0.703", "\"geometry.beltLength\":0.3").contains("geometry"));
+    assert!(
+        damaged(
+            "\"force\":{\"unit\":\"N\",\"values\":[2500.0",
+            "\"force\":{\"unit\":\"N\",\"values\":[9500.0"
+        )
+        .contains("ascend")
+    );
+    let shorter = Tables::of_bytes(&text.as_bytes()[..text.len() / 2]).map(drop);
+    assert!(shorter.unwrap_err().contains("not JSON"));
+    let other = text.replacen("\"pushbelt map unit\"", " \"pushbelt map unit\"", 1);
+    assert_ne!(
+        Tables::of_bytes(other.as_bytes()).expect("the same tables").hash,
+        tables.hash
+    );
+    let missing = Tables::read(Path::new("/no/such/folder")).map(drop).unwrap_err();
+    assert!(missing.contains("maps.json"), "{missing}");
+    assert!(MapUnit::load(None).map(drop).unwrap_err().contains("resources"));
+}
+
+#[test]
+fn the_token_is_that_of_the_tables() {
+    let settings = settings();
+    let with = pushbelt_fmi::fmi2::model_description_with::<MapUnit>(MapUnit::data(&settings).expect("a hash"));
+    let without = pushbelt_fmi::model_description::<MapUnit>();
+    let token = |text: &str| -> u128 {
+        let (_, rest) = text.split_once("guid=\"{").expect("a token");
+        let digits: String = rest
+            .split('}')
+            .next()
+            .unwrap_or_default()
+            .chars()
+            .filter(|c| *c != '-')
+            .collect();
+        u128::from_str_radix(&digits, 16).expect("hexadecimal digits")
+    };
+    let tables: &Arc<Tables> = settings.tables.as_ref().expect("tables");
+    assert_eq!(token(&with) ^ token(&without), tables.hash);
+}
+
+#[test]
+fn settings_are_checked() {
+    let mut settings = settings();
+    let table = MapUnit::table();
+    let friction = table.by_name("friction.pulley").expect("a variable");
+    friction.set(&mut settings, Value::Real(0.3)).expect("within 0 to 1");
+    assert!(
+        MapUnit::check(&settings)
+            .unwrap_err()
+            .contains("tan(geometry.wedgeAngle)")
+    );
+    settings.friction = 0.09;
+    settings.primary.min_radius = 0.08;
+    settings.secondary.min_radius = 0.08;
+    let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
+    assert!(refused.unwrap_err().contains("end stops"));
+}

@@ -1,0 +1,226 @@
+"""Steady states, capacity, traction and shift rates at working points, measured on the FMU: the core of all maps.
+
+A line is a secondary clamping force, a primary speed and a ratio. Along it the torque varies. The shafts' drag is left out, so that
+the primary torque is that of the belt; the secondary bearings have a reference friction, from which their load follows. The belt as a
+whole is at rest, so the contact forces on both pulleys have the same resultant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .data import pitch_radius, slip_torque
+from .shift import TIME_STEP, WINDOW
+from .starts import driven_at_speed, driven_by_slip, driven_by_torque
+from .unit import Archive, UnitError, Variator
+
+REFERENCE_LEVER = 5e-5
+"""Friction coefficient times radius of the secondary bearings, m."""
+DRAG = {
+    "primary.drag.constant": 0.0,
+    "primary.drag.viscous": 0.0,
+    "primary.bearing.friction": 0.0,
+    "secondary.drag.constant": 0.0,
+    "secondary.drag.viscous": 0.0,
+    "secondary.bearing.friction": 1e-3,
+    "secondary.bearing.radius": REFERENCE_LEVER / 1e-3,
+}
+"""Drag of the shafts at all points."""
+FADING_SPEED = 2.0
+"""Speed below which the drag of a shaft fades, rad/s: as in the FMU."""
+LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.spin", "loss.other")
+"""Losses of the belt."""
+OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
+"""Outputs that are recorded at each point, besides the torque loss and the bearing load."""
+POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "macroSlip")
+FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
+"""First slip, factor between slips and largest slip in the search for the capacity."""
+FLAT = 0.01
+"""Relative growth of the utilisation from one slip to the next that counts as none."""
+SHIFT_REACH = 0.05
+"""Largest change of ln i in a shift measurement."""
+STEP_ANGLE = 0.5
+"""Largest angle of the primary pulley in a communication step of a shift measurement, rad."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Secondary clamping force (N), primary speed (rad/s) and geometric ratio."""
+
+    force: float
+    speed: float
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Along:
+    """What is measured on a line."""
+
+    utilisations: Sequence[float]
+    """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
+    shares: Sequence[float]
+    """Slips at which the traction is measured, divided by the slip at capacity, ascending from −1 to 1."""
+    shift_utilisations: Sequence[float]
+    """Utilisations at which shifts are measured."""
+    excesses: Sequence[float]
+    """ln(F_P/(κ F_S)) of the shifts, ascending, without 0."""
+
+
+def capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
+    """Primary torque at utilisation 1, 2 μ r_P F_S/cosβ, N·m, with the pitch radius r_P at a ratio of pitch radii."""
+    angle = parameters["geometry.wedgeAngle"]
+    return slip_torque(parameters["friction.pulley"], angle, force, pitch_radius(parameters, ratio))
+
+
+class Bench:
+    """An instance of the FMU for one point after another. It is replaced after a failed call."""
+
+    def __init__(self, archive: Archive, parameters: Mapping[str, float]) -> None:
+        self.archive = archive
+        self.parameters = {**parameters, **DRAG}
+        self._unit: Variator | None = None
+
+    def close(self) -> None:
+        """Frees the instance."""
+        if self._unit is not None:
+            self._unit.free()
+        self._unit = None
+
+    def start(self, values: Mapping[str, float]) -> Variator:
+        """The instance in the steady state of these start values.
+
+        Raises UnitError with the reason if there is none.
+        """
+        if self._unit is None:
+            self._unit = Variator(self.archive, {})
+        try:
+            self._unit.restart(values)
+            self._unit.initialise()
+        except UnitError:
+            self.close()
+            raise
+        if self._unit.not_steady:
+            raise UnitError(self._unit.not_steady)
+        return self._unit
+
+    def at_torque(self, line: Line, utilisation: float) -> Variator:
+        """The steady state at a utilisation."""
+        torque = utilisation * capacity(self.parameters, line.ratio, line.force)
+        return self.start(driven_by_torque(self.parameters, line.ratio, line.speed, torque, line.force))
+
+    def utilisation_at_slip(self, line: Line, slip: float) -> float:
+        """The utilisation in the steady state at a slip."""
+        unit = self.start(driven_by_slip(self.parameters, line.ratio, line.speed, slip, line.force))
+        return -unit.get("primary.shaftTorque") / capacity(self.parameters, line.ratio, line.force)
+
+
+def point(unit: Variator, ratio: float) -> dict[str, float]:
+    """The recorded values in a steady state."""
+    found = {name: float(unit.get(name)) for name in OUTPUTS}
+    torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
+    speed = unit.get("secondary.speed")
+    found["beltTorqueLoss"] = -torques[0] - torques[1] / ratio
+    found["bearingLoad"] = unit.get("loss.shafts") / (speed * math.tanh(speed / FADING_SPEED) * REFERENCE_LEVER)
+    found["macroSlip"] = float(unit.get("macroSlip"))
+    return found
+
+
+def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
+    """Slip and utilisation at capacity, in the direction of a sign.
+
+    Slips grow by `SLIP_FACTOR` until the utilisation grows by less than `FLAT`; beyond this slip the belt slips through.
+    """
+    slip = FIRST_SLIP
+    found = sign * traction(sign * slip)
+    while slip * SLIP_FACTOR < MOST_SLIP:
+        following = sign * traction(sign * slip * SLIP_FACTOR)
+        if following < (1.0 + FLAT) * found:
+            break
+        slip, found = slip * SLIP_FACTOR, following
+    return sign * slip, sign * found
+
+
+def measure(bench: Bench, line: Line, along: Along) -> dict[str, Any]:
+    """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
+    reasons: dict[str, str] = {}
+
+    def traction(slip: float) -> float:
+        return bench.utilisation_at_slip(line, slip)
+
+    limits = [limit(traction, sign) for sign in (-1.0, 1.0)]
+    points: list[dict[str, float] | None] = []
+    for utilisation in along.utilisations:
+        try:
+            points.append(_within(bench, line, utilisation, [reached for _, reached in limits]))
+        except UnitError as error:
+            points.append(None)
+            reasons[f"{utilisation:g}"] = str(error)
+    return {
+        "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
+        "capacity": [reached for _, reached in limits],
+        "capacitySlip": [slip for slip, _ in limits],
+        "traction": [_traction_at(traction, share, limits) for share in along.shares],
+        "shiftRate": [
+            _shift_rates_or_none(bench, line, utilisation, along.excesses, limits)
+            for utilisation in along.shift_utilisations
+        ],
+        "reasons": reasons,
+    }
+
+
+def _within(bench: Bench, line: Line, utilisation: float, limits: Sequence[float]) -> dict[str, float]:
+    low, high = limits
+    if not low < utilisation < high:
+        raise UnitError(f"beyond the capacity, a utilisation of {(high if utilisation > 0.0 else low):.3f}")
+    return point(bench.at_torque(line, utilisation), line.ratio)
+
+
+def _traction_at(traction: Callable[[float], float], share: float, limits: Sequence[tuple[float, float]]) -> float:
+    (low, least), (high, most) = limits
+    if abs(share) == 1.0:
+        return most if share > 0.0 else least
+    return traction(share * high if share > 0.0 else -share * low)
+
+
+def _shift_rates_or_none(
+    bench: Bench, line: Line, utilisation: float, excesses: Sequence[float], limits: Sequence[tuple[float, float]]
+) -> list[float | None]:
+    try:
+        inside = utilisation if limits[0][1] < utilisation < limits[1][1] else 0.0
+        return list(shift_rates(bench, line, inside, excesses))
+    except UnitError:
+        return [None] * len(excesses)
+
+
+def shift_rates(bench: Bench, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
+    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess.
+
+    The primary speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
+    window of `shift`, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
+    """
+    load = bench.at_torque(line, utilisation).get("secondary.externalTorque")
+    values = driven_at_speed(bench.parameters, line.ratio, line.speed, load, line.force)
+    unit = bench.start(values)
+    holding = unit.get("primary.axialForce")
+    with unit.stored() as restore:
+        rates = []
+        for excess in excesses:
+            restore()
+            unit.set({"primary.clampingForce": holding * math.exp(excess)})
+            rates.append(-_mean_slope(unit, line.speed) / line.speed)
+    return rates
+
+
+def _mean_slope(unit: Variator, speed: float) -> float:
+    """Mean d(ln i)/dt after a jump at a primary speed, 1/s."""
+    begin, step = unit.time, min(TIME_STEP, STEP_ANGLE / speed)
+    logs = [math.log(unit.get("ratio.geometric"))]
+    first, last = (round(moment / step) for moment in WINDOW)
+    while len(logs) <= last and abs(logs[-1] - logs[0]) < SHIFT_REACH:
+        unit.step_to(begin + len(logs) * step)
+        logs.append(math.log(unit.get("ratio.geometric")))
+    start = first if len(logs) > last else (len(logs) - 1) // 2
+    return (logs[-1] - logs[start]) / ((len(logs) - 1 - start) * step)

@@ -1,0 +1,65 @@
+"""The report of the maps: one self-contained HTML file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt.map_data import AXES, TABLES, Maps
+from pushbelt.page import write_html
+
+from . import figures, files
+
+RPM = 30.0 / np.pi
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Number of lines, and their processor time, s."""
+
+    lines: int
+    processor_time: float
+
+
+def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
+    """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
+    path = folder / "report.html"
+    write_html("maps/maps.html.j2", _context(maps, effort, beside), path)
+    return path
+
+
+def _context(maps: Maps, effort: Effort, beside: Maps | None) -> dict[str, Any]:
+    named = [("", maps)] if beside is None else [("A", maps), ("B", beside)]
+    efficiency = maps.masked("efficiency")
+    others = beside.parameters if beside else {}
+    return {
+        "source": maps.source,
+        "identity": maps.identity,
+        "effort": effort,
+        "points": maps.valid.size,
+        "gaps": int((~maps.valid).sum()),
+        "best": float(np.nanmax(efficiency)),
+        "thrust": (float(np.nanmin(maps.masked("thrustRatio"))), float(np.nanmax(maps.masked("thrustRatio")))),
+        "contours": [(shown.title, figures.contours(named, shown)) for shown in figures.QUANTITIES],
+        "lines": figures.lines(maps),
+        "reasons": Counter(_kind(reason) for reason in maps.reasons.values()).most_common(),
+        "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
+        "tables": TABLES,
+        "files": (*files.OWN, "maps.mat", "maps_combitable.txt", "maps_combitable.mat", "maps.csv", "torque_loss.csv"),
+        "differing": [
+            (name, value, others.get(name))
+            for name, value in maps.parameters.items()
+            if beside and others.get(name) != value
+        ],
+        "beside": beside.source if beside else None,
+        "parameters": list(maps.parameters.items()),
+    }
+
+
+def _kind(reason: str) -> str:
+    """A reason without its numbers after the first comma."""
+    return reason.split(",")[0]

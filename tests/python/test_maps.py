@@ -1,0 +1,398 @@
+"""Maps: their parts as pure functions, the maps of a coarse belt on a cluster, their files read by other programs, and the report."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+import re
+from pathlib import Path
+
+import mat4py
+import netCDF4
+import numpy as np
+import pandas
+import pytest
+import reports
+import xarray
+from scipy.io import loadmat, whosmat
+
+from pushbelt.fmu.data import curve_of, pitch_radius
+from pushbelt.fmu.geometry import theta_of
+from pushbelt.fmu.unit import Archive
+from pushbelt.fmu.working_points import Along, Bench, Line, capacity, limit, measure, shift_rates
+from pushbelt.map_data import LOSSES, TABLES, MapError, Maps
+from pushbelt.maps import Grid, Plan, __main__, files, report, run
+from pushbelt.maps.plan import COARSE, stops, variator
+
+MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+PARAMETERS = variator("bench168", changes=MESH)
+GRID = Grid(
+    force=(6e3, 12e3),
+    speed=(100.0, 300.0),
+    ratio=(0.6, 1.0, 1.8),
+    utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1),
+    excess=(-0.4, -0.1, 0.0, 0.1, 0.4),
+)
+"""12 lines; a utilisation of 1.1 is beyond what the belt carries."""
+FIRST = {"force": (6e3,), "speed": (100.0,), "ratio": (1.0,)}
+
+
+@pytest.fixture(scope="module")
+def plan(fmu: Path) -> Plan:
+    return Plan(fmu, PARAMETERS, GRID)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("maps")
+
+
+@pytest.fixture(scope="module")
+def maps(plan: Plan, folder: Path) -> Maps:
+    """The maps of all lines, after a run that was interrupted by losing half of the finished lines."""
+    found, _ = run.solve(plan, folder, workers=2)
+    return found
+
+
+@pytest.fixture(scope="module")
+def written(maps: Maps, folder: Path) -> Path:
+    files.write(maps, folder)
+    return folder
+
+
+# Parts
+
+
+def test_pitch_radii_have_the_ratio_and_close_the_belt() -> None:
+    for ratio in (0.4, 1.0, 2.3):
+        radius = pitch_radius(PARAMETERS, ratio)
+        outer = (ratio * radius + 1e-3) / (radius + 1e-3)
+        assert curve_of(PARAMETERS, theta_of(outer)).primary_radius == pytest.approx(radius + 1e-3, rel=1e-12)
+
+
+def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
+    low, high = stops(plan.full)
+    radii = {ratio: (pitch_radius(PARAMETERS, ratio), ratio * pitch_radius(PARAMETERS, ratio)) for ratio in (low, high)}
+    assert min(0.082 - radii[low][0], radii[low][1] - 0.03) == pytest.approx(0.0, abs=1e-9)
+    assert min(radii[high][0] - 0.03, 0.082 - radii[high][1]) == pytest.approx(0.0, abs=1e-9)
+    default = dataclasses.replace(plan, grid=COARSE)
+    assert len(default.lines) == 84
+    assert low < default.ratios[0] < default.ratios[-1] < high
+
+
+def test_limit_is_where_the_traction_is_flat() -> None:
+    slip, reached = limit(lambda slip: math.tanh(slip / 0.02), 1.0)
+    assert math.tanh(1.4 * slip / 0.02) < 1.01 * reached
+    assert reached > 0.95
+    assert limit(lambda slip: math.tanh(slip / 0.02), -1.0) == (-slip, -reached)
+
+
+def test_gaps_have_the_nearest_value() -> None:
+    nan = math.nan
+    assert run.filled(np.array([[nan, 1.0, nan, nan, 4.0]])).tolist() == [[1.0, 1.0, 1.0, 4.0, 4.0]]
+    with pytest.raises(ValueError, match="no steady state"):
+        run.filled(np.array([[nan, nan]]))
+
+
+def test_shift_rates_are_made_monotone() -> None:
+    excesses = np.array([-0.4, -0.1, 0.0, 0.1, 0.4])
+    rates = run.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
+    assert np.all(np.diff(rates) > 0.0) or rates.tolist() == [[-3.0, -3.0, 0.0, 1.0, 1.0]]
+    assert rates[0, 2] == 0.0
+    assert run.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"force": ()},
+        {"ratio": (1.0, 0.5)},
+        {"speed": (0.0, 10.0)},
+        {"excess": (-0.1, 0.1)},
+        {"slip_share": (-1.0, 0.5)},
+    ],
+)
+def test_grid_refuses(values: dict) -> None:
+    with pytest.raises(ValueError, match=next(iter(values))):
+        Grid(**values)
+
+
+def test_identity_is_that_of_the_results(plan: Plan) -> None:
+    others = [
+        dataclasses.replace(plan, grid=dataclasses.replace(GRID, force=(6e3,))),
+        dataclasses.replace(plan, parameters={**PARAMETERS, "belt.play": 3e-4}),
+    ]
+    assert len({plan.identity, *(other.identity for other in others)}) == 3
+    assert Plan(plan.fmu, dict(reversed(PARAMETERS.items())), GRID).identity == plan.identity
+
+
+# The FMU
+
+
+def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, plan: Plan) -> None:
+    """The primary torque is that of the belt, and the powers of the belt close to the sum of its losses."""
+    bench = Bench(archive, plan.full)
+    line = Line(6e3, 200.0, 1.0)
+    unit = bench.at_torque(line, 0.5)
+    torque = 0.5 * capacity(plan.full, 1.0, 6e3)
+    assert -unit.get("primary.shaftTorque") == pytest.approx(torque, rel=1e-6)
+    assert unit.get("loss.shafts") < 1e-2 * torque * 200.0
+    found = measure(bench, line, Along((0.5, 1.2), (-1.0, 0.0, 1.0), (0.3,), (0.2,)))
+    assert found["points"]["slip"][0] == pytest.approx(unit.get("slip") if unit is None else found["points"]["slip"][0])
+    assert found["points"]["slip"][1] is None
+    assert found["reasons"] == {"1.2": f"beyond the capacity, a utilisation of {found['capacity'][1]:.3f}"}
+    assert found["traction"][0] == found["capacity"][0] < -0.8
+    bench.close()
+
+
+def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
+    """The rate of a small excess agrees with the gain that `fmu.shift` measures."""
+    from pushbelt.fmu.shift import shift
+    from pushbelt.fmu.starts import driven_at_speed
+    from pushbelt.fmu.unit import Variator
+
+    bench, line = Bench(archive, plan.full), Line(12e3, 60.0, 1.2)
+    (rate,) = shift_rates(bench, line, 0.3, (0.1,))
+    load = bench.at_torque(line, 0.3).get("secondary.externalTorque")
+    with Variator(archive, {}) as unit:
+        measured = shift(unit, driven_at_speed(bench.parameters, line.ratio, line.speed, load, line.force), 0.1)
+    bench.close()
+    middle = float(np.interp(0.09, measured.time, measured.speed_ratio))
+    assert rate == pytest.approx(measured.rate / middle / line.speed, rel=0.01)
+
+
+def test_maps_are_complete_and_in_order(maps: Maps) -> None:
+    """Thrust ratios fall with the ratio, slips grow with the torque, losses are positive, gaps are beyond the capacity."""
+    assert maps["thrustRatio"].shape == (2, 2, 3, 6)
+    assert np.all(maps.valid[..., :5])
+    assert not maps.valid[..., 5].any()
+    assert set(np.unique(maps["state"][..., 5])) == {2.0}
+    assert len(maps.reasons) == 12
+    assert all(reason.startswith("beyond the capacity") for reason in maps.reasons.values())
+    assert np.all(np.diff(maps["thrustRatio"][..., 3], axis=2) < 0.0)
+    assert np.all(np.diff(maps["slip"][..., :5], axis=-1) > 0.0)
+    assert np.all(np.sum([maps[name] for name in LOSSES], axis=0) > 0.0)
+    assert np.all(np.diff(maps["traction"], axis=-1) > 0.0)
+    assert np.all(maps["capacity"][..., 0] < -0.5)
+    assert np.all(maps["capacity"][..., 1] > 0.8)
+    assert np.all(np.diff(maps["shiftRate"], axis=-1) >= 0.0)
+    assert np.all(maps["shiftGain"] > 0.0)
+    middle = maps["efficiency"][..., 4]
+    assert np.all((middle > 0.8) & (middle < 1.0))
+
+
+def test_losses_of_the_maps_close(maps: Maps) -> None:
+    """Torque loss and slip make up the sum of the belt's losses."""
+    speed = maps.axes["speed"][None, :, None, None] / (1.0 - maps["slip"])
+    by_torque = speed * (maps["slip"] * maps["primaryTorque"] + (1.0 - maps["slip"]) * maps["beltTorqueLoss"])
+    by_law = np.sum([maps[name] for name in LOSSES], axis=0)
+    # Without load the driving power is small: the error is relative to the power at a utilisation of 0.3 there.
+    power = np.abs(maps["primaryTorque"] * speed)
+    power = np.maximum(power, power[..., 3:4])
+    assert np.max(np.abs(by_torque - by_law)[maps.valid] / power[maps.valid]) < 2e-3
+    # Into the primary shaft, less what leaves the secondary one.
+    torque = maps["primaryTorque"] + maps["torqueLoss"] - maps["beltTorqueLoss"]
+    assert np.all(torque[maps.valid] > maps["primaryTorque"][maps.valid])
+    assert np.all(maps["lossShafts"][maps.valid] > 0.0)
+
+
+def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, maps: Maps) -> None:
+    """`loss.shafts` and `efficiency` of the FMU with its own drag, at the torque of a point."""
+    from pushbelt.fmu.starts import driven_by_torque
+    from pushbelt.fmu.unit import Variator
+
+    place = (1, 1, 2, 3)
+    torque = maps["primaryTorque"][place]
+    with Variator(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+        unit.initialise()
+        drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
+        unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))
+        unit.initialise()
+        found = unit.outputs()
+    assert -found["primary.shaftTorque"] == pytest.approx(torque, rel=1e-3)
+    assert maps["lossShafts"][place] == pytest.approx(found["loss.shafts"], rel=2e-3)
+    assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
+    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
+    assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
+
+
+def test_traction_is_the_inverse_of_the_slip(maps: Maps) -> None:
+    """Starts at a torque and starts at a slip give the same curve."""
+    from scipy.interpolate import PchipInterpolator
+
+    share = maps.axes["slipShare"]
+    for place in np.ndindex(2, 2, 3):
+        low, high = maps["capacitySlip"][place]
+        curve = PchipInterpolator(np.where(share < 0.0, -share * low, share * high), maps["traction"][place])
+        # Between the slips of the coarse axis the cubic is an approximation.
+        assert curve(maps["slip"][place][1:5]) == pytest.approx(maps.axes["utilisation"][1:5], abs=0.05)
+
+
+def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> None:
+    store = run.Store(folder, plan)
+    assert len(store.rows()) == 12
+    (store.folder / "3.json").unlink()
+    (store.folder / "4.json").write_text("{", encoding="utf-8")
+    seen: list[run.Progress] = []
+    again, _ = run.solve(plan, folder, workers=1, progress=seen.append)
+    assert (seen[0].done, seen[-1].done, seen[-1].failed) == (10, 12, 0)
+    for name in TABLES:
+        np.testing.assert_allclose(again[name], maps[name], rtol=1e-9, atol=1e-12)
+
+
+def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
+    rows = run.Store(folder, plan).rows()
+    rows[4] = {"line": 4, "reason": "no belt", "time": 0.1}
+    found = run.collect(plan, rows)
+    f, s, r = np.unravel_index(4, (2, 2, 3))
+    assert found["thrustRatio"][f, s, r].tolist() in (
+        maps["thrustRatio"][f, s, r - 1].tolist(),
+        maps["thrustRatio"][f, s, r + 1].tolist(),
+    )
+    assert set(found["state"][f, s, r]) == {3.0}
+    assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
+    with pytest.raises(ValueError, match="no belt"):
+        run.collect(plan, {4: rows[4]})
+
+
+# Files
+
+
+@pytest.mark.parametrize("name", files.OWN)
+def test_files_are_read_back(maps: Maps, written: Path, name: str) -> None:
+    found = Maps.read(written / name)
+    assert found.identity == maps.identity
+    assert (found.source, found.reasons, found.parameters) == (maps.source, maps.reasons, maps.parameters)
+
+
+@pytest.mark.parametrize("name", files.OWN)
+def test_damaged_files_are_refused(written: Path, tmp_path: Path, name: str) -> None:
+    content = (written / name).read_bytes()
+    for k, damaged in enumerate((content[: len(content) // 2], b"", b"{}", b"\x89" + content[1:])):
+        path = tmp_path / f"{k}-{name}"
+        path.write_bytes(damaged)
+        with pytest.raises(MapError, match=str(path.name)):
+            Maps.read(path)
+    with pytest.raises(OSError, match="none"):
+        Maps.read(tmp_path / f"none-{name}")
+
+
+def test_maps_that_are_not_finite_are_refused(maps: Maps) -> None:
+    document = maps.document()
+    document["tables"]["slip"]["values"][0][0][0][0] = math.nan
+    with pytest.raises(MapError, match="slip"):
+        Maps.of_document(document)
+
+
+def test_netcdf_is_read_by_the_netcdf_library(maps: Maps, written: Path) -> None:
+    with netCDF4.Dataset(written / "maps.nc") as file:
+        assert file.data_model == "NETCDF3_64BIT_OFFSET"
+        variable = file["thrustRatio"]
+        assert variable.dimensions == ("force", "speed", "ratio", "utilisation")
+        assert (variable.units, file["beltTorqueLoss"].units, file["ratio"].units) == ("1", "N.m", "1")
+        assert np.array_equal(variable[:], maps["thrustRatio"])
+        assert json.loads(file.parameters) == maps.parameters
+        assert file["state"].flag_meanings.split()[2] == "beyond_capacity"
+
+
+def test_netcdf_is_read_by_xarray(maps: Maps, written: Path) -> None:
+    with xarray.open_dataset(written / "maps.nc", engine="netcdf4") as data:
+        at = data.sel(force=6e3, speed=300.0, ratio=1.0, utilisation=0.3)
+        assert float(at.slip) == maps["slip"][0, 1, 1, 3]
+        assert float(data.slip.where(data.valid == 1.0).max()) == np.nanmax(maps.masked("slip"))
+
+
+def test_matlab_file_is_read_by_two_programs(maps: Maps, written: Path) -> None:
+    names = {name for name, _, _ in whosmat(written / "maps.mat")}
+    assert max(map(len, names)) <= 31
+    found = loadmat(written / "maps.mat")
+    assert np.array_equal(found["tbl_thrustRatio"], maps["thrustRatio"].transpose(2, 3, 1, 0))
+    assert found["bp_ratio"].ravel().tolist() == maps.axes["ratio"].tolist()
+    assert found["tbl_shiftGain"].shape == (3, 2, 2, 2)
+    assert [row[1][0] for row in found["names"] if row[0][0] == "tbl_slip"] == ["ratio,utilisation,speed,force"]
+    # mat4py reads arrays of up to two dimensions.
+    other = tmp = written / "two.mat"
+    from scipy.io import savemat
+
+    savemat(tmp, {name: found[name] for name in names if name.startswith("bp_")})
+    assert mat4py.loadmat(str(other))["bp_utilisation"] == pytest.approx(maps.axes["utilisation"].tolist())
+
+
+def test_modelica_tables_are_read(maps: Maps, written: Path) -> None:
+    """CombiTable2D: text with the line #1, and MAT v4. Row and column 0 have the values of the inputs."""
+    found = loadmat(written / "maps_combitable.mat")
+    table = found["thrustRatio_f2_s1"]
+    assert table[0, 1:].tolist() == maps.axes["utilisation"].tolist()
+    assert table[1:, 0].tolist() == maps.axes["ratio"].tolist()
+    assert np.array_equal(table[1:, 1:], maps["thrustRatio"][1, 0])
+    assert found["forces"].tolist() == [[6e3, 12e3]]
+    # A matrix of MAT v4 begins with its type, 0 for doubles in little endian.
+    assert (written / "maps_combitable.mat").read_bytes()[:4] == b"\0\0\0\0"
+    text = (written / "maps_combitable.txt").read_text(encoding="ascii")
+    assert text.startswith("#1\n")
+    blocks = re.findall(r"double (\w+)\((\d+),(\d+)\)\n((?:[-\d][^\n]*\n)+)", text)
+    assert {name for name, *_ in blocks} == {name for name in found if not name.startswith("__")}
+    for name, rows, columns, body in blocks:
+        values = np.array([line.split() for line in body.splitlines()], dtype=float)
+        assert values.shape == (int(rows), int(columns))
+        assert np.array_equal(values, found[name])
+
+
+def test_csv_files_are_read_by_pandas(maps: Maps, written: Path) -> None:
+    table = pandas.read_csv(written / "maps.csv", skiprows=[1])
+    assert len(table) == maps.valid.size
+    assert table.thrustRatio.tolist() == maps["thrustRatio"].ravel().tolist()
+    assert table.reason.notna().sum() == len(maps.reasons)
+    loss = pandas.read_csv(written / "torque_loss.csv")
+    assert len(loss) == maps.valid.sum()
+    assert np.allclose(loss.torque_loss_Nm, maps["torqueLoss"][maps.valid], rtol=1e-8)
+    assert loss.speed_rpm.max() == pytest.approx(300.0 * 30.0 / math.pi)
+    with (written / "maps.csv").open(encoding="utf-8", newline="") as file:
+        assert next(csv.reader(file))[:4] == ["force", "speed", "ratio", "utilisation"]
+
+
+# Program and report
+
+
+def test_the_program_writes_what_it_names(
+    fmu: Path, maps: Maps, written: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "out"
+    words = [
+        "--force",
+        "6000",
+        "--speed",
+        "100",
+        "--ratio",
+        "0.8,1.2",
+        "--utilisation=-0.3,0,0.3,0.6",
+        "--workers",
+        "1",
+    ]
+    words += [f"--set={name}={value}" for name, value in MESH.items()] + ["--beside", str(written / "maps.nc")]
+    assert __main__.main(["--fmu", str(fmu), "--output", str(output), *words]) == 0
+    printed = [Path(line.split(" (")[0]) for line in capsys.readouterr().out.splitlines()]
+    assert len(printed) == 9
+    assert all(path.is_file() for path in printed)
+    text = reports.stands_alone(output / "report.html")
+    assert "side by side" in text
+    assert reports.figures(text) == 4 * 2 + 3
+    assert not list((output / "lines").rglob("*.partial"))
+
+
+def test_the_program_says_why_it_failed(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--fmu", str(fmu), "--output", str(tmp_path)]
+    assert __main__.main([*words, "--speed", "0"]) == 1
+    assert "speed must be positive" in capsys.readouterr().err
+    assert __main__.main([*words, "--set", "belt.colour=1"]) == 1
+    assert "belt.colour" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_report_can_be_used(maps: Maps, tmp_path: Path) -> None:
+    path = report.write(maps, tmp_path, report.Effort(12, 10.0))
+    text = reports.stands_alone(path)
+    assert reports.figures(text) == 4 * 4 + 3
+    reports.look_at(path)
