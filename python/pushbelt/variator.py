@@ -80,14 +80,14 @@ class Point(NamedTuple):
 
 
 def _check(point: Point) -> None:
-    """Raises ValueError if a number of a point is not usable."""
+    """Raises StartValueError if a number of a point is not usable."""
     for name, value in point._asdict().items():
         if not math.isfinite(value):
-            raise ValueError(f"{name} = {value!r} is not finite")
+            raise StartValueError(f"{name} = {value!r} is not finite")
     if point.ratio <= 0.0:
-        raise ValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
+        raise StartValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
     if point.force < 0.0:
-        raise ValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+        raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
 
 
 def _table(inputs: pandas.DataFrame) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:

@@ -310,7 +310,7 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
         (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
         (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"),
         (["own.zip"], "does not end in .fmu"),
-        (["own.fmu", "--variator", "none"], "none.json"),
+        (["own.fmu", "--variator", "none"], "no variator 'none'; there are belt155, bench168"),
         (["none/own.fmu"], "none/own.fmu"),
     ],
 )
