@@ -224,7 +224,9 @@ def show_docs(options: argparse.Namespace) -> int:
     """`pushbelt docs`."""
     from .fmu.files import DOCS
 
-    pages = sorted(path.stem for path in DOCS.glob("*.md"))
+    # Pages that consist of a file of the source tree are left out.
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
+    pages = sorted(name for name, text in texts.items() if "{{#include ../" not in text and name != "SUMMARY")
     if options.page is None:
         print(f"{DOCS}: {', '.join(pages)}\n`pushbelt docs PAGE` prints a page.")
         return 0
@@ -234,7 +236,7 @@ def show_docs(options: argparse.Namespace) -> int:
         raise ValueError(
             f"no page {name}; " + (f"similar names: {', '.join(near)}" if near else f"there are {', '.join(pages)}")
         )
-    print((DOCS / f"{name}.md").read_text(encoding="utf-8"))
+    print(texts[name])
     return 0
 
 

@@ -235,3 +235,13 @@ def test_the_pages_travel_in_the_wheel() -> None:
     packed = (ROOT / "fmu-build" / "src" / "commands" / "wheel.rs").read_text(encoding="utf-8")
     assert 'copy_tree(&root.join("docs"), &data.join("docs"))' in packed
     assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
+
+
+def test_the_first_program_of_the_introduction(
+    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    page = (ROOT / "docs" / "introduction.md").read_text(encoding="utf-8").split("## From Python")[1]
+    program, printed = re.search(r"```python\n(.*?)```\n\nprints `(.*?)`\.", page, re.DOTALL).groups()
+    exec(compile(program, "introduction.md", "exec"), {})
+    assert capsys.readouterr().out == f"{printed}\n"
