@@ -7,6 +7,7 @@ import argparse
 import difflib
 import importlib
 import sys
+import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -63,7 +64,9 @@ def parser() -> argparse.ArgumentParser:
     cache.add_argument("--clear", action="store_true", help="remove them")
     text = "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range"
     variables = commands.add_parser("variables", help=text, description=f"{text.capitalize().replace('fmu', 'FMU')}.")
-    variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
+    variables.add_argument(
+        "words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words"
+    )
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
     text = "show the pages of the documentation, or one of them"
@@ -94,25 +97,37 @@ def run_program(name: str, arguments: list[str]) -> int:
     """Runs a program. By default it uses the FMU of the package and a separate output folder."""
     from .fmu.files import default_fmu
 
-    extra = PROGRAMS[name][1]
+    extra, help_only = PROGRAMS[name][1], bool({"-h", "--help"}.intersection(arguments))
     try:
-        if not any(word == "--fmu" or word.startswith("--fmu=") for word in arguments):
+        if not help_only and not any(word == "--fmu" or word.startswith("--fmu=") for word in arguments):
             arguments = ["--fmu", str(default_fmu()), *arguments]
         program = importlib.import_module(f"{__package__}.{name}.__main__")
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
             return program.main(["--output", f"pushbelt-{name}", *arguments])
-    except FileNotFoundError as error:
-        print(f"pushbelt {name}: {error}", file=sys.stderr)
     except ModuleNotFoundError as error:
-        if {"-h", "--help"}.intersection(arguments):
+        if help_only:
             from .help_without_extras import show
 
             show(lambda: importlib.import_module(f"{__package__}.{name}.__main__").main(["--help"]))
             print(f"\nnot installed: {error.name}. pip install 'pushbelt[{extra}]'")
             return 0
         print(f"pushbelt {name} needs the package {error.name}: pip install 'pushbelt[{extra}]'", file=sys.stderr)
+    except (OSError, ValueError, RuntimeError, KeyError) as error:
+        if not (isinstance(error, OSError) or raised_here(error)):
+            raise
+        print(f"pushbelt {name}: {error.args[0] if isinstance(error, KeyError) else error}", file=sys.stderr)
     return 1
+
+
+def raised_here(error: BaseException) -> bool:
+    """Whether a statement of this package raised an error, so that its message is complete without a traceback."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return (
+        bool(frames)
+        and Path(__file__).parent in Path(frames[-1].filename).parents
+        and bool(frames[-1].line and frames[-1].line.startswith("raise"))
+    )
 
 
 def write_fmu(options: argparse.Namespace) -> int:
@@ -178,7 +193,9 @@ def show_variables(options: argparse.Namespace) -> int:
     if not found:
         near = difflib.get_close_matches(" ".join(options.words), [one.name for one in variables], n=3)
         hint = f"; similar names: {', '.join(near)}" if near else ""
-        raise ValueError(f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{hint}")
+        raise ValueError(
+            f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{hint}"
+        )
     for one in found:
         unit = "" if one.unit in (None, "1") else f" {one.unit}"
         parts = [one.causality]
@@ -186,10 +203,15 @@ def show_variables(options: argparse.Namespace) -> int:
             parts.append(f"start {_item_name(one, one.start)}{unit}")
         if one.min is not None and one.max is not None and one.type in ("Real", "Integer"):
             parts.append(f"range {float(one.min):g} to {float(one.max):g}{unit}")
+        elif one.type == "Enumeration":
+            parts.append(f"one of {', '.join(item.name for item in one.declaredType.items)}")
         elif unit:
             parts.append(unit.strip())
         print(f"{one.name}\n    {', '.join(parts)}\n    {one.description}")
-    print(f"{len(found)} of {len(variables)} variables" + ("" if "profile." in " ".join(words) else "; `pushbelt variables profile.` lists the fields"))
+    print(
+        f"{len(found)} of {len(variables)} variables"
+        + ("" if "profile." in " ".join(words) else "; `pushbelt variables profile.` lists the fields")
+    )
     return 0
 
 
@@ -204,15 +226,19 @@ def show_docs(options: argparse.Namespace) -> int:
     """`pushbelt docs`."""
     from .fmu.files import DOCS
 
-    pages = sorted(path.stem for path in DOCS.glob("*.md"))
+    # Pages that consist of a file of the source tree are left out.
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
+    pages = sorted(name for name, text in texts.items() if "{{#include ../" not in text and name != "SUMMARY")
     if options.page is None:
         print(f"{DOCS}: {', '.join(pages)}\n`pushbelt docs PAGE` prints a page.")
         return 0
     name = options.page.removesuffix(".md")
     if name not in pages:
         near = difflib.get_close_matches(name, pages, n=3)
-        raise ValueError(f"no page {name}; " + (f"similar names: {', '.join(near)}" if near else f"there are {', '.join(pages)}"))
-    print((DOCS / f"{name}.md").read_text(encoding="utf-8"))
+        raise ValueError(
+            f"no page {name}; " + (f"similar names: {', '.join(near)}" if near else f"there are {', '.join(pages)}")
+        )
+    print(texts[name])
     return 0
 
 

@@ -16,7 +16,7 @@ from unittest.mock import MagicMock
 
 PACKAGES = frozenset(
     {
-        "cloudpickle", "control", "dask", "distributed", "jinja2", "markupsafe", "matplotlib", "openpyxl", "pandas", "plotly",
+        "cloudpickle", "control", "dask", "dask_jobqueue", "distributed", "jinja2", "markupsafe", "matplotlib", "openpyxl", "pandas", "plotly",
         "pyarrow", "rainflow", "scipy", "tqdm", "xarray",
     }
 )  # fmt: skip

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import linear_physical
-
 if TYPE_CHECKING:
     import control
 
 Array = NDArray[np.float64]
+LOG_RATIO = "ln(ratio.geometric)"
+"""Name of the state ln i."""
 
 
 class LinearPointError(RuntimeError):
@@ -125,13 +125,6 @@ class LinearModel:
             **{name: matrix.tolist() for name, matrix in discrete.items()},
         }
 
-    def physical(self) -> LinearModel:
-        """The model in the coordinates x = (ω_P, ω_S, ln i), without those that are held: its matrices can be interpolated over points.
-
-        Raises NotPhysicalError if the model has too few modes, or if the coordinates do not determine them (condition number above 1e6).
-        """
-        return linear_physical.physical(self) if self.coordinates == "modal" else self
-
     def sampled(self, sample_time: float) -> LinearModel:
         """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
         if not (np.isfinite(sample_time) and sample_time > 0.0):
@@ -146,8 +139,17 @@ class LinearModel:
         """
         if self.sample_time is None:
             raise ValueError("the model has no sample time: use sample_time= or sampled()")
-        a, b = linear_physical.discrete(self.a, self.b, self.sample_time)
-        return a, b, self.c, self.d
+        try:
+            from scipy.linalg import expm
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(
+                "matrices in discrete time need scipy: pip install 'pushbelt[control]'", name=error.name
+            ) from error
+        n, k = self.b.shape
+        whole = np.zeros((n + k, n + k))
+        whole[:n, :n], whole[:n, n:] = self.a, self.b
+        grown = expm(self.sample_time * whole)
+        return grown[:n, :n], grown[:n, n:], self.c, self.d
 
     @property
     def ad(self) -> Array:

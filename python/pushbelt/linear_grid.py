@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from . import linear_interpolation
 from .fmu.results import dataframe
-from .linear import Array, LinearModel
-from .linear_physical import LOG_RATIO
+from .linear import LOG_RATIO, Array, LinearModel
 
 if TYPE_CHECKING:
     import pandas
@@ -75,7 +74,9 @@ class LinearGrid:
         return linear_interpolation.interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
-        axes = ", ".join(f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items())
+        axes = ", ".join(
+            f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items()
+        )
         count = sum(model is not None for model in self.models.flat)
         return f"<LinearGrid: {axes or 'one point'}; {count} of {self.models.size} points have a model>"
 
@@ -178,7 +179,8 @@ def _npz(grid: LinearGrid, path: Path) -> None:
     if first.sample_time is not None:
         shapes = {"Ad": (n, n), "Bd": (n, k), "Cd": (m, n), "Dd": (m, k)}
         discrete = {
-            name: filled(lambda one, at=at: one.discrete()[at], *shape) for at, (name, shape) in enumerate(shapes.items())
+            name: filled(lambda one, at=at: one.discrete()[at], *shape)
+            for at, (name, shape) in enumerate(shapes.items())
         }
     np.savez_compressed(
         path,
@@ -232,7 +234,9 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 def _structure(model: LinearModel) -> dict[str, Any]:
     discrete = {}
     if model.sample_time is not None:
-        discrete = dict(zip(("Ad", "Bd", "Cd", "Dd"), model.discrete(), strict=True)) | {"sampleTime": model.sample_time}
+        discrete = dict(zip(("Ad", "Bd", "Cd", "Dd"), model.discrete(), strict=True)) | {
+            "sampleTime": model.sample_time
+        }
     return {
         **discrete,
         "coordinates": model.coordinates,

@@ -1,4 +1,4 @@
-"""A linear model in physical coordinates, x = (ω_P, ω_S, ln i), and its discrete-time matrices.
+"""A linear model in physical coordinates, x = (ω_P, ω_S, ln i).
 
 Modal coordinates have no common scale or sign from point to point, so their matrices cannot be interpolated. The coordinates here can.
 With the outputs z = C_z ξ of the n slowest modes ξ, x = C_z ξ is a similarity transform: A, B and C of the point become
@@ -14,20 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .linear import LinearModel
-
-Array = NDArray[np.float64]
+from .linear import LOG_RATIO, Array, LinearModel
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
 RATIO = "ratio.geometric"
-LOG_RATIO = "ln(ratio.geometric)"
 FORCES = ("primary.clampingForce", "secondary.clampingForce")
 """Inputs without one of which the ratio is held."""
 WORST = 1e6
@@ -88,7 +83,9 @@ def physical(model: LinearModel) -> LinearModel:
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
     units = {**model.units, **{name: model.units.get(name, "1") for name in names}}
-    return replace(model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical")
+    return replace(
+        model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
+    )
 
 
 def sorted_poles(a: Array) -> NDArray[np.complex128]:
@@ -140,21 +137,6 @@ def _condition(rows: Array) -> float:
     """Condition number with columns of unit length, because the length of a mode is arbitrary."""
     lengths = np.linalg.norm(rows, axis=0)
     return float(np.linalg.cond(rows / np.where(lengths > 0.0, lengths, 1.0)))
-
-
-def discrete(a: Array, b: Array, sample_time: float) -> tuple[Array, Array]:
-    """A and B in discrete time, x[k+1] = A_d x[k] + B_d u[k], for inputs that are constant over each sample time (s)."""
-    try:
-        from scipy.linalg import expm
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
-            "matrices in discrete time need scipy: pip install 'pushbelt[control]'", name=error.name
-        ) from error
-    n, k = b.shape
-    whole = np.zeros((n + k, n + k))
-    whole[:n, :n], whole[:n, n:] = a, b
-    grown = expm(sample_time * whole)
-    return grown[:n, :n], grown[:n, n:]
 
 
 def with_enough_modes(linearise: Callable[[float], LinearModel], frequency: float) -> LinearModel:

@@ -6,7 +6,7 @@ import math
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from .fmu import cache, capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, curve_of, parameter_set, torque_capacity
-from .fmu.enumerations import Axial, Drive
+from .fmu.enumerations import Axial, Drive, RingModel
 from .fmu.files import default_fmu
 from .fmu.geometry import theta_of
-from .fmu.results import Profile, SteadyState
+from .fmu.results import Profile, SteadyState, dataframe, item
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.starts import driven_by_torque
 from .fmu.unit import UnitError
@@ -29,6 +29,7 @@ from .linear_grid import LinearGrid
 from .linear_physical import NotPhysicalError, with_enough_modes
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 SPEED = 200.0
@@ -79,14 +80,41 @@ class Point(NamedTuple):
 
 
 def _check(point: Point) -> None:
-    """Raises ValueError if a number of a point is not usable."""
+    """Raises StartValueError if a number of a point is not usable."""
     for name, value in point._asdict().items():
         if not math.isfinite(value):
-            raise ValueError(f"{name} = {value!r} is not finite")
+            raise StartValueError(f"{name} = {value!r} is not finite")
     if point.ratio <= 0.0:
-        raise ValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
+        raise StartValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
     if point.force < 0.0:
-        raise ValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+        raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+
+
+def _table(inputs: pandas.DataFrame) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    """Times and columns of a table of inputs. Raises ValueError if it is not usable."""
+    if not hasattr(inputs, "columns") or not hasattr(inputs, "index"):
+        raise ValueError(f"inputs are a pandas.DataFrame over time, not {type(inputs).__name__}")
+    columns = {str(name): inputs[name].to_numpy() for name in inputs.columns}
+    times = columns.pop("time", inputs.index.to_numpy())
+    try:
+        times = np.asarray(times, dtype=float)
+        columns = {name: np.asarray(values, dtype=float) for name, values in columns.items()}
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"time and inputs must be numbers: {error}") from error
+    if len(times) < 2:
+        raise ValueError(
+            f"the table of inputs has {len(times)} rows: at least 2 are needed, for the begin and the end of the run"
+        )
+    if not np.isfinite(times).all() or not (np.diff(times) > 0.0).all():
+        raise ValueError("the times of the inputs must be finite and must ascend")
+    return times, columns
+
+
+def _steps(times: NDArray[np.float64], step: float) -> Iterator[float]:
+    """Ends of steps of at most `step`, s, between the rows of a table."""
+    for begin, end in zip(times[:-1], times[1:], strict=True):
+        count = max(1, math.ceil((end - begin) / step - 1e-9))
+        yield from (float(begin + (end - begin) * (k + 1) / count) for k in range(count))
 
 
 def _model(solver: calls.Variator, frequency: float, states: str, sample_time: float | None) -> LinearModel:
@@ -137,6 +165,13 @@ class Variator:
         that cannot be read.
         """
         self._unit = self._solver = None
+        self._name = (
+            parameters
+            if isinstance(parameters, str)
+            else "own values"
+            if isinstance(parameters, Mapping)
+            else os.fspath(parameters)
+        )
         self._archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
         self.variables: Mapping[str, Any] = {v.name: v for v in self._archive.description.modelVariables}
         """The FMU's variables by name: each has `description`, `unit`, `min`, `max`, `start`, `causality`."""
@@ -157,6 +192,11 @@ class Variator:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        ring = RingModel(int(self._values["ring.model"])).name
+        state = "closed" if self._unit is None else f"at {self._unit.time:g} s" if self._rows else "not started"
+        return f"<Variator {self._name}: ring {ring}, {state}, {len(self._rows)} rows of outputs>"
 
     def close(self) -> None:
         """Frees the instance. Recorded outputs can still be read."""
@@ -240,8 +280,7 @@ class Variator:
         """Present value of a variable; `variables` has its unit."""
         if name in self._values:
             return self._values[name]
-        if name not in self.variables:
-            raise KeyError(f"the FMU has no variable {name}")
+        item(self.variables, name, "FMU", "variable")
         self.start()
         return self._open.get(name)
 
@@ -260,6 +299,45 @@ class Variator:
         names = ["time", *self._recorded.names, "macroSlip"]
         rows = np.array(self._rows) if self._rows else np.empty((0, len(names)))
         return unstructured_to_structured(rows, dtype=np.dtype([(name, float) for name in names]))
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """`outputs` as a table over `time` (s). Needs `pushbelt[maps]`."""
+        return dataframe(self.outputs).set_index("time")
+
+    def simulate(
+        self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None
+    ) -> pandas.DataFrame:
+        """Runs the variator with a table of inputs over time and returns a table of the outputs. Needs `pushbelt[maps]`.
+
+        The index of `inputs`, or its column `time`, is time in s; the other columns are inputs and tunable parameters by name, linear
+        between the rows. The run goes from the first time to the last, in steps of at most `step`, s, which end at each row. Each step has the
+        inputs of its end, reached within `inputs.ramp` as in `step`. A new variator starts with the first row. An earlier run is continued: the first time is then the present one. By default all
+        outputs are returned.
+
+        Raises ValueError for a table that is not usable, StartValueError for a wrong name or value.
+        """
+        times, columns = _table(inputs)
+        if not (math.isfinite(step) and step > 0.0):
+            raise ValueError(f"step = {step!r} s is not a number above 0")
+        if self._rows and abs(times[0] - self.time) > 1e-9:
+            raise ValueError(f"the first time of the inputs is {times[0]:g} s, but the run is at {self.time:g} s")
+        wanted = None if outputs is None else [item(self._columns, name, "run") for name in outputs]
+        for k in range(len(times)):
+            checked(self.variables, {name: values[k] for name, values in columns.items()})
+        self.set({name: values[0] for name, values in columns.items()})
+        self.start()
+        first, begin = len(self._rows) - 1, self.time
+        for at in _steps(times, step):
+            values = {name: float(np.interp(at, times, column)) for name, column in columns.items()}
+            self.step(begin + at - times[0] - self.time, values)
+        found = dataframe(self.outputs[first:])
+        found["time"] = found["time"] - begin + times[0]
+        found = found.set_index("time")
+        return found if wanted is None else found[wanted]
+
+    @property
+    def _columns(self) -> dict[str, str]:
+        return {name: name for name in (*self._recorded.names, "macroSlip")}
 
     @property
     def _open(self) -> calls.Variator:
@@ -360,7 +438,13 @@ class Variator:
         return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
 
     def _least_force(
-        self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
+        self,
+        values: Values,
+        ratio: float,
+        torque: float,
+        speed: float,
+        safety: float,
+        thrust_ratio: float | None = None,
     ) -> float:
         """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
         _check(Point(ratio, torque, speed, 0.0))

@@ -92,7 +92,9 @@ def test_inputs_of_a_step_give_a_warning(fmu: Path) -> None:
 
 
 def test_a_speed_in_rpm_gives_a_warning(belt: Variator) -> None:
-    with pytest.warns(VariatorWarning, match=r"belt speed of \d+ m/s, above 60 m/s. Is the speed in rpm\? 3000 rpm are 314.2"):
+    with pytest.warns(
+        VariatorWarning, match=r"belt speed of \d+ m/s, above 60 m/s. Is the speed in rpm\? 3000 rpm are 314.2"
+    ):
         belt.steady(1.1, 20.0, speed=3000.0, force=9e3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -108,7 +108,10 @@ def test_a_pair_becomes_a_lag() -> None:
     ("inputs", "states"),
     [
         (ALL, ("primary.speed", "secondary.speed", LOG_RATIO)),
-        (("primary.torque", "primary.clampingForce", "secondary.speedSetpoint", "secondary.clampingForce"), ("primary.speed", LOG_RATIO)),
+        (
+            ("primary.torque", "primary.clampingForce", "secondary.speedSetpoint", "secondary.clampingForce"),
+            ("primary.speed", LOG_RATIO),
+        ),
         (("primary.torque", "secondary.torque", "secondary.clampingForce"), ("primary.speed", "secondary.speed")),
         (("primary.speedSetpoint", "secondary.speedSetpoint", *ALL[1::2]), (LOG_RATIO,)),
     ],
@@ -121,7 +124,9 @@ def test_coordinates_that_are_held_drop_out(inputs: tuple[str, ...], states: tup
 def test_what_has_no_physical_coordinates_is_refused() -> None:
     with pytest.raises(NotPhysicalError, match="both speeds and the ratio are held"):
         physical(invented([-0.3], ("primary.speedSetpoint", "secondary.speedSetpoint")))
-    with pytest.raises(NotPhysicalError, match=r"2 modes are below 200 Hz, but 3 are needed for primary.speed, secondary.speed, ln"):
+    with pytest.raises(
+        NotPhysicalError, match=r"2 modes are below 200 Hz, but 3 are needed for primary.speed, secondary.speed, ln"
+    ):
         physical(invented([-0.3, -2.0]))
     model = invented([-0.3, -2.0, -140.0])
     nearly = model.c.copy()

@@ -12,9 +12,20 @@ from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.unit import UnitError
 
 from . import report, runs, simulate
+from .cycle import CycleMissingError, wltc_class_3b
 
 FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
 SHORT = {"wltc": runs.SHORT, "nedc": runs.SHORT_NEDC}
+
+
+def default_cycle() -> str:
+    """`wltc`, or `nedc` with a message if the table of the WLTC is not installed."""
+    try:
+        wltc_class_3b()
+    except CycleMissingError as error:
+        print(f"  the NEDC is driven, not the WLTC: {error}", file=sys.stderr)
+        return "nedc"
+    return "wltc"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -23,7 +34,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
     parser.add_argument("--short", action="store_true", help="simulate 30 s of the cycle and 10 s of close-up")
-    parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle")
+    parser.add_argument(
+        "--cycle", choices=list(FULL), help="which cycle [default: wltc, or nedc without the package wltp that contains the WLTC]"
+    )
     parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
     parser.add_argument(
         "--ring",
@@ -42,6 +55,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
+    if options.cycle is None:
+        options.cycle = default_cycle()
     plan = dataclasses.replace(
         (SHORT if options.short else FULL)[options.cycle],
         ring=options.ring,

@@ -18,19 +18,19 @@ def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) 
     try:
         import pandas
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
-            "tables need pandas: pip install 'pushbelt[maps]'", name=error.name
-        ) from error
+        raise ModuleNotFoundError("tables need pandas: pip install 'pushbelt[maps]'", name=error.name) from error
     return pandas.DataFrame(content)
 
 
-def item(values: Mapping[str, Any], name: str, what: str) -> Any:
+def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
     """A value by name. Raises KeyError with similar names."""
     try:
         return values[name]
     except KeyError:
         near = difflib.get_close_matches(name, values, n=3)
-        raise KeyError(f"the {what} has no {name}" + (f"; similar names: {', '.join(near)}" if near else "")) from None
+        raise KeyError(
+            f"the {what} has no {kind} {name}" + (f"; similar names: {', '.join(near)}" if near else "")
+        ) from None
 
 
 @dataclass(frozen=True, repr=False)

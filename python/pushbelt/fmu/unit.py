@@ -293,7 +293,7 @@ class Variator:
 
         def call() -> None:
             if function(self._slave.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
-                raise UnitError("pushbeltLinearize failed")
+                raise UnitError("the FMU returned no linear model, and its log has no reason")
 
         try:
             self._call(call)

@@ -1,0 +1,247 @@
+"""What a user of the package sees: completion, short descriptions, tables, similar names, the command line without the extras, the pages."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import ROOT
+from test_wheel import EXTRA_OF, declared, imported  # noqa: F401
+
+import pushbelt
+from pushbelt import cli
+from pushbelt.drive import __main__ as drive
+from pushbelt.fmu.results import Trace
+from pushbelt.variator import Variator
+
+COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+WITHOUT = """
+import sys
+from importlib.machinery import PathFinder
+hidden, found = set(sys.argv.pop(1).split(",")), PathFinder.find_spec
+PathFinder.find_spec = lambda name, *rest: None if name.partition(".")[0] in hidden else found(name, *rest)
+from pushbelt import cli
+sys.exit(cli.main(sys.argv[1:]))
+"""
+"""The command in an environment in which packages are not installed."""
+
+
+@pytest.fixture
+def belt(fmu: Path) -> Iterator[Variator]:
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+# Completion and descriptions
+
+
+def test_the_package_completes_to_what_is_public() -> None:
+    assert dir(pushbelt) == sorted(pushbelt.__all__)
+    assert all(getattr(pushbelt, name) is not None for name in dir(pushbelt))
+
+
+def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
+    assert repr(belt) == "<Variator bench168: ring ALE0, not started, 0 rows of outputs>"
+    belt.step(0.002)
+    state, grid = belt.steady(1.3, 33.0), belt.linear_grid([0.9, 1.2], [30.0, 800.0], force=9e3)
+    trace = Trace(np.array([0.0, 0.5]), {"slip": np.zeros(2)})
+    texts = [repr(one) for one in (belt, state, state.profile, grid, grid[0, 0], trace)]
+    assert "at 0.002 s, 2 rows" in texts[0] and "ratio 1.3" in texts[1] and "72 places" in texts[2]
+    assert "ratio 0.9 to 1.2 (2)" in texts[3] and "2 of 4 points have a model" in texts[3]
+    assert "ratio 0.9, primary.torque 30 N.m" in texts[4] and "0 to 0.5 s; 1 variables" in texts[5]
+    assert all(len(one) < 260 and "\n" not in one and one[0] == "<" for one in texts)
+    belt.close()
+    assert "closed" in repr(belt)
+
+
+# Tables
+
+
+def test_a_table_of_inputs_gives_a_table_of_outputs(fmu: Path, belt: Variator) -> None:
+    times = [0.0, 0.013, 0.03]
+    inputs = pd.DataFrame(
+        {"primary.torque": [44.0, 52.0, 52.0], "primary.clampingForce": [12e3, 12e3, 13.5e3]}, index=times
+    )
+    found = belt.simulate(inputs, step=4e-3)
+    assert found.index.name == "time" and set(times) <= set(found.index.to_numpy().round(12))
+    assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
+    assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
+    with Variator("bench168", COARSE, fmu=fmu) as other:
+        other.set({"primary.torque": 44.0, "primary.clampingForce": 12e3})
+        other.start()
+        for at, before in zip(found.index[1:], found.index[:-1], strict=True):
+            values = {name: np.interp(at, times, inputs[name]) for name in inputs}
+            state = other.step(at - before, values)
+    assert found["ratio.geometric"].iloc[-1] == pytest.approx(state["ratio.geometric"], rel=1e-9)
+    # It continues, with time as a column and a selection of outputs.
+    more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0]})
+    rest = belt.simulate(more, outputs=["slip", "macroSlip"])
+    assert list(rest.columns) == ["slip", "macroSlip"] and rest.index[[0, -1]].tolist() == pytest.approx([0.03, 0.05])
+    assert belt.to_dataframe().shape == (len(found) + len(rest) - 1, len(belt.outputs.dtype.names) - 1)
+
+
+@pytest.mark.parametrize(
+    ("table", "why"),
+    [
+        (
+            pd.DataFrame({"primary.torqe": [1.0, 2.0]}),
+            "no parameter or input primary.torqe; similar names: primary.torque",
+        ),
+        (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "must be finite and must ascend"),
+        (pd.DataFrame({"primary.torque": [1.0]}), "has 1 rows: at least 2"),
+        (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "must be numbers"),
+        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque = nan is not finite"),
+        ({"primary.torque": [1.0, 2.0]}, "a pandas.DataFrame over time, not dict"),
+    ],
+)
+def test_a_table_that_is_not_usable_changes_nothing(belt: Variator, table: pd.DataFrame, why: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(why).replace("nan", "(np.float64\\()?nan\\)?")):
+        belt.simulate(table)
+    assert len(belt.outputs) == 0
+
+
+def test_results_become_tables(belt: Variator) -> None:
+    state = belt.steady(0.8, 20.0)
+    assert state.to_dataframe()["slip"].tolist() == [state["slip"]]
+    profile = state.profile.to_dataframe()
+    assert profile.shape == (72, 7) and profile["push_force"].max() == state.profile.push_force.max()
+    assert Trace(np.arange(3.0), {"slip": np.ones(3)}).to_dataframe().index.name == "time"
+
+
+def test_similar_names_are_given(belt: Variator) -> None:
+    with pytest.raises(KeyError, match="no variable pushForce.maxx; similar names: pushForce.max"):
+        belt["pushForce.maxx"]
+    with pytest.raises(KeyError, match="no output efficency; similar names: efficiency"):
+        belt.steady(1.0, 30.0)["efficency"]
+    for name, hint in (("belt_155", "is belt155 meant?"), ("Bench168", "is bench168 meant?")):
+        with pytest.raises(FileNotFoundError, match=f"no variator '{name}'; there are .*bench168.*{re.escape(hint)}"):
+            Variator(name)
+    with pytest.raises(FileNotFoundError, match=r"no file rig.json; there are [\w, ]+ and files ….json$"):
+        Variator("rig.json")
+
+
+# The command line
+
+
+def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["variables", "inertia", "--kind", "parameter", "--fmu", str(fmu)]) == 0
+    said = capsys.readouterr().out
+    assert "secondary.inertia\n    parameter, start " in said and " kg.m2, range 0" in said
+    assert cli.main(["variables", "ring.model", "--fmu", str(fmu)]) == 0
+    assert "start ALE, one of ALE0, ALE\n" in capsys.readouterr().out
+    assert cli.main(["variables", "--kind", "output", "--fmu", str(fmu)]) == 0
+    said = capsys.readouterr().out
+    assert (
+        said.startswith("thrustRatio\n    output, ")
+        and "profile.pushForce[1]" not in said
+        and "primary.torque\n" not in said
+    )
+    assert cli.main(["variables", "thrustRaito", "--fmu", str(fmu)]) == 1
+    assert "similar names: thrustRatio" in capsys.readouterr().err
+
+
+def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["docs"]) == 0
+    assert "linear, " in capsys.readouterr().out
+    assert cli.main(["docs", "units" if (ROOT / "docs" / "units.md").exists() else "limits"]) == 0
+    assert capsys.readouterr().out.startswith("# ")
+    assert cli.main(["docs", "variabels"]) == 1
+    assert "no page variabels; similar names: variables" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("program", [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"])
+def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_path: Path) -> None:  # noqa: F811
+    """Without the packages of all extras, and without an FMU."""
+    hidden = ",".join({name.lower().replace("-", "_") for name in declared["all"] - declared["base"]} | {"wltp"})
+    command = [sys.executable, "-c", WITHOUT, hidden, program, "--help"]
+    environment = {
+        "PYTHONPATH": str(ROOT / "python"),
+        "PUSHBELT_FMU": str(tmp_path / "none.fmu"),
+        "PATH": "/usr/bin:/bin",
+    }
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
+    assert run.returncode == 0 and "Traceback" not in run.stderr, run.stderr
+    assert run.stdout.startswith("usage: ") and "--help" in run.stdout
+    if program in cli.PROGRAMS:
+        assert f"pip install 'pushbelt[{cli.PROGRAMS[program][1]}]'" in run.stdout
+
+
+def test_a_program_without_its_packages_names_the_extra(fmu: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", WITHOUT, "jinja2,plotly,tqdm", "demo", "--fmu", str(fmu)]
+    run = subprocess.run(
+        command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT / "python")}, cwd=tmp_path
+    )
+    assert (run.returncode, run.stdout) == (1, "") and "pip install 'pushbelt[reports]'" in run.stderr
+
+
+def test_an_error_of_a_program_has_no_traceback(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    old = tmp_path / "old.json"
+    old.write_text(json.dumps({"parameters": {"belt.contactStrain": {"value": 1.0}}}), encoding="utf-8")
+    for name in ("demo", "drive", "sweep", "linearize"):
+        assert cli.main([name, "--variator", str(old), "--fmu", str(fmu)]) == 1
+        assert "belt.contactStrain has been removed" in capsys.readouterr().err
+
+    def broken(_: list[str]) -> int:
+        return len(None)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("pushbelt.demo.__main__.main", broken)
+    with pytest.raises(TypeError):
+        cli.main(["demo", "--fmu", str(fmu)])
+
+
+def test_without_the_wltc_the_nedc_is_driven(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], fmu: Path, tmp_path: Path
+) -> None:
+    plans = []
+    monkeypatch.setattr(drive.runs, "run_all", lambda fmu, plan, output: plans.append(plan) or SimpleNamespace(runs=[]))
+    monkeypatch.setattr(drive.report, "write_html", lambda *_: None)
+    monkeypatch.setitem(sys.modules, "wltp.cycles", None)
+    words = ["--fmu", str(fmu), "--output", str(tmp_path), "--short"]
+    assert drive.main(words) == 0
+    assert "the NEDC is driven, not the WLTC" in capsys.readouterr().err
+    assert plans[0] == drive.dataclasses.replace(
+        drive.SHORT["nedc"], ring="ALE", variator=drive.simulate.VARIATOR, clamping=1.0
+    )
+    assert drive.main([*words, "--cycle", "wltc"]) == 0
+    assert not capsys.readouterr().err
+
+
+# The notebook and the pages
+
+
+def test_the_notebook_runs_on_the_line_that_it_names(declared: dict[str, set[str]]) -> None:  # noqa: F811
+    book = json.loads((ROOT / "examples" / "notebook.ipynb").read_text(encoding="utf-8"))
+    text = "".join("".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "markdown")
+    (extra,) = re.findall(r'pip install "pushbelt-[\d.]+-py3-none-any.whl\[(\w+)\]" jupyterlab', text)
+    code = "\n".join("".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code")
+    used = {node.names[0].name.partition(".")[0] for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Import)}
+    assert used - {"pushbelt"} <= declared[extra]
+    assert "thrust_map" not in code or "xarray" in declared[extra]
+
+
+def test_the_pages_travel_in_the_wheel() -> None:
+    packed = (ROOT / "fmu-build" / "src" / "commands" / "wheel.rs").read_text(encoding="utf-8")
+    assert 'copy_tree(&root.join("docs"), &data.join("docs"))' in packed
+    assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
+
+
+def test_the_first_program_of_the_introduction(
+    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    page = (ROOT / "docs" / "introduction.md").read_text(encoding="utf-8").split("## From Python")[1]
+    program, printed = re.search(r"```python\n(.*?)```\n\nprints `(.*?)`\.", page, re.DOTALL).groups()
+    exec(compile(program, "introduction.md", "exec"), {})
+    assert capsys.readouterr().out == f"{printed}\n"
