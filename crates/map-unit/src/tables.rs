@@ -278,6 +278,12 @@ impl Tables {
         self.thrust_ratio.at(place, utilisation).0
     }
 
+    /// Thrust ratio κ at a utilisation, and its slope.
+    #[must_use]
+    pub fn thrust_ratio_and_slope(&self, place: &Place, utilisation: f64) -> (f64, f64) {
+        self.thrust_ratio.at(place, utilisation)
+    }
+
     /// Torque loss of the belt at the primary pulley, N·m.
     #[must_use]
     pub fn torque_loss(&self, place: &Place, utilisation: f64) -> f64 {
@@ -290,15 +296,16 @@ impl Tables {
         self.bearing_load.at(place, utilisation).0
     }
 
-    /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad.
+    /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.
     #[must_use]
-    pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> f64 {
+    pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> (f64, f64) {
         let (k, t) = interval(&self.shift_utilisations, utilisation);
-        let low = self.shift_rates[k].at(place, excess).0;
+        let low = self.shift_rates[k].at(place, excess);
         if t == 0.0 {
             return low;
         }
-        low + t * (self.shift_rates[k + 1].at(place, excess).0 - low)
+        let high = self.shift_rates[k + 1].at(place, excess);
+        (low.0 + t * (high.0 - low.0), low.1 + t * (high.1 - low.1))
     }
 }
 
