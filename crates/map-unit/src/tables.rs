@@ -1,6 +1,7 @@
 //! The tables of a variator: read from JSON, refined once by monotone cubics, then evaluated linearly on even spacings.
 //!
-//! A table has the axes force, speed, ratio and one more. It is linear in force and speed. Along the ratio, over ln i, and along the
+//! A table has the axes force, speed, ratio and one more. It is linear in the force and in the square of the speed, with which the belt's
+//! centrifugal force and the loss by turning elements grow. Along the ratio, over ln i, and along the
 //! last axis it is the monotone cubic through the given values, in pieces so short that they are straight. Beyond the axes the
 //! value at the border holds.
 
@@ -158,6 +159,7 @@ pub struct Tables {
     /// Hash of the file.
     pub hash: u128,
     forces: Vec<f64>,
+    /// Squares of the speeds.
     speeds: Vec<f64>,
     ratios: Even,
     shift_utilisations: Vec<f64>,
@@ -236,7 +238,7 @@ impl Tables {
     #[must_use]
     pub fn place(&self, force: f64, speed: f64, log_ratio: f64) -> Place {
         let (f, a) = interval(&self.forces, force);
-        let (s, b) = interval(&self.speeds, speed);
+        let (s, b) = interval(&self.speeds, speed * speed);
         let (r, c) = self.ratios.find(log_ratio);
         let count = self.ratios.count;
         let next = usize::from(count > 1);
@@ -254,7 +256,7 @@ impl Tables {
         // Rounding of a ratio at the border is no reason for a remark.
         let slack = 1e-9;
         let outside = beyond(&self.forces, force)
-            || beyond(&self.speeds, speed)
+            || beyond(&self.speeds, speed * speed)
             || log_ratio < self.ratios.first - slack
             || log_ratio > self.ratios.last + slack;
         Place { lines, outside }
@@ -386,7 +388,7 @@ impl File<'_> {
             capacity: pairs("capacity")?,
             capacity_slip: pairs("capacitySlip")?,
             forces,
-            speeds,
+            speeds: speeds.iter().map(|speed| speed * speed).collect(),
             shift_utilisations,
         })
     }
