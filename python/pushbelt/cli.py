@@ -7,7 +7,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ._version import __version__
 
@@ -52,6 +52,9 @@ def parser() -> argparse.ArgumentParser:
     )
     fmu.add_argument(
         "--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json"
+    )
+    fmu.add_argument(
+        "--ssv", type=Path, metavar="SET.ssv", help="parameter set that is applied next, System Structure Parameter Values 1.0"
     )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     text = "write an FMU of a variator from maps"
@@ -113,7 +116,12 @@ def write_fmu(options: argparse.Namespace) -> int:
     fmu = options.fmu or default_fmu()
     archive = cache.unpacked(fmu)
     variables = {variable.name: variable for variable in archive.description.modelVariables}
-    given = {**(parameter_set(options.variator) if options.variator else {}), **_assignments(options.set)}
+    given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
+    if options.ssv:
+        from .fmu import ssv
+
+        given |= ssv.read(options.ssv, variables)
+    given |= _assignments(options.set)
     values = start_values.checked(variables, given)
     try:
         with Variator(archive, values) as unit:
