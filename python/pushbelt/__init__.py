@@ -3,7 +3,7 @@
 - `Variator`: a variator over time, its steady states and linear models (`linear`, `linear_grid`); `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports; `cluster`: tasks on a
-  cluster; `map_data`: data sets of maps.
+  cluster; `map_data`: data sets of maps; `map_unit`, `map_variator`: variators from maps, as an FMU and in numpy.
 - `theory`: results of theories, independent of the FMU.
 - `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `maps`, `paper`, `sweep`, `validate`: programs, each run
   by `python -m pushbelt.…`. They do not import each other.
@@ -23,12 +23,16 @@ if TYPE_CHECKING:
     from .fmu.unit import UnitError
     from .linear import LinearModel, LinearPointError
     from .linear_grid import LinearGrid, load_linear
+    from .map_data import Maps
+    from .map_variator import MapVariator
     from .variator import SteadyStateError, Variator, VariatorWarning
 
 __all__ = [
     "LinearGrid",
     "LinearModel",
     "LinearPointError",
+    "MapVariator",
+    "Maps",
     "StartValueError",
     "SteadyStateError",
     "UnitError",
@@ -44,6 +48,8 @@ _MODULES = {
     "LinearGrid": "linear_grid",
     "LinearModel": "linear",
     "LinearPointError": "linear",
+    "MapVariator": "map_variator",
+    "Maps": "map_data",
     "StartValueError": "fmu.start_values",
     "SteadyStateError": "variator",
     "UnitError": "fmu.unit",

@@ -11,9 +11,12 @@ import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._version import __version__
+
+if TYPE_CHECKING:
+    from .map_data import Maps
 
 PROGRAMS = {
     "demo": ("load cases, a published steady state and a manoeuvre of 10 s, and a report", "reports"),
@@ -58,7 +61,21 @@ def parser() -> argparse.ArgumentParser:
     fmu.add_argument(
         "--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json"
     )
+    fmu.add_argument(
+        "--ssv", type=Path, metavar="SET.ssv", help="parameter set that is applied next, System Structure Parameter Values 1.0"
+    )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
+    text = "write an FMU of a variator from maps"
+    maps = commands.add_parser("map-fmu", help=text, description=f"{text.capitalize()}, without a compiler.")
+    maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
+    maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
+    maps.add_argument(
+        "--variator", metavar="NAME", help="solve for the maps of a parameter set: bench168, belt155 or a file ….json (minutes)"
+    )
+    maps.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="start value, in SI units; can be repeated"
+    )
+    maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu in `target`]")
     text = "show the folder of unpacked FMUs and its size"
     cache = commands.add_parser("cache", help=text, description=f"{text.capitalize()}.")
     cache.add_argument("--clear", action="store_true", help="remove them")
@@ -82,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_program(arguments[0], arguments[1:])
     options = parser().parse_args(arguments)
     try:
-        commands = {"fmu": write_fmu, "cache": show_cache, "variables": show_variables, "docs": show_docs}
+        commands = {"fmu": write_fmu, "map-fmu": write_map_fmu, "cache": show_cache, "variables": show_variables, "docs": show_docs}
         return commands[options.command](options)
     except BrokenPipeError:
         # The reader of the output, such as `head`, has enough.
@@ -142,12 +159,12 @@ def write_fmu(options: argparse.Namespace) -> int:
     fmu = options.fmu or default_fmu()
     archive = cache.unpacked(fmu)
     variables = {variable.name: variable for variable in archive.description.modelVariables}
-    given = parameter_set(options.variator) if options.variator else {}
-    for text in options.set:
-        name, separator, value = text.partition("=")
-        if not separator:
-            raise ValueError(f"--set {text} is not of the form NAME=VALUE")
-        given[name.strip()] = value.strip()
+    given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
+    if options.ssv:
+        from .fmu import ssv
+
+        given |= ssv.read(options.ssv, variables)
+    given |= _assignments(options.set)
     values = start_values.checked(variables, given)
     try:
         with Variator(archive, values) as unit:
@@ -160,6 +177,58 @@ def write_fmu(options: argparse.Namespace) -> int:
         print(f"  warning of the FMU: {remark}", file=sys.stderr)
     print(f"{options.copy.resolve()} ({len(values)} start values)")
     return 0
+
+
+def _assignments(texts: Sequence[str]) -> dict[str, str]:
+    """Values by name, from texts `NAME=VALUE`."""
+    given = {}
+    for text in texts:
+        name, separator, value = text.partition("=")
+        if not separator:
+            raise ValueError(f"--set {text} is not of the form NAME=VALUE")
+        given[name.strip()] = value.strip()
+    return given
+
+
+def write_map_fmu(options: argparse.Namespace) -> int:
+    """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
+    from . import map_unit
+    from .fmu.unit import Archive, UnitError, Variator
+    from .map_data import Maps
+
+    if options.copy.suffix != ".fmu":
+        raise ValueError(f"{options.copy} does not end in .fmu: importers would not accept it")
+    if options.maps and options.variator:
+        raise ValueError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
+    if options.variator:
+        maps: Maps | bytes = _solved_maps(options.variator, options.copy.parent)
+    else:
+        maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
+    map_unit.write_fmu(options.copy, maps, options.fmu, _assignments(options.set))
+    try:
+        with Archive.unpack(options.copy) as archive, Variator(archive, {}) as unit:
+            unit.initialise()
+            remarks = unit.warnings
+    except UnitError as error:
+        options.copy.unlink()
+        raise ValueError(f"the FMU rejects these maps or values: {error}") from error
+    for remark in remarks:
+        print(f"  warning of the FMU: {remark}", file=sys.stderr)
+    print(options.copy.resolve())
+    return 0
+
+
+def _solved_maps(variator: str, folder: Path) -> Maps:
+    """The default maps of a parameter set. Finished lines remain in a folder beside the FMU."""
+    from .fmu.files import default_fmu
+    from .map_data import Maps
+
+    output = folder / "pushbelt-maps"
+    program = importlib.import_module(f"{__package__}.maps.__main__")
+    words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator]
+    if program.main(words) != 0:
+        raise ValueError("there are no maps")
+    return Maps.read(output / "maps.nc")
 
 
 def show_cache(options: argparse.Namespace) -> int:

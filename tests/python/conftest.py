@@ -61,6 +61,22 @@ def paper_fmu() -> Path:
 
 
 @pytest.fixture(scope="session")
+def map_fmu() -> Path:
+    """The FMU of maps: `PUSHBELT_MAP_FMU`, or the one in `target`."""
+    path = Path(os.environ.get("PUSHBELT_MAP_FMU", ROOT / "target" / "PushbeltMap.fmu"))
+    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --map`, or set PUSHBELT_MAP_FMU"
+    return path
+
+
+@pytest.fixture(scope="session")
+def map_fmu3() -> Path:
+    """The FMU of maps for FMI 3.0: `PUSHBELT_MAP_FMU3`, or the one in `target`."""
+    path = Path(os.environ.get("PUSHBELT_MAP_FMU3", ROOT / "target" / "PushbeltMap3.fmu"))
+    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --map --fmi3`, or set PUSHBELT_MAP_FMU3"
+    return path
+
+
+@pytest.fixture(scope="session")
 def archive(fmu: Path) -> Iterator[Archive]:
     """The unpacked FMU."""
     with Archive.unpack(fmu) as unpacked:

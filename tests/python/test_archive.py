@@ -50,6 +50,8 @@ def test_everything_has_its_place(names: list[str]) -> None:
         "documentation/licenses/third-party.txt",
         "resources/bench168.json",
         "resources/belt155.json",
+        "resources/bench168.ssv",
+        "resources/belt155.ssv",
     ):
         assert name in names
     assert any(name.startswith("binaries/") for name in names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import json
 import math
 import os
 import shutil
@@ -16,6 +17,7 @@ import pytest
 import reports
 
 import pushbelt
+from pushbelt import map_unit
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.car import Powertrain, demo_car
 from pushbelt.drive.control import (
@@ -35,6 +37,7 @@ from pushbelt.durability.table import MEAN, OPTIONAL, STRESSES
 from pushbelt.fmu.data import clamping_force
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.map_data import TABLES, Maps
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 600.0
@@ -513,6 +516,24 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
 @pytest.fixture(scope="module")
 def table(fmu: Path, archive: Archive, drive_folder: Path) -> ThrustMap:
     return thrust_map.load(fmu, archive, PARAMETERS, drive_folder / "thrust-ratio-map-ALE.csv")
+
+
+def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
+    """The controllers' map from the maps of `bench168`, which have another mesh and other points."""
+    document = json.loads(map_unit.default_maps().read_bytes())
+    axes = {name: np.array(entry["values"]) for name, entry in document["axes"].items()}
+    tables = {name: np.zeros([len(axes[axis]) for axis in one.axes]) for name, one in TABLES.items()}
+    tables |= {name: np.array(entry["values"]) for name, entry in document["tables"].items()}
+    found = ThrustMap.of_maps(Maps(axes, tables, document["parameters"]))
+    for ratio in (0.5, 0.8, 1.2, 2.0):
+        for utilisation in (-0.3, 0.0, 0.3, 0.6):
+            expected = table.thrust_ratio(ratio, utilisation)
+            assert found.thrust_ratio(ratio, utilisation) == pytest.approx(expected, rel=0.06)
+        assert found.shift_gain(ratio, 0.3) == pytest.approx(table.shift_gain(ratio, 0.3), rel=0.35)
+    assert found.clearance_force == pytest.approx(table.clearance_force, rel=0.5)
+    others = dataclasses.replace(Maps(axes, tables, {}), axes={**axes, "shiftUtilisation": np.array([-0.2, 0.3])})
+    with pytest.raises(ValueError, match="shifts"):
+        ThrustMap.of_maps(others)
 
 
 def test_thrust_map_is_in_order(table: ThrustMap) -> None:

@@ -268,15 +268,21 @@ impl Law<'_> {
         )
     }
 
-    /// ℓ' at a primary speed (rad/s) and with the clamping forces of the inputs, 1/s; zero where the ratio is held.
+    /// ℓ' at a primary speed (rad/s) and with the clamping forces of the inputs, 1/s, and its slope over the utilisation by way of the
+    /// thrust ratio.
     #[must_use]
-    pub fn shift(&self, frame: &Frame, sliding: f64, primary: f64, inputs: &Inputs) -> f64 {
+    pub fn shift(&self, frame: &Frame, sliding: f64, primary: f64, inputs: &Inputs) -> (f64, f64) {
         let [closing, other] = [inputs.primary.clamping_force, inputs.secondary.clamping_force];
-        let rate = self.mean(frame, sliding, |utilisation| {
-            let holding = self.tables.thrust_ratio(&frame.place, utilisation) * other;
+        let at = |utilisation: f64| {
+            let (thrust_ratio, slope) = self.tables.thrust_ratio_and_slope(&frame.place, utilisation);
+            let holding = thrust_ratio * other;
             let excess = (closing.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
-            self.tables.shift_rate(&frame.place, utilisation, excess)
-        });
-        -primary.abs() * rate
+            let (rate, gain) = self.tables.shift_rate(&frame.place, utilisation, excess);
+            (rate, -gain * slope / thrust_ratio)
+        };
+        let rate = self.mean(frame, sliding, |utilisation| at(utilisation).0);
+        let main = self.one_way(frame, if frame.forward >= 0.5 { sliding } else { -sliding });
+        let (direction, (_, slope)) = (2.0 * frame.forward - 1.0, at(main.value));
+        (-primary.abs() * rate, -primary.abs() * slope * direction)
     }
 }

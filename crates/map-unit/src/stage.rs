@@ -15,6 +15,8 @@ const ITERATIONS: usize = 60;
 const INNER: usize = 80;
 /// Relative tolerance of speeds, and tolerance of ln i.
 const TOLERANCE: f64 = 1e-9;
+/// Bound of the coupling of the ratio, as a share of the coupling by the torque.
+const LEAST_SHARE: f64 = 0.5;
 /// Bound of the utilisation, above every capacity.
 const MOST: f64 = 3.0;
 
@@ -39,16 +41,20 @@ impl Stage<'_> {
     #[must_use]
     pub fn solve(&self, base: &State, k: f64, guess: &State) -> Option<State> {
         let mut state = *guess;
+        let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let next = self.iterate(base, k, &state)?;
-            let near = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * (1.0 + a.abs());
-            let done = near(next.primary, state.primary)
-                && near(next.secondary, state.secondary)
-                && (next.log_ratio - state.log_ratio).abs() <= TOLERANCE;
+            let relative = |a: f64, b: f64| (a - b).abs() / (1.0 + a.abs());
+            let change = relative(next.primary, state.primary)
+                .max(relative(next.secondary, state.secondary))
+                .max((next.log_ratio - state.log_ratio).abs());
             state = next;
-            if done {
+            // The next change is smaller by the factor between the last two.
+            let rate = change / before;
+            if change <= TOLERANCE * 1e-3 || rate < 0.5 && change * rate <= TOLERANCE {
                 return Some(state);
             }
+            before = change;
         }
         None
     }
@@ -84,14 +90,36 @@ impl Stage<'_> {
 
         let free = frame.radius * (primary.constant - frame.ratio * secondary.constant);
         let per_torque = -frame.radius * (primary.slope - frame.ratio * secondary.slope);
-        let sliding = self.sliding(&frame, free, per_torque, sliding)?;
-        let torque = frame.torque * law.traction(&frame, sliding).value;
-        let log_ratio = if self.is_held() {
+        // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
+        let held = self.is_held();
+        let (rate, slope) = if held {
+            (0.0, 0.0)
+        } else {
+            law.shift(&frame, sliding, state.primary, &self.inputs)
+        };
+        let around = frame.radius * frame.ratio * state.secondary;
+        let behind = if held {
+            0.0
+        } else {
+            base.log_ratio + k * rate - state.log_ratio
+        };
+        let [least, most] = law.radii.stops;
+        let behind = behind.clamp(least - state.log_ratio, most - state.log_ratio);
+        let coupled = around * k * slope;
+        let per_utilisation = per_torque * frame.torque;
+        let coupled = coupled.clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
+        let sliding = self.sliding(
+            &frame,
+            free - around * behind + coupled * utilisation,
+            per_utilisation + coupled,
+            sliding,
+        )?;
+        let found = law.traction(&frame, sliding).value;
+        let torque = frame.torque * found;
+        let log_ratio = if held {
             base.log_ratio
         } else {
-            let rate = law.shift(&frame, sliding, state.primary, &self.inputs);
-            let [least, most] = law.radii.stops;
-            (base.log_ratio + k * rate).clamp(least, most)
+            (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most)
         };
         Some(State {
             primary: primary.constant + primary.slope * torque,
@@ -131,16 +159,15 @@ impl Stage<'_> {
         }
     }
 
-    /// The root of v − `free` + m T_P(v), from a guess.
-    fn sliding(&self, frame: &Frame, free: f64, m: f64, guess: f64) -> Option<f64> {
-        let per_utilisation = m * frame.torque;
+    /// The root of v − `free` + `per_utilisation` u(v), from a guess.
+    fn sliding(&self, frame: &Frame, free: f64, per_utilisation: f64, guess: f64) -> Option<f64> {
         if per_utilisation == 0.0 {
             return Some(free);
         }
         let reach = MOST * per_utilisation;
         let (mut low, mut high) = (free - reach, free + reach);
         let mut v = guess.clamp(low, high);
-        let tolerance = 1e-12 + 1e-13 * (free.abs() + reach);
+        let tolerance = 1e-11 + 1e-13 * (free.abs() + reach);
         for _ in 0..INNER {
             let traction = self.law.traction(frame, v);
             let excess = v - free + per_utilisation * traction.value;
@@ -151,12 +178,15 @@ impl Stage<'_> {
             }
             let slope = 1.0 + per_utilisation * traction.slope;
             let newton = v - excess / slope;
+            if slope > 0.0 && (newton - v).abs() <= tolerance {
+                return Some(newton);
+            }
             let next = if slope > 0.0 && newton > low && newton < high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            if (next - v).abs() <= tolerance {
+            if high - low <= tolerance {
                 return Some(next);
             }
             v = next;

@@ -1,6 +1,7 @@
 //! The tables of a variator: read from JSON, refined once by monotone cubics, then evaluated linearly on even spacings.
 //!
-//! A table has the axes force, speed, ratio and one more. It is linear in force and speed. Along the ratio, over ln i, and along the
+//! A table has the axes force, speed, ratio and one more. It is linear in the force and in the square of the speed, with which the belt's
+//! centrifugal force and the loss by turning elements grow. Along the ratio, over ln i, and along the
 //! last axis it is the monotone cubic through the given values, in pieces so short that they are straight. Beyond the axes the
 //! value at the border holds.
 
@@ -158,6 +159,7 @@ pub struct Tables {
     /// Hash of the file.
     pub hash: u128,
     forces: Vec<f64>,
+    /// Squares of the speeds.
     speeds: Vec<f64>,
     ratios: Even,
     shift_utilisations: Vec<f64>,
@@ -236,7 +238,7 @@ impl Tables {
     #[must_use]
     pub fn place(&self, force: f64, speed: f64, log_ratio: f64) -> Place {
         let (f, a) = interval(&self.forces, force);
-        let (s, b) = interval(&self.speeds, speed);
+        let (s, b) = interval(&self.speeds, speed * speed);
         let (r, c) = self.ratios.find(log_ratio);
         let count = self.ratios.count;
         let next = usize::from(count > 1);
@@ -254,7 +256,7 @@ impl Tables {
         // Rounding of a ratio at the border is no reason for a remark.
         let slack = 1e-9;
         let outside = beyond(&self.forces, force)
-            || beyond(&self.speeds, speed)
+            || beyond(&self.speeds, speed * speed)
             || log_ratio < self.ratios.first - slack
             || log_ratio > self.ratios.last + slack;
         Place { lines, outside }
@@ -278,6 +280,12 @@ impl Tables {
         self.thrust_ratio.at(place, utilisation).0
     }
 
+    /// Thrust ratio κ at a utilisation, and its slope.
+    #[must_use]
+    pub fn thrust_ratio_and_slope(&self, place: &Place, utilisation: f64) -> (f64, f64) {
+        self.thrust_ratio.at(place, utilisation)
+    }
+
     /// Torque loss of the belt at the primary pulley, N·m.
     #[must_use]
     pub fn torque_loss(&self, place: &Place, utilisation: f64) -> f64 {
@@ -290,15 +298,16 @@ impl Tables {
         self.bearing_load.at(place, utilisation).0
     }
 
-    /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad.
+    /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.
     #[must_use]
-    pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> f64 {
+    pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> (f64, f64) {
         let (k, t) = interval(&self.shift_utilisations, utilisation);
-        let low = self.shift_rates[k].at(place, excess).0;
+        let low = self.shift_rates[k].at(place, excess);
         if t == 0.0 {
             return low;
         }
-        low + t * (self.shift_rates[k + 1].at(place, excess).0 - low)
+        let high = self.shift_rates[k + 1].at(place, excess);
+        (low.0 + t * (high.0 - low.0), low.1 + t * (high.1 - low.1))
     }
 }
 
@@ -379,7 +388,7 @@ impl File<'_> {
             capacity: pairs("capacity")?,
             capacity_slip: pairs("capacitySlip")?,
             forces,
-            speeds,
+            speeds: speeds.iter().map(|speed| speed * speed).collect(),
             shift_utilisations,
         })
     }

@@ -175,7 +175,7 @@ impl Bench {
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
         let torque = frame.torque * law.traction(&frame, sliding).value;
         let lost = (state.primary / 2.0).tanh() * law.mean(&frame, sliding, |u| tables.torque_loss(&frame.place, u));
-        let shift = law.shift(&frame, sliding, state.primary, &settings.inputs);
+        let (shift, _) = law.shift(&frame, sliding, state.primary, &settings.inputs);
         ([torque, frame.ratio * (torque - lost)], shift)
     }
 

@@ -177,11 +177,13 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     Ok(path)
 }
 
-/// Adds the parameter sets and the project's licences.
+/// Adds the parameter sets, as JSON and as SSV, and the project's licences.
 fn add_resources(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<()> {
     let parameters = workspace.root().join("resources").join("parameters");
-    for (name, content) in files(&parameters, "json")? {
-        archive.add(format!("resources/{name}"), content)?;
+    for extension in ["json", "ssv"] {
+        for (name, content) in files(&parameters, extension)? {
+            archive.add(format!("resources/{name}"), content)?;
+        }
     }
     add_licenses(archive, workspace)
 }

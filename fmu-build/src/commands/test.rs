@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::cargo;
 use crate::commands::{build, side_by_side};
+use crate::platform::Version;
 use crate::progress;
 use crate::python::{BUILDING, Environment, RUNNING};
 use crate::workspace::{PAPER_PACKAGE, Workspace};
@@ -67,6 +68,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let ((), environment) = side_by_side(
         || {
             build::run_both(workspace, &arguments.build)?;
+            build::run_map(workspace, Version::Two)?;
+            build::run_map(workspace, Version::Three)?;
             if arguments.python {
                 return Ok(());
             }

@@ -52,6 +52,9 @@ def main(arguments: list[str] | None = None) -> int:
         help="factor on the secondary clamping force that both strategies demand [default: 1]",
     )
     parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
+    parser.add_argument(
+        "--maps", type=Path, metavar="FILE", help="maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
+    )
     options = parser.parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
@@ -62,13 +65,14 @@ def main(arguments: list[str] | None = None) -> int:
         ring=options.ring,
         variator=options.variator,
         clamping=options.clamping,
+        maps=options.maps,
     )
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()
     try:
         results = runs.run_all(options.fmu, plan, options.output)
-    except (UnitError, ValueError) as error:
+    except (UnitError, ValueError, OSError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
     options.output.mkdir(parents=True, exist_ok=True)

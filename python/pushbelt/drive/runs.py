@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
+from pushbelt.map_data import Maps
 from pushbelt.side_by_side import tick
 
 from . import simulate, thrust_map
@@ -46,6 +47,8 @@ class Plan:
     """Name or file of the parameter set."""
     clamping: float = 1.0
     """Factor on the secondary clamping force that the strategies demand."""
+    maps: Path | None = None
+    """File of maps from which the controllers take their map; None to measure it on the FMU."""
 
     @property
     def title(self) -> str:
@@ -107,6 +110,8 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
 
 
 def _map(fmu: Path, archive: Archive, plan: Plan, ring: str, cache: Path) -> ThrustMap:
+    if plan.maps is not None:
+        return ThrustMap.of_maps(Maps.read(plan.maps))
     parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
     return thrust_map.load(fmu, archive, parameters, cache / f"thrust-ratio-map-{ring}.csv")
 

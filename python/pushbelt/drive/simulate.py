@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -166,7 +167,8 @@ class Record:
     def add(self, unit: Variator, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
         """Adds the values at a communication point and the signals over the step that follows."""
         k = len(self._signals)
-        self._outputs[k] = [outputs[name] for name in OUTPUTS]
+        # A variator from maps has fewer outputs.
+        self._outputs[k] = [outputs.get(name, math.nan) for name in OUTPUTS]
         self._signals.append(
             {
                 **_columns(vehicle, clamping),
@@ -232,7 +234,8 @@ def run(
     record = Record(setup, friction, count)
     begin = clock.process_time()
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
-    with Variator(archive, start) as unit:
+    known = {variable.name for variable in archive.description.modelVariables}
+    with Variator(archive, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
         _advance(unit, vehicle, control, setup, record, count, progress)
         messages = tuple(unit.warnings)
@@ -258,12 +261,12 @@ def _advance(
 ) -> None:
     """The loop: `count` communication steps from standstill on."""
     step = setup.step
-    outputs, inputs = unit.reals(OUTPUTS), unit.reals(INPUTS)
+    outputs, inputs = unit.reals(name for name in OUTPUTS if name in unit.variables), unit.reals(INPUTS)
     signals = VehicleSignals(), control.signals
     before = _input_values(*signals)
     for k in range(count):
         time = k * step
-        state = dict(zip(OUTPUTS, unit.get_reals(outputs).tolist(), strict=True))
+        state = dict(zip(outputs.names, unit.get_reals(outputs).tolist(), strict=True))
         state["macroSlip"] = unit.get("macroSlip")
         earlier = signals
         driving = vehicle.advance(

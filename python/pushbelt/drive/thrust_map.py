@@ -12,7 +12,7 @@ from functools import cached_property
 from itertools import pairwise
 from operator import mul
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 from .piecewise import clip, interpolate, interval
+
+if TYPE_CHECKING:
+    from pushbelt.map_data import Maps
 
 RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
 UTILISATIONS = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
@@ -173,6 +176,30 @@ class ThrustMap:
                     writer.writerow([repr(float(x)) for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
 
     @classmethod
+    def of_maps(cls, maps: Maps) -> ThrustMap:
+        """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, which need these shift utilisations.
+
+        Tables are interpolated linearly in the force and in the square of the speed.
+        """
+        axes = maps.axes
+        if tuple(axes["shiftUtilisation"]) != SHIFT_UTILISATIONS:
+            raise ValueError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
+
+        def at(name: str, force: float) -> Array:
+            (f, a), (s, b) = _within(axes["force"], force), _within(axes["speed"] ** 2, SPEED**2)
+            low, high = ((1.0 - b) * maps[name][k, s[0]] + b * maps[name][k, s[1]] for k in f)
+            return (1.0 - a) * low + a * high
+
+        rates = at("shiftRate", FORCE) / FORCE
+        below = int(np.flatnonzero(axes["excess"] == 0.0)[0])
+        near = slice(max(below - 1, 0), below + 2)
+        quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
+        clearance = _clearance_of(float(np.median(quotients[quotients > 0.0])))
+        return cls(
+            axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance
+        )
+
+    @classmethod
     def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
         """Reads a file of `write`. Returns None if it is missing or damaged, or if its key differs from the given one."""
         try:
@@ -294,9 +321,22 @@ def _clearance_force(archive: Archive, parameters: Parameters) -> float:
         )
         for force in (FORCE, OTHER_FORCE)
     )
+    return _clearance_of(float(np.median(at_other / at_map)))
+
+
+def _clearance_of(quotient: float) -> float:
+    """F_c, N, from the quotient of the shift rates at `OTHER_FORCE` and at the map's force."""
     # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
-    share = clip(float(np.median(at_other / at_map)), OTHER_FORCE / FORCE, 0.98)
+    share = clip(quotient, OTHER_FORCE / FORCE, 0.98)
     return (share * FORCE - OTHER_FORCE) / (1.0 - share)
+
+
+def _within(axis: Array, at: float) -> tuple[tuple[int, int], float]:
+    """Indices of the neighbours on an ascending axis, and the share of the upper one; constant beyond it."""
+    upper = int(np.clip(np.searchsorted(axis, at), 1, max(len(axis) - 1, 1)))
+    if len(axis) == 1:
+        return (0, 0), 0.0
+    return (upper - 1, upper), float(np.clip((at - axis[upper - 1]) / (axis[upper] - axis[upper - 1]), 0.0, 1.0))
 
 
 def _ascending(rates: Array, excesses: Array) -> Array:

@@ -1,0 +1,350 @@
+"""The variator from maps as an FMU: in fmpy, with other tables, against the detailed unit and against `MapVariator`."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from pushbelt import MapVariator, cli, map_unit
+from pushbelt.demo import manoeuvre
+from pushbelt.drive import simulate, thrust_map
+from pushbelt.drive.car import demo_car
+from pushbelt.drive.cycle import CYCLES
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
+from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.map_data import MapError, Maps
+
+LOADS = {
+    "primary.torque": 60.0,
+    "secondary.torque": -58.0,
+    "primary.clampingForce": 14e3,
+    "secondary.clampingForce": 10e3,
+}
+
+
+@pytest.fixture(scope="module")
+def maps_archive(map_fmu: Path) -> Iterator[Archive]:
+    with Archive.unpack(map_fmu) as unpacked:
+        yield unpacked
+
+
+def test_both_versions_are_valid_and_agree(map_fmu: Path, map_fmu3: Path) -> None:
+    outputs = ["ratio.geometric", "slip", "primary.speed", "loss.total"]
+    results = []
+    for path in (map_fmu, map_fmu3):
+        assert validate_fmu(path) == []
+        result = fmpy.simulate_fmu(path, stop_time=1.0, output_interval=0.01, start_values=LOADS, output=outputs)
+        results.append(np.array([result[name] for name in outputs]))
+    assert np.array_equal(*results)
+    assert np.ptp(results[0][0]) > 0.01
+
+
+def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -> None:
+    """Other tables need another token, and missing or damaged ones refuse the instance."""
+    with zipfile.ZipFile(map_fmu) as archive:
+        tables = archive.read(map_unit.TABLES_FILE)
+    assert tables == map_unit.default_maps().read_bytes()
+
+    def variant(name: str, content: bytes | None) -> Path:
+        path = tmp_path / name
+        with zipfile.ZipFile(map_fmu) as source, zipfile.ZipFile(path, "w") as target:
+            for entry in source.infolist():
+                if entry.filename != map_unit.TABLES_FILE:
+                    target.writestr(entry, source.read(entry))
+            if content is not None:
+                target.writestr(map_unit.TABLES_FILE, content)
+        return path
+
+    same = tables.replace(b'"version":1', b'"version": 1', 1)
+    for name, content, reason in (
+        ("none.fmu", None, "maps.json"),
+        ("half.fmu", tables[: len(tables) // 2], "not JSON"),
+        ("other.fmu", same, "belongs to another binary"),
+    ):
+        with Archive.unpack(variant(name, content)) as archive, pytest.raises(UnitError, match=reason):
+            Variator(archive, {})
+    copy = tmp_path / "copy.fmu"
+    map_unit.write_tables(map_fmu, copy, same)
+    with Archive.unpack(copy) as archive, Variator(archive, {}) as unit:
+        unit.initialise()
+    back = tmp_path / "back.fmu"
+    map_unit.write_tables(copy, back, tables)
+    with zipfile.ZipFile(back) as one, zipfile.ZipFile(map_fmu) as other:
+        assert one.read("modelDescription.xml") == other.read("modelDescription.xml")
+
+
+def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Archive, tmp_path: Path) -> None:
+    with Variator(maps_archive, LOADS) as unit:
+        unit.initialise()
+        unit.step_to(0.1)
+        data = unit.serialise(unit.get_state())
+        unit.step_to(0.5)
+        expected = unit.outputs()
+    with Variator(maps_archive, LOADS) as other:
+        other.set_state(other.deserialise(data, 0.1))
+        other.step_to(0.5)
+        assert other.outputs() == expected
+    copy = tmp_path / "copy.fmu"
+    with zipfile.ZipFile(map_fmu) as archive:
+        tables = archive.read(map_unit.TABLES_FILE)
+    map_unit.write_tables(map_fmu, copy, tables + b"\n")
+    with Archive.unpack(copy) as archive, Variator(archive, {}) as other, pytest.raises(UnitError, match="GUID"):
+        other.deserialise(data, 0.1)
+
+
+def test_the_state_beyond_the_tables_is_logged_once(maps_archive: Archive) -> None:
+    with Variator(maps_archive, {**LOADS, "secondary.clampingForce": 1e5, "primary.clampingForce": 1.4e5}) as unit:
+        unit.initialise()
+        for k in range(3):
+            unit.step_to(0.01 * (k + 1))
+        assert unit.get("map.outside")
+        assert len(unit.warnings) == 1
+
+
+def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_archive: Archive) -> None:
+    """At points between those of the tables: slip, thrust ratio and loss with a held primary sheave."""
+    for ratio, speed, torque, force in ((0.75, 140.0, 50.0, 8e3), (1.3, 260.0, 60.0, 12e3), (1.0, 330.0, -40.0, 10e3)):
+        values = {
+            "initial.ratio": ratio,
+            "initial.primarySpeed": speed,
+            "primary.axial": 2,
+            "primary.torque": torque,
+            "secondary.drive": 2,
+            "secondary.speedSetpoint": speed / ratio,
+            "secondary.clampingForce": force,
+        }
+        found = []
+        for unpacked in (archive, maps_archive):
+            with Variator(unpacked, values) as unit:
+                unit.initialise()
+                unit.step_to(0.01)
+                found.append(unit.outputs())
+        detailed, mapped = found
+        assert mapped["slip"] == pytest.approx(detailed["slip"], rel=0.2, abs=2e-4)
+        assert mapped["thrustRatio"] == pytest.approx(detailed["thrustRatio"], rel=0.03)
+        power = abs(torque) * speed
+        assert mapped["loss.total"] == pytest.approx(detailed["loss.total"], abs=0.006 * power)
+        assert mapped["loss.shafts"] == pytest.approx(detailed["loss.shafts"], rel=0.01)
+
+
+def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
+    """The demo's manoeuvre in steps of 10 ms: outputs by name."""
+    inputs, known = manoeuvre_inputs(), {variable.name for variable in unpacked.description.modelVariables}
+    start = {**parameter_set("bench168"), **manoeuvre.START_VALUES, **inputs.at(0.0)}
+    names = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"]
+    rows = []
+    with Variator(unpacked, {name: value for name, value in start.items() if name in known}) as unit:
+        unit.initialise()
+        for k in range(round(duration / 0.01)):
+            unit.set(inputs.at(0.01 * k))
+            unit.step_to(0.01 * (k + 1))
+            rows.append([float(unit.get(name)) for name in names])
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
+def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> None:
+    """Forces are given and no controller corrects the ratio, so its errors add up, until the over-torque at 8.5 s."""
+    detailed, mapped = (manoeuvre_of(unpacked, 10.0) for unpacked in (archive, maps_archive))
+    before = slice(50, 850)
+    ratios = [one["ratio.geometric"][before] for one in (detailed, mapped)]
+    error = np.sqrt(np.mean((ratios[1] - ratios[0]) ** 2)) / np.ptp(ratios[0])
+    speed = np.max(np.abs(mapped["secondary.speed"][before] / detailed["secondary.speed"][before] - 1.0))
+    print(f"ratio {100 * error:.1f} % of its range, secondary speed {100 * speed:.1f} %")
+    assert error < 0.06
+    assert speed < 0.09
+    # Launch: the clutch of the manoeuvre brings the belt to its capacity.
+    assert np.max(np.abs(mapped["primary.speed"][50:150] / detailed["primary.speed"][50:150] - 1.0)) < 0.01
+    # In the over-torque both slip through, and both recover.
+    for one in (detailed, mapped):
+        assert one["macroSlip"][850:920].any()
+        assert not one["macroSlip"][-20:].any()
+
+
+def drives(archive: Archive, maps_archive: Archive, fmu: Path, folder: Path, start: float, stop: float) -> list[Any]:
+    """The same section of the WLTC with slip control, with the detailed unit and with that of maps."""
+    car, cycle = demo_car(), CYCLES["wltc"][1]().section(start, stop)
+    table = thrust_map.load(
+        fmu, archive, simulate.unit_parameters(car, "ALE", "coarse"), folder / "thrust-ratio-map-ALE.csv"
+    )
+    setup = simulate.Setup("slip control", "slip", cycle)
+    return [simulate.run(unpacked, car, table, setup) for unpacked in (archive, maps_archive)]
+
+
+def compare(detailed: Any, mapped: Any) -> tuple[float, float, float]:
+    """Error of the ratio relative to its range, of the driving energy and of the belt loss."""
+    ratio = [run["ratio.geometric"] for run in (detailed, mapped)]
+    energy = [run["work.engine"][run["work.engine"] > 0.0].sum() for run in (detailed, mapped)]
+    loss = [float(np.mean(run["loss.total"] - run["loss.shafts"])) for run in (detailed, mapped)]
+    error = float(np.sqrt(np.mean((ratio[1] - ratio[0]) ** 2)) / np.ptp(ratio[0]))
+    return error, energy[1] / energy[0] - 1.0, loss[1] / loss[0] - 1.0
+
+
+def test_a_launch_of_the_wltc(archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
+    ratio, energy, loss = compare(*drives(archive, maps_archive, fmu, drive_folder, 10.0, 40.0))
+    assert ratio < 0.02
+    assert abs(energy) < 0.003
+    assert abs(loss) < 0.05
+
+
+@pytest.mark.slow
+def test_the_whole_wltc(archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
+    """Prints the figures of the page on maps: `pytest -s -k whole_wltc`."""
+    runs = drives(archive, maps_archive, fmu, drive_folder, 0.0, 1800.0)
+    ratio, energy, loss = compare(*runs)
+    print(f"ratio {100 * ratio:.2f} %, driving energy {100 * energy:.3f} %, belt loss {100 * loss:.1f} %")
+    print("processor time", *(f"{run.processor_time:.1f} s" for run in runs))
+    assert ratio < 0.02
+    assert abs(energy) < 0.003
+    assert abs(loss) < 0.05
+
+
+def test_it_is_fast_in_fmpy(maps_archive: Archive) -> None:
+    """At least 400 times faster than real time in steps of 10 ms, by processor time."""
+    with Variator(maps_archive, LOADS) as unit:
+        unit.initialise()
+        inputs, outputs = unit.reals(LOADS), unit.reals(["primary.speed", "secondary.speed", "ratio.geometric"])
+        begin = time.process_time()
+        for k in range(2000):
+            unit.set_ramps(inputs, LOADS.values(), [0.0] * 4)
+            unit.step_to(0.01 * (k + 1))
+            unit.get_reals(outputs)
+        spent = time.process_time() - begin
+    assert 20.0 / spent > 400.0
+
+
+# MapVariator
+
+
+@pytest.mark.parametrize(
+    ("ratio", "speed", "torque", "force", "thrust"),
+    [(1.0, 200.0, 60.0, 1e4, 1.5), (2.0, 100.0, 30.0, 6e3, 1.1), (0.5, 300.0, -20.0, 8e3, 1.9), (1.0, 0.0, 20.0, 6e3, 1.3), (1.0, 200.0, 150.0, 1e4, 1.2)],
+)  # fmt: skip
+def test_map_variator_has_the_equations_of_the_fmu(
+    maps_archive: Archive, ratio: float, speed: float, torque: float, force: float, thrust: float
+) -> None:
+    """Shifts, a launch, overrun and macro-slip, in steps of 1 ms; the error is that of implicit Euler steps."""
+    inertias = {"primary.inertia": 0.15, "secondary.inertia": 8.0}
+    start = {"initial.ratio": ratio, "initial.primarySpeed": speed, "initial.steady": False, "inputs.ramp": 0.0}
+    loads = (torque, -torque * ratio, thrust * force, force)
+    own = MapVariator(parameters=inertias, count=3)
+    own.start(ratio, speed)
+    with Variator(maps_archive, {**start, **inertias, **dict(zip(LOADS, loads, strict=True))}) as unit:
+        unit.initialise()
+        for k in range(500):
+            unit.step_to(1e-3 * (k + 1))
+            own.step(1e-3, *loads)
+        expected = unit.outputs()
+    assert own.primary_speed[2] == pytest.approx(expected["primary.speed"], rel=2e-3, abs=1e-4)
+    assert own.secondary_speed[2] == pytest.approx(expected["secondary.speed"], rel=1e-3, abs=1e-4)
+    assert own.ratio[2] == pytest.approx(expected["ratio.geometric"], rel=1e-3)
+    assert np.ptp(own.primary_speed) == 0.0
+
+
+def test_map_variator_error_is_of_first_order(maps_archive: Archive) -> None:
+    loads = (70.0, -60.0, 15e3, 1e4)
+    with Variator(
+        maps_archive, {"initial.steady": False, "inputs.ramp": 0.0, **dict(zip(LOADS, loads, strict=True))}
+    ) as unit:
+        unit.initialise()
+        for k in range(300):
+            unit.step_to(1e-3 * (k + 1))
+        exact = unit.get("ratio.geometric")
+    errors = []
+    for step in (2e-3, 1e-3):
+        own = MapVariator()
+        own.start(1.0, 209.44)
+        for _ in range(round(0.3 / step)):
+            own.step(step, *loads)
+        errors.append(abs(own.ratio[0] / exact - 1.0))
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[1] < 1e-3
+
+
+def test_map_variator_is_fast() -> None:
+    """At least a million variator-steps a second on a core, by processor time."""
+    count = 20_000
+    own = MapVariator(count=count)
+    generator = np.random.default_rng(0)
+    own.start(np.exp(generator.uniform(-0.8, 0.8, count)), generator.uniform(80.0, 400.0, count))
+    torque, force = generator.uniform(0.0, 60.0, count), generator.uniform(6e3, 2e4, count)
+    best = math.inf
+    for _ in range(3):
+        begin = time.process_time()
+        for _ in range(5):
+            own.step(0.01, torque, -torque, 1.2 * force, force)
+        best = min(best, time.process_time() - begin)
+    print(f"{5 * count / best:.2e} variator-steps per second of processor time")
+    assert np.all(np.isfinite(own.slip))
+    # A processor that others share is slower by its caches.
+    assert 5 * count / best > 5e5
+
+
+def test_map_variator_refuses_what_it_does_not_know(tmp_path: Path, map_fmu: Path) -> None:
+    with pytest.raises(ValueError, match="belt.play"):
+        MapVariator(parameters={"belt.play": 1e-4})
+    path = tmp_path / "no.fmu"
+    path.write_bytes(b"no archive")
+    with pytest.raises(MapError, match=r"no\.fmu"):
+        MapVariator(path)
+    assert MapVariator(map_fmu).parameters["friction.pulley"] == 0.09
+
+
+# The command
+
+
+def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Maps of a made-up variator whose axes have one force and one speed."""
+    path = tmp_path / "maps.json"
+    made_up().write(path)
+    copy = tmp_path / "copy.fmu"
+    words = ["map-fmu", str(copy), "--maps", str(path), "--fmu", str(map_fmu), "--set", "secondary.inertia=2"]
+    assert cli.main(words) == 0
+    assert str(copy) in capsys.readouterr().out
+    with Archive.unpack(copy) as unpacked, Variator(unpacked, {}) as unit:
+        unit.initialise()
+        assert unit.get("friction.pulley") == 0.08
+        assert unit.get("secondary.inertia") == 2.0
+        # T_P = u 2 μ r F/cosβ with u = s/0.02.
+        utilisation = unit.get("torqueUtilisation")
+        assert unit.get("slip") == pytest.approx(0.02 * utilisation, rel=1e-3)
+        assert unit.get("thrustRatio") == pytest.approx(1.3)
+    assert cli.main(["map-fmu", str(tmp_path / "copy.zip")]) == 1
+    assert cli.main(["map-fmu", str(copy), "--maps", str(tmp_path / "none.nc")]) == 1
+    assert cli.main([*words[:6], "--set", "friction.pulley=0.5"]) == 1
+    assert "wedgeAngle" in capsys.readouterr().err
+
+
+def made_up() -> Maps:
+    """Maps with a straight traction."""
+    axes = {
+        "force": np.array([1e4]),
+        "speed": np.array([200.0]),
+        "ratio": np.array([0.5, 1.0, 2.0]),
+        "utilisation": np.array([-0.9, 0.0, 0.9]),
+        "direction": np.array([-1.0, 1.0]),
+        "slipShare": np.array([-1.0, 0.0, 1.0]),
+        "shiftUtilisation": np.array([0.0]),
+        "excess": np.array([-1.0, 0.0, 1.0]),
+    }
+    from pushbelt.map_data import TABLES
+
+    tables = {name: np.zeros(tuple(len(axes[axis]) for axis in quantity.axes)) for name, quantity in TABLES.items()}
+    tables["thrustRatio"] += 1.3
+    tables["bearingLoad"] += 3e3
+    tables["traction"] += 0.9 * axes["slipShare"]
+    tables["capacity"] += 0.9 * axes["direction"]
+    tables["capacitySlip"] += 0.018 * axes["direction"]
+    tables["shiftRate"] += 0.01 * axes["excess"]
+    parameters = json.loads(map_unit.default_maps().read_bytes())
+    values = {**parameters["parameters"], **parameters["startValues"], "friction.pulley": 0.08}
+    return Maps(axes, tables, values)
