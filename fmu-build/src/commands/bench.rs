@@ -5,16 +5,20 @@ use std::process::Command;
 use clap::Args;
 
 use crate::cargo::{self, Program};
+use crate::commands::python_program;
 use crate::progress;
 use crate::workspace::Workspace;
 
 /// The program in `benches/` that measures the variator.
 const VARIATOR: &str = "variator";
 
+/// Option that measures a calibration instead.
+const CALIBRATE: &str = "--calibrate";
+
 /// Options of the benchmark.
 #[derive(Args)]
 pub struct Arguments {
-    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --help` lists its options
+    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --calibrate` times a calibration, `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -24,6 +28,11 @@ pub struct Arguments {
 /// # Errors
 /// The benchmark doesn't compile or fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.passed_on.iter().any(|word| word == CALIBRATE) {
+        let mut calibrate = python_program(workspace, "pushbelt.calibrate.benchmark", "bench-calibrate", "Fitting")?;
+        let others = arguments.passed_on.iter().filter(|word| *word != CALIBRATE);
+        return cargo::run(calibrate.args(others));
+    }
     let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");
     let mut bench = Command::new(program);

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.unit import UnitError
 
@@ -40,6 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
     options = parser.parse_args(arguments)
+    provenance.begin("drive", arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     plan = dataclasses.replace(

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.progress import progress_bar
 
@@ -57,6 +58,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
+    provenance.begin("sweep", arguments)
     try:
         grid = measure.GRID if options.measure else SHORT if options.short else DEFAULT
         grid = replace(grid, **{name: getattr(options, name) for name in AXES if getattr(options, name) is not None})
