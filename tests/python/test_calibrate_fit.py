@@ -184,7 +184,7 @@ def test_a_speed_ratio_starts_from_the_slip_of_the_last_search(
         slips.append(found.values["slip"])
         counts.append(found.solves)
     last = worker.solve_or_say_why(fmu, archive.directory, base, replace(point, slip=slips[-1]))
-    assert (max(counts) <= 4, last.solves) == (True, 1)
+    assert counts[0] <= 3 and counts[1] == 2 and last.solves <= 2
 
 
 def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
