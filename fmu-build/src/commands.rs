@@ -67,8 +67,26 @@ fn program_on(
         .args(["-m", module, "--fmu"])
         .arg(fmu)
         .arg("--output")
-        .arg(workspace.target().join(folder));
+        .arg(workspace.target().join(folder))
+        .env("PUSHBELT_COMMAND", command_line(std::env::args().skip(1)));
     Ok(program)
+}
+
+/// The command that started this tool, for a shell: the reports name it.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_=./:,+@%".contains(c));
+    let quoted = |word: String| {
+        if plain(&word) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\"'\"'"))
+        }
+    };
+    let words: Vec<String> = ["cargo".to_owned(), "fmu".to_owned()]
+        .into_iter()
+        .chain(arguments.map(quoted))
+        .collect();
+    words.join(" ")
 }
 
 /// Runs both at once and returns what both return.
@@ -90,6 +108,15 @@ fn side_by_side<A, B: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_command_line_can_be_pasted_into_a_shell() {
+        let words = ["calibrate", "my table.csv", "--", "--map", "i=ratio.geometric", "it's"].map(str::to_owned);
+        assert_eq!(
+            command_line(words.into_iter()),
+            "cargo fmu calibrate 'my table.csv' -- --map i=ratio.geometric 'it'\"'\"'s'"
+        );
+    }
 
     #[test]
     fn both_results_or_the_first_error_come_back() {

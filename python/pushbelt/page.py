@@ -14,6 +14,8 @@ from typing import Any
 
 import jinja2
 
+from . import provenance
+
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -44,7 +46,8 @@ def _environment(**filters: Any) -> jinja2.Environment:
 def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
     """Writes a page from a template. `template` is its path inside this package."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    text = _environment(**filters).get_template(template).render(context, machine=machine)
+    origin = provenance.current(template.split("/")[0])
+    text = _environment(**filters).get_template(template).render(context, machine=machine, origin=origin)
     path.write_text(with_scripts(text), encoding="utf-8")
 
 

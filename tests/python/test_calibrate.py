@@ -378,7 +378,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
     with (out / "residuals.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == sum(len(point.measured) for point in points)
-    relative = np.array([float(row["residual/sd"]) for row in rows])
+    relative = np.array([float(row["residual/sd [1]"]) for row in rows])
     assert 0.6 < math.sqrt(np.mean(relative**2)) < 1.4
     report = reports.stands_alone(out / "report.html")
     for name in ("parameters", "correlations", "residuals", "worst", "lost", "method"):

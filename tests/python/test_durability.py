@@ -209,10 +209,11 @@ def test_estimate_of_clamping_is_near_the_fmu(fmu: Path, ratio: float, torque: f
 @pytest.mark.parametrize(
     ("line", "column", "text", "message"),
     [
-        (7, "ring.speed", "nan", r"line 7, column ring\.speed: 'nan' is not a number"),
-        (7, "ring.speed", "", r"line 7, column ring\.speed: '' is not a number"),
+        (7, "ring.speed", "nan", r"line 7, column ring\.speed: 'nan' is no value"),
+        (7, "ring.speed", "", r"line 7, column ring\.speed: the cell is empty"),
         (8, AMPLITUDE.format("primary"), "-1", r"line 8, column ring\.stressAmplitude\.primary: -1 is not within 0 to 1e\+11 Pa"),
-        (9, "ring.speed", "inf", r"line 9, column ring\.speed: inf is not within -500 to 500 m/s"),
+        (9, "ring.speed", "inf", r"line 9, column ring\.speed: 'inf' is no value"),
+        (9, "ring.speed", "501", r"line 9, column ring\.speed: 501 is not within -500 to 500 m/s"),
         (9, "time", "0.2", r"line 9, column time: 0\.2 s is not after 0\.6 s"),
         (102, "time", "12", r"line 102, column time: 12 s is 2\.1 s after the row before; a gap is longer than 1 s"),
         (20, "distance", "1", r"line 20, column distance: 1 m is below the 20\.4 m"),
@@ -237,7 +238,7 @@ def test_missing_and_repeated_columns_are_named_in_one_error(tmp_path: Path) -> 
         read(path)
     short = tmp_path / "c.csv"
     short.write_text(write(path, run()).read_text(encoding="utf-8") + "1,2\n", encoding="utf-8")
-    with pytest.raises(DurabilityError, match="line 103: 2 cells below 7 names"):
+    with pytest.raises(DurabilityError, match="line 103, column .*: the cell is empty"):
         read(short)
 
 

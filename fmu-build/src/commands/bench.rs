@@ -5,12 +5,15 @@ use std::process::Command;
 use clap::Args;
 
 use crate::cargo::{self, Program};
-use crate::commands::maps;
+use crate::commands::{maps, python_program};
 use crate::progress;
 use crate::workspace::Workspace;
 
 /// The program in `benches/` that measures the variator.
 const VARIATOR: &str = "variator";
+
+/// Option that measures a calibration instead.
+const CALIBRATE: &str = "--calibrate";
 
 /// Options of the benchmark.
 #[derive(Args)]
@@ -18,7 +21,7 @@ pub struct Arguments {
     /// Measure the time of the default maps instead, of `cargo fmu maps`
     #[arg(long)]
     maps: bool,
-    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --help` lists its options
+    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --calibrate` times a calibration, `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -31,6 +34,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     // After `--` the option is among those that are passed on.
     if arguments.maps || arguments.passed_on.iter().any(|option| option == "--maps") {
         return maps::measure(workspace);
+    }
+    if arguments.passed_on.iter().any(|word| word == CALIBRATE) {
+        let mut calibrate = python_program(workspace, "pushbelt.calibrate.benchmark", "bench-calibrate", "Fitting")?;
+        let others = arguments.passed_on.iter().filter(|word| *word != CALIBRATE);
+        return cargo::run(calibrate.args(others));
     }
     let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");

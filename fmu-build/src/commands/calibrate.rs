@@ -7,17 +7,21 @@ use clap::Args;
 
 use crate::cargo;
 use crate::commands::python_program;
+use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
 
 /// Options of the calibration.
 #[derive(Args)]
 pub struct Arguments {
-    /// The measured points, CSV with units in the header; `-- --help` explains the columns
-    #[arg(value_name = "TABLE.csv", required_unless_present_any = ["template", "passed_on"])]
+    /// The measured points, CSV or .xlsx with units; `-- --help` explains the columns
+    #[arg(value_name = "TABLE", required_unless_present_any = ["template", "passed_on"])]
     table: Option<PathBuf>,
     /// Write an example of a table, with what each column means, instead
     #[arg(long, value_name = "FILE", conflicts_with = "table")]
     template: Option<PathBuf>,
+    /// Print what is understood of the table, without a fit and without the FMU
+    #[arg(long, requires = "table")]
+    check: bool,
     /// Parameters that are fitted, between commas, each with or without a start value: friction.pulley=0.08,belt.play
     #[arg(long, value_name = "NAMES")]
     fit: Option<String>,
@@ -34,7 +38,13 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, the table can't be read, or it determines none of the parameters.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut calibrate = python_program(workspace, "pushbelt.calibrate", "calibrate", "Fitting")?;
+    let mut calibrate = if arguments.check || arguments.template.is_some() {
+        let mut reading = Environment::prepare(workspace, &RUNNING)?.command();
+        reading.args(["-m", "pushbelt.calibrate"]);
+        reading
+    } else {
+        python_program(workspace, "pushbelt.calibrate", "calibrate", "Fitting")?
+    };
     if let Some(table) = &arguments.table {
         calibrate.arg(absolute(table)?);
     }
@@ -43,6 +53,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     }
     if let Some(names) = &arguments.fit {
         calibrate.args(["--fit", names]);
+    }
+    if arguments.check {
+        calibrate.arg("--check");
     }
     if arguments.short {
         calibrate.arg("--short");

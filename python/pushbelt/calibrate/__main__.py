@@ -28,6 +28,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pushbelt import provenance
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
@@ -136,6 +137,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Fits, writes report, parameters and residuals, and prints their paths."""
     options = parser().parse_args(arguments)
+    provenance.begin("calibrate", arguments)
     try:
         if options.template is not None:
             options.template.write_text(points.template(), encoding="utf-8")

@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import InputFileError, described
 
@@ -31,6 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
         help="parameter set of the runs, or its file, ….json; required to show the belt if both files have the columns profile.…",
     )
     options = parser.parse_args(arguments)
+    provenance.begin("compare", arguments)
     try:
         pairs = runs.pairs(options.a, options.b)
         wanted = {name for pair in pairs for name in pair.names}

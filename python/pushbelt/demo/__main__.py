@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
@@ -22,6 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--short", action="store_true", help="run three load cases and 1 s of the manoeuvre")
     parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
     options = parser.parse_args(arguments)
+    provenance.begin("demo", arguments)
     begin = time.perf_counter()
     try:
         results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL, options.variator)

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.unit import UnitError
 
@@ -56,6 +57,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--maps", type=Path, metavar="FILE", help="maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     )
     options = parser.parse_args(arguments)
+    provenance.begin("drive", arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:

@@ -10,6 +10,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.data import is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
 
@@ -42,6 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
         default = getattr(Material, name)
         parser.add_argument(f"--{name}", type=float, default=default, help=f"{text} [default: {default:g}]")
     options = parser.parse_args(arguments)
+    provenance.begin("durability", arguments)
     try:
         material = Material(**{name: getattr(options, name) for name in MATERIAL})
         parameters = _parameters(options.fmu, options.variator)

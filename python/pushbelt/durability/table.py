@@ -1,10 +1,8 @@
-"""The table of outputs: CSV in SI units with the names of the FMU's outputs. Errors are reported by line and column."""
+"""The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs. Errors are reported by line and column."""
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
+from pushbelt.rig import sheet as sheets
+from pushbelt.rig.sheet import Column, Sheet, TableError
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
@@ -27,29 +27,23 @@ class DurabilityError(ValueError):
     """The table cannot be used. The message has line, column and value."""
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column that is read."""
-
-    low: float
-    high: float
-    unit: str
-    meaning: str
-
-
-STRESS = Column(-1e11, 1e11, "Pa", "stress along the ring")
+STRESS = Column("stress", -1e11, 1e11, "stress along the ring", (), "Pa")
 STRESSES: Mapping[str, Column] = {
-    **{AMPLITUDE.format(p): Column(0.0, 1e11, "Pa", f"stress amplitude on the {p} pulley") for p in PULLEYS},
-    **{MEAN.format(p): Column(-1e11, 1e11, "Pa", f"mean stress on the {p} pulley") for p in PULLEYS},
+    **{AMPLITUDE.format(p): Column("stress", 0.0, 1e11, f"stress amplitude on the {p} pulley", (), "Pa") for p in PULLEYS},
+    **{MEAN.format(p): Column("stress", -1e11, 1e11, f"mean stress on the {p} pulley", (), "Pa") for p in PULLEYS},
 }
-TIME, SPEED = Column(-1e9, 1e9, "s", "time"), Column(-500.0, 500.0, "m/s", "speed of the ring")
-DISTANCE = Column(0.0, 1e10, "m", "distance driven since the start")
-OPTIONAL: Mapping[str, Column] = {
-    "ratio.geometric": Column(0.01, 100.0, "1", "ratio r_S/r_P"),
-    "primary.shaftTorque": Column(-1e6, 1e6, "N.m", "torque of the belt on the primary pulley"),
-    "primary.torque": Column(-1e6, 1e6, "N.m", "torque on the primary shaft"),
-    **{f"{p}.radius": Column(0.001, 10.0, "m", f"running radius on the {p} pulley") for p in PULLEYS},
+DISTANCE = Column("length", 0.0, 1e10, "distance driven since the start", (), "m")
+COLUMNS: Mapping[str, Column] = {
+    "time": Column("time", -1e9, 1e9, "time", (), "s"),
+    "ring.speed": Column("velocity", -500.0, 500.0, "speed of the ring", (), "m/s"),
+    **STRESSES,
+    "distance": DISTANCE,
+    "ratio.geometric": Column("ratio", 0.01, 100.0, "ratio r_S/r_P"),
+    "primary.shaftTorque": Column("torque", -1e6, 1e6, "torque of the belt on the primary pulley", (), "N.m"),
+    "primary.torque": Column("torque", -1e6, 1e6, "torque on the primary shaft", (), "N.m"),
+    **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
 }
+"""Columns that are read. Those without a unit are in SI units."""
 
 
 @dataclass(frozen=True)
@@ -99,67 +93,52 @@ def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
     """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles, the
     stress along the ring is read.
 
-    Raises DurabilityError for the first problem, and OSError if the file cannot be read.
+    Raises DurabilityError for faults of the file, and OSError if the file cannot be read.
     """
-    data = path.read_bytes()
     try:
-        rows = csv.reader(data.decode("utf-8-sig").splitlines())
-        header = [name.strip() for name in next(rows, [])]
-        cells = [(rows.line_num, row) for row in rows if row]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DurabilityError(f"{path} is not a table in CSV: {error}") from error
-    wanted, places = _wanted(path, header, kilometres, profile)
-    for line, row in cells:
-        if len(row) != len(header):
-            raise DurabilityError(f"{path}, line {line}: {len(row)} cells below {len(header)} names")
-    if len(cells) < 2:
-        raise DurabilityError(f"{path}: {len(cells)} rows below the header; a run has at least 2")
-    values = {
-        name: np.array([_number(path, line, name, column, row[header.index(name)]) for line, row in cells])
-        for name, column in wanted.items()
-    }
-    field = np.column_stack([values.pop(name) for name in places]) if places else None
-    lines = np.array([line for line, _ in cells], dtype=float)
-    table = Table(path, values, lines, field, hashlib.sha256(data).hexdigest())
+        sheet = sheets.read(path, COLUMNS, misspelled=False)
+        field = [name for name in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", name)]
+        places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)]
+        counted = profile or (bool(field) and not any(name in sheet.taken for name in STRESSES))
+        required = ["time", "ring.speed", *((places or [f"{FIELD}[1]"]) if counted else STRESSES)]
+        if counted:
+            sheet = sheets.read(path, {**COLUMNS, **dict.fromkeys(places, STRESS)}, misspelled=False)
+        sheet.check()
+    except TableError as error:
+        raise DurabilityError(str(error)) from error
+    _complete(path, sheet, required, places if counted else None, kilometres)
+    unused = set() if not counted else set(STRESSES)
+    values = {name: column for name, column in sheet.values.items() if name not in unused}
+    along = np.column_stack([values.pop(name) for name in places]) if counted else None
+    identity = hashlib.sha256(path.read_bytes()).hexdigest()
+    table = Table(path, values, sheet.lines.astype(float), along, identity)
     _check_course(table)
     return table
 
 
-def _wanted(path: Path, header: list[str], kilometres: bool, profile: bool) -> tuple[dict[str, Column], list[str]]:
-    """The columns to read by name, and those of the stress along the ring in their order."""
-    for name in header:
-        if name and header.count(name) > 1:
-            raise DurabilityError(f"{path}, line 1, column {name}: it appears {header.count(name)} times")
-    found = [name for name in header if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", name)]
-    places = [f"{FIELD}[{k}]" for k in range(1, len(found) + 1)]
-    counted = profile or (bool(found) and not any(name in header for name in STRESSES))
-    required = {"time": TIME, "ring.speed": SPEED}
-    required |= dict.fromkeys(places or [f"{FIELD}[1]"], STRESS) if counted else STRESSES
-    missing = [f"{name} ({one.meaning}, {one.unit})" for name, one in required.items() if name not in header]
+def _complete(path: Path, sheet: Sheet, required: list[str], places: list[str] | None, kilometres: bool) -> None:
+    """Checks that the required columns are there, and that each row has all values."""
+    known = {**COLUMNS, f"{FIELD}[1]": STRESS}
+    missing = [
+        f"{name} ({known[name].meaning}, {known[name].default or '1'})" for name in required if name not in sheet.taken
+    ]
     if missing:
         raise DurabilityError(f"{path}, line 1: no column {', '.join(missing)}")
-    if counted and len(places) < 8:
+    if places is not None and len(places) < 8:
         raise DurabilityError(f"{path}, line 1: {len(places)} columns {FIELD}[…]; a closed loop has at least 8 places")
-    if kilometres and "distance" not in header:
+    if kilometres and "distance" not in sheet.taken:
         raise DurabilityError(
-            f"{path}, line 1: no column distance ({DISTANCE.meaning}, {DISTANCE.unit}), which a life in kilometres needs; "
+            f"{path}, line 1: no column distance ({DISTANCE.meaning}, {DISTANCE.default}), which a life in kilometres needs; "
             "--hours gives the life in hours"
         )
-    optional = {name: column for name, column in {**OPTIONAL, "distance": DISTANCE}.items() if name in header}
-    return required | optional, places if counted else []
-
-
-def _number(path: Path, line: int, name: str, column: Column, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if math.isnan(value):
-        raise DurabilityError(f"{path}, line {line}, column {name}: '{text}' is not a number")
-    if not column.low <= value <= column.high:
-        allowed = f"{column.low:g} to {column.high:g} {column.unit}"
-        raise DurabilityError(f"{path}, line {line}, column {name}: {text} is not within {allowed}")
-    return value
+    if sheet.left_out:
+        raise DurabilityError(f"{path}, {sheet.left_out[0]}")
+    for name, column in sheet.values.items():
+        empty = np.isnan(column)
+        if empty.any():
+            raise DurabilityError(f"{path}, line {sheet.lines[np.argmax(empty)]}, column {name}: the cell is empty")
+    if len(sheet) < 2:
+        raise DurabilityError(f"{path}: {len(sheet)} rows below the header; a run has at least 2")
 
 
 def _check_course(table: Table) -> None:

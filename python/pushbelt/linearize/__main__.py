@@ -15,6 +15,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.progress import progress_bar
 from pushbelt.variator import FREQUENCY, STATES, SteadyStateError, Variator
@@ -58,6 +59,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Computes the models, writes the files and prints their paths."""
     options = parser().parse_intermixed_args(arguments)
+    provenance.begin("linearize", arguments)
     try:
         asked = points.read(options.settings, options.safety)
         with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:

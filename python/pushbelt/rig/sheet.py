@@ -246,8 +246,8 @@ def _turned(wanted: str | None) -> tuple[str, str | None]:
     return "", wanted
 
 
-def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None) -> Sheet:
-    """Columns of a file. Faults are collected in the result.
+def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
+    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one.
 
     Raises TableError if the file is not a table at all, OSError if it cannot be read.
     """
@@ -262,7 +262,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
         cells = text.read(path, known, reading.sheet)
     except (TextError, pd.errors.ParserError) as error:
         raise TableError([Fault(str(error))], path) from error
-    return _Reader(path, cells, names, reading, known).sheet()
+    return _Reader(path, cells, names, reading, known, misspelled).sheet()
 
 
 def _same(title: str, wanted: str) -> bool:
@@ -270,7 +270,8 @@ def _same(title: str, wanted: str) -> bool:
 
 
 class _Reader:
-    def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, known: Any) -> None:
+    def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, known: Any, misspelled: bool) -> None:
+        self.misspelled = misspelled
         self.path, self.cells, self.names, self.reading = path, cells, names, reading
         self.faults: list[Fault] = []
         self.remarks: list[str] = []
@@ -409,7 +410,7 @@ class _Reader:
             if title:
                 self.ignored.append(title)
             return
-        near = next((close for written, _ in splits(title) if (close := self.names.close(written)) is not None), None)
+        near = None if not self.misspelled else next((close for written, _ in splits(title) if (close := self.names.close(written)) is not None), None)
         if near is not None:
             self.failed.add(near)
             self.faults.append(Fault(f"there is no such column; {near} is meant? --map \"{title}\"={near} says so", self._line, title))
@@ -498,7 +499,8 @@ class _Reader:
             limits = sorted(-limit if one.turned == "-" else 1.0 / limit if limit else np.inf for limit in limits)
         allowed = f"{limits[0]:.6g} to {limits[1]:.6g}"
         above = "above " if deviation else ""
-        unit = f" {one.unit}" if one.unit and one.unit != "1" else ""
+        written = one.unit or one.column.default
+        unit = f" {written}" if written not in (None, "", "1", "-") else ""
         shown = f"{cell.share:g}" if isinstance(cell, Percent) else f"{cell}"
         self.faults.append(Fault(f"{shown} is not within {above}{allowed}{unit}", line, one.title))
         return False

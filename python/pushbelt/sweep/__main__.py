@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
@@ -73,6 +74,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
+    provenance.begin("sweep", arguments)
     try:
         slurm = Slurm.read(options.slurm) if options.slurm is not None else None
         if options.print_job:

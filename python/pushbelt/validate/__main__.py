@@ -11,8 +11,10 @@ import sys
 import time
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
+from pushbelt.rig import options as reading_options
 
 from .bench import Plan
 from .runs import SECTIONS, run_all
@@ -30,7 +32,14 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--short", action="store_true", help="solve few points of each section")
     parser.add_argument("--section", action="append", choices=SECTIONS, help="run only this section; can be repeated")
+    parser.add_argument("--table", type=Path, help="score a parameter set on a rig's table, instead of the sections")
+    parser.add_argument("--variator", default="bench168", help="with --table: a parameter set, or a file ….json")
+    parser.add_argument("--workers", type=int, default=2, metavar="N", help="with --table: processes [default: 2]")
+    reading_options.add(parser)
     options = parser.parse_args(arguments)
+    provenance.begin("validate", arguments)
+    if options.table is not None:
+        return _hold_out(options)
     from . import report
     from .outcome import Verdict
 
@@ -48,6 +57,25 @@ def main(arguments: list[str] | None = None) -> int:
                 print(f"  misses: {check.statement}: {check.found} ({check.goal}); {check.by}")
     words = ", ".join(f"{verdict.value} {found[verdict]}" for verdict in Verdict)
     print(f"{path.resolve()} ({words}; {time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
+def _hold_out(options: argparse.Namespace) -> int:
+    """Scores of a parameter set on a table."""
+    from . import holdout
+
+    begin = time.perf_counter()
+    try:
+        held = holdout.hold_out(
+            options.fmu, options.table, options.variator, reading_options.reading(options), reading_options.oil(options), options.workers
+        )  # fmt: skip
+    except (ValueError, UnitError, OSError) as error:
+        print(f"The validation failed: {error}", file=sys.stderr)
+        return 1
+    path = holdout.write(held, options.output)
+    for score in held.scores():
+        print(f"  {holdout.sentence(score)}")
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 
 

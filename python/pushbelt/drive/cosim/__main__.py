@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from pushbelt import provenance
 from pushbelt.fmu.unit import UnitError
 
 from . import masters, report, study
@@ -18,6 +19,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
     parser.add_argument("--short", action="store_true", help="5 s of the cycle instead of 20")
     options = parser.parse_args(arguments)
+    provenance.begin("drive", arguments, "drive.cosim")
     try:
         result = study.run(options.fmu, study.SHORT if options.short else study.FULL, options.output)
     except (UnitError, ValueError) as error:

@@ -1,0 +1,107 @@
+"""Scores of parameter sets on a table that they were not fitted to, and the origin that every report names."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import reports
+
+from pushbelt import page, provenance
+from pushbelt.fmu.data import RESOURCES, parameter_set
+from pushbelt.rig import worker
+from pushbelt.rig.measured import Measured, Point
+from pushbelt.validate import __main__ as validate
+
+SPEED, FORCE = 190.0, 12e3
+
+
+@pytest.fixture(scope="module")
+def table(fmu: Path, archive: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A table without noise of a variator with another friction, and its parameter set."""
+    folder = tmp_path_factory.mktemp("holdout")
+    document = json.loads((RESOURCES / "parameters" / "bench168.json").read_text(encoding="utf-8"))
+    document["parameters"]["friction.pulley"]["value"] = 0.1
+    fitted = folder / "fitted.json"
+    fitted.write_text(json.dumps(document), encoding="utf-8")
+    rows = ["i_geo;n_P [rad/s];T_P [Nm];F_S [kN];thrustRatio;slip [%]"]
+    for ratio, torque in ((1.8, 40.0), (1.0, 55.0), (0.6, 35.0)):
+        point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
+        found = worker.solve_or_say_why(fmu, archive.directory, parameter_set(str(fitted)), point)
+        assert found.reason is None
+        values = found.values["thrustRatio"], 100.0 * found.values["slip"]
+        rows.append(";".join(f"{value!r}".replace(".", ",") for value in (ratio, SPEED, torque, FORCE / 1e3, *values)))
+    path = folder / "rig.csv"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path, fitted
+
+
+def test_the_set_of_the_table_scores_better_than_the_default(
+    fmu: Path, table: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, fitted = table
+    out = tmp_path / "out"
+    words = ["--fmu", str(fmu), "--output", str(out), "--table", str(path), "--variator", str(fitted), "--workers", "1"]
+    assert validate.main(words) == 0
+    scores = {(s["quantity"], s["variator"]): s for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
+    assert {quantity for quantity, _ in scores} == {"thrustRatio", "slip"}
+    for quantity in ("thrustRatio", "slip"):
+        assert scores[quantity, str(fitted)]["relative"] < 1e-3
+        assert scores[quantity, "bench168"]["relative"] > 0.5
+        assert (scores[quantity, "bench168"]["count"], scores[quantity, "bench168"]["lost"]) == (3, 0)
+    with (out / "residuals.csv").open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert len(rows) == 6
+    assert "measured [SI]" in header
+    report = reports.stands_alone(out / "report.html")
+    assert reports.figures(report) == 6
+    # The origin: command, date, and hashes of the FMU, the table and the set.
+    assert f"pushbelt validate --fmu {fmu}" in report
+    for file in (fmu, path, fitted):
+        assert hashlib.sha256(file.read_bytes()).hexdigest() in report
+    assert "thrustRatio" in capsys.readouterr().out
+    reports.look_at(out / "report.html")
+
+
+def test_a_table_with_faults_is_named(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text("i_geo,n_P\n1,2000\n", encoding="utf-8")
+    assert validate.main(["--fmu", str(fmu), "--output", str(tmp_path / "out"), "--table", str(path)]) == 1
+    assert "column n_P: no unit" in capsys.readouterr().err
+
+
+# Origin of reports
+
+
+def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance, "_current", None)
+    path = tmp_path / "my table.csv"
+    path.write_bytes(b"x")
+    found = provenance.begin("calibrate", [str(path), "--map", "i=ratio.geometric"])
+    assert found.command == f"pushbelt calibrate '{path}' --map i=ratio.geometric"
+    assert [(one.name, one.sha256) for one in found.inputs] == [(path.name, hashlib.sha256(b"x").hexdigest())]
+    assert provenance.current("calibrate") is found
+    assert provenance.current("validate") is None
+    assert provenance.begin("paper", [], "paper").command == "python -m pushbelt.paper"
+
+
+def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance, "_current", None)
+    monkeypatch.setenv(provenance.COMMAND, "cargo fmu calibrate points.csv")
+    monkeypatch.setattr("sys.argv", ["__main__.py", "points.csv"])
+    assert provenance.begin("calibrate", None).command == "cargo fmu calibrate points.csv"
+    # `pushbelt` passes the arguments on.
+    assert provenance.begin("calibrate", ["points.csv"]).command == "pushbelt calibrate points.csv"
+
+
+@pytest.mark.parametrize(
+    "program", ["calibrate", "compare", "demo", "drive", "drive.cosim", "durability", "linearize", "paper", "sweep", "validate"]
+)
+def test_every_program_records_its_origin(program: str) -> None:
+    """Each `main` begins a report's origin with its arguments."""
+    text = (Path(page.__file__).parent / program.replace(".", "/") / "__main__.py").read_text(encoding="utf-8")
+    assert f'provenance.begin("{program.split(".")[0]}", arguments' in text
