@@ -141,7 +141,7 @@ def belt_view(
         '<div class="controls"><button type="button">Play</button>'
         f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
         "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N push force</div>'
+        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN push force</div>'
         f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times.'
         f" One turn in the animation represents {slow:.0f} turns, one drawn element {ELEMENTS_TOGETHER} elements.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
