@@ -150,7 +150,7 @@ def belt_view(
         '<div class="controls"><button type="button">Play</button>'
         f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
         "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N {data["force"]}</div>'
+        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN {data["force"]}</div>'
         f'<p class="source">The distance from the reference curve is magnified {magnification:.0f} times. {drawn}'
         f" One turn in the animation represents {slow:.0f} turns.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'

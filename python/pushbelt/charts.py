@@ -325,11 +325,11 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         }
     if one.lines_only:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
-        trace["contours"]["labelfont"] = {"size": 10, "color": MUTED}
+        trace["contours"]["labelfont"] = {"size": 12, "color": MUTED}
         trace["line"] = {"width": 1.0, "color": MUTED}
     else:
         trace["colorscale"] = [[k / (len(COLOUR_SCALE) - 1), colour] for k, colour in enumerate(COLOUR_SCALE)]
-        trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 10}}
+        trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
         if one.ticks:
             places, texts = zip(*one.ticks, strict=True)
             trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
@@ -341,15 +341,16 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
 
 def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, scale: str) -> dict[str, Any]:
     axis: dict[str, Any] = {
-        "title": {"text": label, "standoff": 6, "font": {"size": 12, "color": INK}}, "gridcolor": GRID, "zeroline": False,
-        "linecolor": MUTED, "tickcolor": MUTED, "tickfont": {"size": 11, "color": INK}, "showline": True, "ticks": "outside",
+        "title": {"text": label, "standoff": 6, "font": {"size": 12.5, "color": INK}}, "gridcolor": GRID, "zeroline": False,
+        "linecolor": MUTED, "tickcolor": MUTED, "tickfont": {"size": 12, "color": INK}, "showline": True, "ticks": "outside",
         "ticklen": 3, "automargin": True, "separatethousands": True,
     }  # fmt: skip
     if scale == "log":
         axis |= {"type": "log", "dtick": 1} if not ticks else {"type": "log"}
         if span is None or span[1] / span[0] < 30.0:
             axis.pop("dtick", None)
-        axis |= {"exponentformat": "power"}
+        # Without a format plotly shows digits between powers of ten smaller.
+        axis |= {"tickformat": "~g"}
     if span is not None:
         axis |= {"range": [float(v) for v in (np.log10(span) if scale == "log" else span)], "autorange": False}
     if ticks:
@@ -366,7 +367,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
-        "margin": {"l": 40, "r": 10, "t": 8, "b": 30},
+        "margin": {"l": 40, "r": 20, "t": 8, "b": 30},
         "font": {
             "family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif",
             "color": INK,
@@ -383,7 +384,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
         "annotations": _annotations(panel),
     }
     if linked:
-        layout["margin"]["l"], layout["yaxis"]["automargin"] = 52, False  # The plot areas of all panels have the same left edge.
+        layout["margin"]["l"], layout["yaxis"]["automargin"] = 62, False  # The plot areas of all panels have the same left edge.
     if any(mark.label for mark in panel.marks) or any(shade.label for shade in panel.shades):
         layout["margin"]["t"] = 24
     if panel.equal:
@@ -415,19 +416,19 @@ def _annotations(panel: Panel) -> list[dict[str, Any]]:
     narrow = 0.03 * (panel.x_range[1] - panel.x_range[0]) if panel.x_range else 0.0
     above = {"xref": "x", "yref": "paper", "y": 1, "yanchor": "bottom", "showarrow": False, "yshift": 1}
     texts = [
-        above | {"x": 0.5 * float(s.start + s.end), "text": s.label, "font": {"size": 11, "color": MUTED}}
+        above | {"x": 0.5 * float(s.start + s.end), "text": s.label, "font": {"size": 12, "color": MUTED}}
         for s in panel.shades
         if s.label and s.end - s.start > narrow
     ]
     texts += [
         above
-        | {"x": float(m.x), "text": m.label, "font": {"size": 10, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
+        | {"x": float(m.x), "text": m.label, "font": {"size": 12, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
         for m in panel.marks
         if m.label
     ]
     texts += [
         {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y", "y": float(np.log10(v.y) if panel.scale == "log" else v.y),
-         "yanchor": "bottom", "showarrow": False, "text": v.label, "font": {"size": 11, "color": v.colour}}
+         "yanchor": "bottom", "showarrow": False, "text": v.label, "font": {"size": 12, "color": v.colour}}
         for v in panel.levels
         if v.label
     ]  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 
 BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "#830196"
@@ -9,6 +11,14 @@ BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "
 
 COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
 """Colours from small to large values. They become darker, so that the scale also works in grey."""
+
+SHOWN = {"rad/s": (30.0 / math.pi, "rpm"), "N": (1e-3, "kN"), "Pa": (1e-6, "MPa")}
+
+
+def in_figures(unit: str) -> tuple[float, str]:
+    """Factor and unit in which figures show values of an SI unit: speeds in rpm, forces in kN, stress in MPa."""
+    return SHOWN.get(unit, (1.0, unit))
+
 
 STYLE = {
     "font.family": "DejaVu Sans",

@@ -98,9 +98,10 @@ class Page:
         self.call("Input.dispatchKeyEvent", type="keyDown", key=name, windowsVirtualKeyCode=code, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", key=name, windowsVirtualKeyCode=code)
 
-    def picture(self, path: Path, whole: bool = True) -> None:
-        """Saves a screenshot of the page."""
-        data = self.call("Page.captureScreenshot", captureBeyondViewport=whole)["data"]
+    def picture(self, path: Path, whole: bool = True, clip: dict[str, float] | None = None) -> None:
+        """Saves a screenshot of the page, or of a part of it."""
+        part = {"clip": clip} if clip else {}
+        data = self.call("Page.captureScreenshot", captureBeyondViewport=whole, **part)["data"]
         path.write_bytes(base64.b64decode(data))
 
 

@@ -43,6 +43,8 @@ def look_at(report: Path) -> None:
             page.open(report, width)
             _is_drawn(page)
             _fits(page, width)
+            _is_legible(page)
+        _tables_sort(page)
         _sliders_move(page)
         _keys_move(page)
         assert page.complaints == []
@@ -110,3 +112,52 @@ def _keys_move(page: browser.Page) -> None:
         page.wait(f"{key}.getAttribute('aria-pressed') === 'false'")
         visible = f"{key}.closest('.chart').querySelector('.plot').data.some((one) => one.visible === false)"
         page.wait(visible)
+
+
+def _is_legible(page: browser.Page) -> None:
+    """Checks that labels of axes are at least 12 px high, lie inside their figure, and do not overlap."""
+    small = page.run(
+        """[...document.querySelectorAll('.plot text')].filter((one) => one.textContent.trim() &&
+            parseFloat(getComputedStyle(one).fontSize) < 11.9).map((one) => one.textContent)"""
+    )
+    assert small == [], small
+    wrong = page.run(
+        """[...document.querySelectorAll('.plot')].filter((plot) => plot.offsetParent).flatMap((plot) => {
+            const outer = plot.getBoundingClientRect();
+            const seen = (selector) => [...plot.querySelectorAll(selector)].map((one) => ({ text: one.textContent, box: one.getBoundingClientRect() }))
+                .filter(({ text, box }) => text.trim() && box.width > 0);
+            const complaints = [];
+            for (const { text, box } of [...seen('.xtick text, .ytick text'), ...seen('.xtitle, .ytitle')]) {
+                if (box.left < outer.left - 1 || box.right > outer.right + 1 || box.top < outer.top - 1 || box.bottom > outer.bottom + 1) {
+                    complaints.push(`cut off: ${text} of ${plot.getAttribute('aria-label')}`);
+                }
+            }
+            for (const [selector, from, to] of [['.xtick text', 'left', 'right'], ['.ytick text', 'top', 'bottom']]) {
+                const ticks = seen(selector).sort((a, b) => a.box[from] - b.box[from]);
+                for (let k = 1; k < ticks.length; k++) {
+                    // The box of a line of text is higher than its digits.
+                    const slack = from === 'top' ? 5 : 0;
+                    if (ticks[k].box[from] < ticks[k - 1].box[to] - slack) {
+                        complaints.push(`overlap: ${ticks[k - 1].text} and ${ticks[k].text} of ${plot.getAttribute('aria-label')}`);
+                    }
+                }
+            }
+            return complaints;
+        })"""
+    )
+    assert wrong == [], wrong
+
+
+def _tables_sort(page: browser.Page) -> None:
+    """Sorts the first sortable table by keyboard, and checks the order of its numbers."""
+    header = "document.querySelector('table.sortable th[aria-sort]')"
+    if not page.run(f"Boolean({header})"):
+        return
+    cells = f"[...{header}.closest('table').rows].slice(1).map((row) => row.cells[{header}.cellIndex].textContent.trim())"
+    orders = []
+    for order in ("ascending", "descending"):
+        page.run(f"{header}.focus()")
+        page.key("Enter")
+        assert page.run(f"{header}.getAttribute('aria-sort')") == order, page.run("document.activeElement.outerHTML")[:300]
+        orders.append(page.run(cells))
+    assert orders[0] != orders[1] or len(set(orders[0])) == 1

@@ -51,7 +51,7 @@ def test_the_chain_agrees_with_the_continuum_theory(archive: Archive) -> None:
 def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:
     assert demo(["--fmu", str(fmu), "--output", str(tmp_path), "--variator", "chain168", "--short"]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "The pins of the chain are drawn." in page and "N tension" in page
+    assert "The pins of the chain are drawn." in page and "kN tension" in page
     assert "Push force" not in page and "polygon action" in page
 
 

@@ -6,16 +6,22 @@ import base64
 import itertools
 import json
 import re
+from collections.abc import Iterator
+from pathlib import Path
 
+import browser
 import numpy as np
 import plotly.graph_objects as go
 import pytest
+import reports
+from conftest import ROOT
 
 from pushbelt import belt_view, charts, style
 from pushbelt.charts import Chart, Field, Level, Mark, Panel, Series, Shade
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import Array, theta_of
 from pushbelt.fmu.results import BeltState, Profile
+from pushbelt.page import with_scripts
 
 BENCH = data.parameter_set("bench168")
 
@@ -140,3 +146,68 @@ def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
 def test_speeds_add_up_to_ways() -> None:
     time = np.linspace(0.0, 2.0, 2001)
     assert belt_view.integrated(time, 3.0 * time, np.array([0.0, 1.0, 2.0])) == pytest.approx([0.0, 1.5, 6.0])
+
+
+# In a browser
+
+
+@pytest.fixture
+def page() -> Iterator[browser.Page]:
+    program = browser.find()
+    if program is None:
+        pytest.skip("no Chromium on the search path")
+    with browser.page(program) as opened:
+        yield opened
+
+
+TABLE = (
+    "<table><tr><th>Name</th><th>Value</th></tr>"
+    "<tr><td>c</td><td>\N{MINUS SIGN}2.5 %</td></tr><tr><td>a</td><td>1\N{NARROW NO-BREAK SPACE}200</td></tr>"
+    "<tr><td>b</td><td>\N{EN DASH}</td></tr><tr><td>d</td><td>30 <small>kN</small></td></tr></table>"
+)
+
+
+def template(name: str) -> str:
+    return (ROOT / "python" / "pushbelt" / name).read_text(encoding="utf-8")
+
+
+def test_a_table_is_sorted_by_value(page: browser.Page, tmp_path: Path) -> None:
+    path = tmp_path / "table.html"
+    script = f"<script>{template('tables.js.j2')}</script><script>const pushbelt = {{ready: Promise.resolve(), draw: () => 0}};</script>"
+    path.write_text(f"<!DOCTYPE html><meta charset='utf-8'>{TABLE}{script}", encoding="utf-8")
+    page.open(path, 400)
+    names = "[...document.querySelectorAll('td:first-child')].map((one) => one.textContent).join('')"
+    click = "document.querySelectorAll('th')[{}].click()"
+    page.run(click.format(1))
+    assert page.run(names) == "cdab"
+    page.run(click.format(1))
+    assert page.run(names) == "adcb"
+    page.run(click.format(0))
+    assert page.run(names) == "abcd"
+    assert page.run("document.querySelectorAll('th')[1].getAttribute('aria-sort')") == "none"
+    assert page.complaints == []
+
+
+def test_short_and_irregular_tables_stay_as_they_are(page: browser.Page, tmp_path: Path) -> None:
+    path = tmp_path / "table.html"
+    irregular = TABLE.replace("<td>b</td>", "<td colspan='2'>b</td>")
+    short = "<table><tr><th>A</th></tr><tr><td>2</td></tr><tr><td>1</td></tr></table>"
+    script = f"<script>{template('tables.js.j2')}</script><script>const pushbelt = {{ready: Promise.resolve(), draw: () => 0}};</script>"
+    path.write_text(f"<!DOCTYPE html><meta charset='utf-8'>{irregular}{short}{script}", encoding="utf-8")
+    page.open(path, 400)
+    assert page.run("document.querySelectorAll('th[aria-sort]').length") == 0
+
+
+def test_narrow_figures_are_legible(tmp_path: Path) -> None:
+    """Long names of ticks, large numbers and long titles of axes, on a telephone."""
+    x = np.linspace(0.0, 1800.0, 50)
+    panels = [
+        Panel("Large numbers", [Series("a", x, 1e5 * np.sin(x))], "time since the beginning of the whole driving cycle in seconds (s)", "a long title of an axis (kN)"),
+        Panel("Named", [Series("b", [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])], x_ticks=tuple((float(k), f"underdrive {k}") for k in range(4))),
+        Panel("Logarithmic", [Series("c", x + 1.0, 1e-3 * x + 1e-6)], "frequency (Hz)", x_scale="log", scale="log"),
+    ]  # fmt: skip
+    path = tmp_path / "report.html"
+    chart = charts.html(Chart(panels, "Narrow figures"))
+    text = f"<!DOCTYPE html><meta charset='utf-8'><meta name='viewport' content='width=device-width'><style>{template('style.css')}</style><main>{chart}</main>"
+    path.write_text(with_scripts(text), encoding="utf-8")
+    reports.look_at(path)

@@ -31,6 +31,7 @@ from pushbelt.drive.control import (
 from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
 from pushbelt.drive.driver import Driver
 from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.durability.table import MEAN, OPTIONAL, STRESSES
@@ -81,6 +82,34 @@ def test_intervals_cover_the_grid() -> None:
         (1, 1.0),
         (1, 1.0),
     ]
+
+
+# Figures of merit
+
+
+def test_figures_of_merit_are_sums_over_the_steps() -> None:
+    """10 kW in for a second at 3000 rpm: 2 % are lost, 100 W of it as drag; 20 bar on the secondary pulley."""
+    steps = np.ones(100)
+    columns = {
+        "primary.power": 9900.0 * steps, "secondary.power": -9800.0 * steps, "loss.shafts": 100.0 * steps,
+        "engine.speed": 100.0 * np.pi * steps, "primary.clampingForce": 1e4 * steps, "secondary.clampingForce": 2e4 * steps,
+        "speed.car": 20.0 * steps, "work.engine": steps, "force.road": steps, "force.brake": steps, "loss.clutch": steps,
+        **{f"loss.{part}": 0.0 * steps for part in simulate.LOSSES if part not in ("shafts", "sheaves")},
+        "loss.sheaves": 100.0 * steps,
+    }  # fmt: skip
+    setup = simulate.Setup("made up", "slip", wltc_class_3b().section(0.0, 1.0))
+    found = merit(simulate.Run(setup, STEP * np.arange(100), columns, {}, 0, 1.0))
+    assert (found.supplied, found.lost) == (pytest.approx(1e4), pytest.approx(200.0))
+    assert found.efficiency == pytest.approx(0.98)
+    assert found.pump == pytest.approx((20e5 + 2e5) * 12e-6 * 50.0 / 0.85)
+    assert found.with_pump == pytest.approx(1.0 - (200.0 + found.pump) / (1e4 + found.pump))
+    assert found.lost_per_km == pytest.approx(1e3 * (200.0 + found.pump) / 20.0)
+    assert found.pressure == pytest.approx(20e5)
+    # A pump needs no energy at a standstill of the engine, and its figure is not defined without a distance.
+    still = {**columns, "engine.speed": 0.0 * steps, "speed.car": 0.0 * steps}
+    rest = merit(simulate.Run(setup, STEP * np.arange(100), still, {}, 0, 1.0))
+    assert rest.pump == 0.0
+    assert math.isnan(rest.lost_per_km)
 
 
 # Cycle
@@ -607,6 +636,14 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     assert run["ratio.geometric"][-1] < 1.1
     energies = run.energies()
     assert abs(report.balance_gap(run)) < 0.005 * energies["engine, driving"]
+    found = merit(run)
+    assert found.lost == pytest.approx(energies["variator"])
+    assert 0.9 < found.efficiency < 0.99
+    # What the shafts supply is what they carry away and what is lost; powers of the belt exclude the drag of the shafts.
+    out = STEP * sum(np.maximum(-run[f"{pulley}.power"], 0.0).sum() for pulley in ("primary", "secondary"))
+    assert found.supplied - found.lost == pytest.approx(out, rel=5e-3)
+    assert found.with_pump < found.efficiency
+    assert found.distance == pytest.approx(run["distance"][-1], rel=1e-2)
     assert min(energies[f"variator, {part}"] for part in simulate.LOSSES) > 0.0
     assert run.loss == pytest.approx(run["loss.total"], abs=1e-6 * run["loss.total"].max())
     assert 0.0 < energies["variator"] < 0.1 * energies["engine, driving"]

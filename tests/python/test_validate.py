@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reports
+from markupsafe import escape
 
 from pushbelt.fmu import shift
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
 from pushbelt.validate import __main__, measured, report
 from pushbelt.validate.bench import Bench, Plan
-from pushbelt.validate.outcome import PERCENT, Column, Source, Unit, Verdict, table, within
+from pushbelt.validate.outcome import PERCENT, Check, Column, Section, Source, Unit, Verdict, table, within
 from pushbelt.validate.runs import SECTIONS
 from pushbelt.validate.sections import efficiency, shifting, slip
 
@@ -69,6 +70,18 @@ def test_a_short_plan_keeps_the_ends() -> None:
     assert Plan(short=True).thin([1, 2, 3, 4, 5], 2) == [1, 5]
     assert Plan(short=True).thin([1, 2, 3, 4, 5], 1) == [3]
     assert Plan().thin([1, 2, 3, 4, 5]) == [1, 2, 3, 4, 5]
+
+
+def test_a_quantity_meets_its_goals_if_it_meets_all() -> None:
+    def of(*verdicts: Verdict) -> report.Summary:
+        where = measured.source("shiftLaw")
+        checks = tuple(Check(f"statement {k}", where, "goal", "found", one) for k, one in enumerate(verdicts))
+        return report.summary(Section("key", "Title", "lead", checks))
+
+    meets, misses, reported_ = Verdict.MEETS, Verdict.MISSES, Verdict.REPORTED
+    assert of(meets, reported_) == report.Summary("key", "Title", "meets", 1, 1, "")
+    assert of(meets, misses, misses) == report.Summary("key", "Title", "misses", 1, 3, "statement 1")
+    assert of(reported_) == report.Summary("key", "Title", "reported", 0, 0, "")
 
 
 # Measurements
@@ -159,6 +172,7 @@ def test_a_section_alone_makes_a_report(fmu: Path, tmp_path: Path) -> None:
     words = ["--fmu", str(fmu), "--output", str(tmp_path), "--short", "--section", "thrust"]
     assert __main__.main(words) == 0
     page = reports.stands_alone(tmp_path / "report.html")
+    assert page.count("<tr><td class=\"text\"><a href=\"#thrust") == 1
     assert "force or speed" in page and "Wedge angle</h2>" not in page
     reports.look_at(tmp_path / "report.html")
 
@@ -179,6 +193,12 @@ def test_the_report_has_every_section_and_needs_nothing_else(short_validation: P
     for title in (*titles, "Stress of the ring", "Two variators"):
         assert f">{title}</h2>" in page
     assert reports.figures(page) > 10
+    # Each check is in the report once; the verdicts name the first missed goal of a quantity again.
+    details = page.split('id="verdicts"')[1].split("</table>", 1)[1]
+    with (short_validation / "checks.csv").open(encoding="utf-8", newline="") as file:
+        for check in csv.DictReader(file):
+            statement = re.escape(str(escape(check["statement"])))
+            assert len(re.findall(f'<td class="text">{statement}(?: <small>|</td>)', details)) == 1, check["statement"]
     content = re.sub(r"<(style|script)[^>]*>.*?</\1>", "", page, flags=re.DOTALL)
     assert not re.search(r"\bnan\b", content.lower())
     reports.look_at(short_validation / "report.html")

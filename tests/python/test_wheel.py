@@ -29,6 +29,8 @@ EXTRA_OF = {
     "sweep": "sweep",
     "validate": "reports",
 }
+OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
+"""Modules that an option of a program imports: their packages, and the extras that install them."""
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
 """Packages that docs/wheel.md describes separately: the WLTC's table, and the co-simulation of the source tree."""
 ON_DEMAND = {"pandas"}
@@ -147,9 +149,12 @@ def with_source() -> dict[str, str]:
 @pytest.mark.parametrize("program", EXTRA_OF)
 def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
     shared = [path for path in PACKAGE.glob("*.py") if path.name not in ("variator.py", "linear.py", "cli.py")]
-    common = imported([*shared, *(PACKAGE / "fmu").rglob("*.py")]) - ON_DEMAND
-    needed = common | imported((PACKAGE / program).rglob("*.py"))
-    assert needed - declared[EXTRA_OF[program]] - BY_HAND == set()
+    needed = imported([*shared, *(PACKAGE / "fmu").rglob("*.py")]) - ON_DEMAND
+    needed |= imported((PACKAGE / program).rglob("*.py"))
+    assert {OPTIONAL[name][0] for name in needed & OPTIONAL.keys()} <= {
+        package for extra in {extra for _, extra in OPTIONAL.values()} for package in declared[extra]
+    }
+    assert needed - declared[EXTRA_OF[program]] - BY_HAND - OPTIONAL.keys() == set()
 
 
 # In an environment without Rust

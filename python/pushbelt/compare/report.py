@@ -11,7 +11,7 @@ from markupsafe import Markup
 from pushbelt import page
 from pushbelt.belt_view import belt_view
 from pushbelt.charts import Chart, Panel, Series
-from pushbelt.style import BLUE, ORANGE
+from pushbelt.style import BLUE, ORANGE, in_figures
 
 from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
@@ -74,15 +74,16 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), gr
     names = [name for name in wanted if name in pair.names] or [
         d.name for d in pair.differences if not d.name.startswith(FIELD)
     ][:MOST]
+    shown = {name: in_figures(units.get(name, "")) for name in names}
     looks = (("A", BLUE, ""), ("B", ORANGE, "dash"))
     start = min(float(run.time[0]) for run in pair.runs)
     end = max(float(run.time[-1]) for run in pair.runs)
     return Chart(
         [
             Panel(
-                f"{name} ({units[name]})" if name in units else name,
+                f"{name} ({shown[name][1]})" if name in units else name,
                 [
-                    Series(who, run.time, run[name], colour, dash=dash)
+                    Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
                     for (who, colour, dash), run in zip(looks, pair.runs, strict=True)
                 ],
                 "time (s)" if name == names[-1] else "",

@@ -10,6 +10,8 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import Trace
 
+RPM = 30.0 / np.pi
+"""rpm of a speed of 1 rad/s."""
 OVERLOAD = "Over-torque with macro-slip"
 """Name of the event that the over-torque of the manoeuvre causes."""
 
@@ -54,10 +56,10 @@ def launch(trace: Trace) -> Event:
     name = "Launch in underdrive"
     speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
     if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
-        return _missing(name, f"it starts at {speed[0]:.1f} rad/s and a ratio of {ratio[0]:.2f}")
+        return _missing(name, f"it starts at {RPM * speed[0]:.1f} rpm and a ratio of {ratio[0]:.2f}")
     moving = np.flatnonzero(speed > 1.0)
     if not moving.size:
-        return _missing(name, f"the largest speed of the secondary pulley is {speed.max():.2f} rad/s")
+        return _missing(name, f"the largest speed of the secondary pulley is {RPM * speed.max():.2f} rpm")
     shifting = np.flatnonzero((ratio < 1.0) & (time > time[moving[0]]))
     end = shifting[0] if shifting.size else len(time) - 1
     driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
@@ -67,7 +69,7 @@ def launch(trace: Trace) -> Event:
         True,
         float(time[moving[0]]),
         float(time[end]),
-        f"secondary from 0 to {speed[end]:.0f} rad/s at ratios of {ratio[: end + 1].min():.2f} to "
+        f"secondary from 0 to {RPM * speed[end]:.0f} rpm at ratios of {ratio[: end + 1].min():.2f} to "
         f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %",
     )
 

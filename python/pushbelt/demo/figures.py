@@ -33,6 +33,8 @@ LOSSES = (
 STANDSTILL = 1.0
 """Least secondary speed for quotients of speeds, rad/s."""
 
+RPM = 30.0 / np.pi
+"""rpm of a speed of 1 rad/s."""
 TIME = "time (s)"
 GROUP = "manoeuvre"
 """Group name of charts and belt that share a cursor."""
@@ -134,8 +136,8 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
             {},
         ),
         (
-            "Speeds (rad/s)",
-            [line("P", trace["primary.speed"], BLUE), line("S", trace["secondary.speed"], ORANGE)],
+            "Speeds (rpm)",
+            [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)],
             {},
         ),
         (
@@ -210,13 +212,13 @@ def overload(trace: Trace, start: float, end: float) -> Chart:
         line("external", trace["primary.externalTorque"], MUTED, "dash"),
         line("carried by the belt", -trace["primary.shaftTorque"], BLUE),
     ]
-    speeds = [line("P", trace["primary.speed"], BLUE), line("S", trace["secondary.speed"], ORANGE)]
+    speeds = [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)]
     losses = [line("all", 1e-3 * trace["loss.total"], RED)]
     shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
     return Chart(
         [
             Panel(title, series, TIME, shades=shades, x_range=span)
-            for title, series in (("Torque on P (N·m)", torques), ("Speeds (rad/s)", speeds), ("Losses (kW)", losses))
+            for title, series in (("Torque on P (N·m)", torques), ("Speeds (rpm)", speeds), ("Losses (kW)", losses))
         ],
         "Torque, speeds and losses during macro-slip",
         columns=3,
@@ -243,8 +245,8 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
     order = np.append(np.arange(len(profile.position)), 0)
     xi = 1e3 * np.append(profile.position, curve.length)
     rows = (
-        ("Push force (N)", profile.push_force, BLUE),
-        ("Ring tension (N)", profile.ring_tension, ORANGE),
+        ("Push force (kN)", 1e-3 * profile.push_force, BLUE),
+        ("Ring tension (kN)", 1e-3 * profile.ring_tension, ORANGE),
         ("Normal force per flank (kN/m)", 1e-3 * profile.normal_force, GREEN),
         ("Radial deviation (mm)", 1e3 * profile.radial_deviation, VIOLET),
         ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),

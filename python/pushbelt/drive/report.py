@@ -13,6 +13,7 @@ from pushbelt.fmu.data import parameter_set
 
 from . import figures
 from .car import demo_car
+from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import FORCE
@@ -82,12 +83,14 @@ def context(results: Results) -> dict[str, Any]:
                 "ratio": ratio_error(run),
                 "macro": STEP * float(run["macroSlip"].sum()),
                 "gap": balance_gap(run),
+                "merit": merit(run),
             }
             for run in results.runs
         ],
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "losses": LOSSES,
+        "pump": Pump(),
         "map_force": FORCE,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "step": STEP,

@@ -13,7 +13,7 @@ from pushbelt import page
 from pushbelt.charts import Chart, Panel, Series
 from pushbelt.linear import Array, LinearModel
 from pushbelt.linear_grid import LinearGrid
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, in_figures
 
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
 """Default outputs of the figures."""
@@ -60,7 +60,8 @@ def chosen(grid: LinearGrid) -> Drawn:
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
     """Label of a point: the values in which it differs from the others."""
     several = {name: value for name, value in point.items() if len(grid.axes[name]) > 1} or point
-    return ", ".join(f"{name} {value:.4g} {UNITS.get(name, '')}".rstrip() for name, value in several.items())
+    shown = {name: in_figures(UNITS.get(name, "")) for name in several}
+    return ", ".join(f"{name} {shown[name][0] * value:.4g} {shown[name][1]}".rstrip() for name, value in several.items())
 
 
 def bode(drawn: Drawn, output: str, highest: float) -> Chart:
@@ -72,12 +73,12 @@ def bode(drawn: Drawn, output: str, highest: float) -> Chart:
             (name, colour, model.select([output], [load]).response(2.0 * np.pi * frequencies)[:, 0, 0])
             for name, colour, model in drawn
         ]
-        size = [Series(name, frequencies, np.abs(values), colour) for name, colour, values in responses]
+        scale, unit = per(first.units[output], first.units[load])
+        size = [Series(name, frequencies, scale * np.abs(values), colour) for name, colour, values in responses]
         phase = [
             Series(name, frequencies, values, colour)
             for (name, colour, _), values in zip(responses, phases([one for *_, one in responses]), strict=True)
         ]
-        unit = per(first.units[output], first.units[load])
         log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, highest)}
         panels += [
             Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log),
@@ -100,19 +101,20 @@ def steps(drawn: Drawn, output: str, end: float) -> Chart:
     """Responses of an output to a unit step of each input, over time."""
     times, first, panels = np.linspace(0.0, end, 400), drawn[0][2], []
     for load in first.inputs:
+        scale, unit = per(first.units[output], first.units[load])
         series = [
-            Series(name, times, model.select([output], [load]).step(times)[:, 0, 0], colour)
+            Series(name, times, scale * model.select([output], [load]).step(times)[:, 0, 0], colour)
             for name, colour, model in drawn
         ]
-        unit = per(first.units[output], first.units[load])
         panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
     return Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
 
-def per(output: str, load: str) -> str:
-    """Unit of an output per unit of an input."""
+def per(output: str, load: str) -> tuple[float, str]:
+    """Factor from SI and unit of an output per unit of an input, as figures show it."""
+    (above, output), (below, load) = in_figures(output), in_figures(load)
     load = f"({load})" if "." in load or "/" in load else load
-    return f"{output}/{load}"
+    return above / below, f"{output}/{load}"
 
 
 def _poles(model: LinearModel) -> str:

@@ -223,7 +223,7 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart
     series = []
     for model in MODELS:
         path, force = profiles.element(results.parameters, run_of(model))
-        series.append(_of(model, 1e3 * path.time, force))
+        series.append(_of(model, 1e3 * path.time, 1e-3 * force))
     shown = run_of(REFERENCE)
     path, _ = profiles.element(results.parameters, shown)
     shape = profiles.curve(results.parameters, shown.window)
@@ -234,7 +234,7 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart
         Shade(start, end, colour, name, 0.0 if colour == INK else 0.08)
         for name, start, end, colour in zip(names, marks[:-1], marks[1:], (BLUE, INK, ORANGE, INK), strict=True)
     ]
-    title = f"8c  Push force on one element (N), {shown.case.name} N·m"
+    title = f"8c  Push force on one element (kN), {shown.case.name} N·m"
     entered = "time since the element enters the primary arc (ms)"
     span = (0.0, float(1e3 * path.time[-1]))
     return Chart(

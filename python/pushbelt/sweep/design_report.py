@@ -15,7 +15,7 @@ from pushbelt.charts import Chart, Panel, Series
 from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
 from pushbelt.page import write_html
-from pushbelt.style import BLUE, RED
+from pushbelt.style import BLUE, RED, in_figures
 
 from .report import FEW, Effort, shown_parameters
 from .store import METADATA, schema
@@ -39,10 +39,8 @@ QUANTITIES = (
     Quantity("losses", "loss.total", 1.0, "W"),
     Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
 )
-SHOWN = {
-    "rad/s": (30.0 / np.pi, "rpm"), "N": (1e-3, "kN"), "Pa": (1e-6, "MPa"), "m": (1e3, "mm"), "rad": (1e3, "mrad"),
-}  # fmt: skip
-"""Scale and unit in which columns are shown, by their SI unit."""
+LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}
+"""Scale and unit of lengths and angles."""
 LARGE = 1e5
 """Stiffnesses in N and other values above this are shown in SI units."""
 MOST_COLUMNS = 12
@@ -138,7 +136,7 @@ def _range(values: Array) -> tuple[float, float] | None:
 def _scatter(table: pa.Table, name: str, unit: str) -> Chart:
     """The quantities over a column. Points at which the belt slips through have another colour."""
     x = column(table, name)
-    scale, unit = SHOWN.get(unit, (1.0, unit)) if np.nanmax(np.abs(x)) < LARGE or unit == "Pa" else (1.0, unit)
+    scale, unit = LENGTHS.get(unit, in_figures(unit)) if np.nanmax(np.abs(x)) < LARGE or unit == "Pa" else (1.0, unit)
     slipping = column(table, "macroSlip") == 1.0
     panels = []
     for quantity in QUANTITIES[:3]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 from pushbelt import page
@@ -24,12 +25,35 @@ def write(results: Results, folder: Path) -> Path:
     path = folder / "report.html"
     context = {
         "results": results,
-        "verdicts": counts(results),
+        "verdicts": {verdict.value: count for verdict, count in counts(results).items()},
+        "summary": [summary(section) for section in results.sections],
         "sources": {s.key: list(dict.fromkeys(check.source for check in s.checks)) for s in results.sections},
         "pictures": {s.key: [(figures.draw(p), p.caption) for p in s.pictures] for s in results.sections},
     }
     page.write_html("validate/validate.html.j2", context, path)
     return path
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The verdict of a quantity: `meets` if all goals of its section are met, `reported` if there is none."""
+
+    key: str
+    title: str
+    verdict: str
+    met: int
+    goals: int
+    missed: str
+    """Statement of the first missed goal."""
+
+
+def summary(section: Section) -> Summary:
+    """The verdict of a section."""
+    missed = [check for check in section.checks if check.verdict is Verdict.MISSES]
+    met = sum(check.verdict is Verdict.MEETS for check in section.checks)
+    verdict = Verdict.MISSES if missed else Verdict.MEETS if met else Verdict.REPORTED
+    text = missed[0].statement if missed else ""
+    return Summary(section.key, section.title, verdict.value, met, met + len(missed), text)
 
 
 def counts(results: Results) -> Counter[Verdict]:

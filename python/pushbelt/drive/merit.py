@@ -1,0 +1,85 @@
+"""Figures of merit of a drive: efficiency of the variator, its loss, and the energy of an oil pump."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+
+from .hydraulics import PressureCircuit
+from .simulate import Run
+
+PULLEYS = ("primary", "secondary")
+
+
+@dataclass(frozen=True)
+class Pump:
+    """A pump of fixed displacement on the engine, which maintains the higher of the two pressures and a margin.
+
+    P = (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the rest flows back through a valve. The values
+    are typical; they are not from a source.
+    """
+
+    displacement: float = 12e-6
+    """V, m³ per revolution."""
+    margin: float = 2e5
+    """Pressure lost on the way, Pa."""
+    efficiency: float = 0.85
+    """η."""
+
+    def power(self, run: Run) -> Array:
+        """Power that the pump takes from the engine over time, W."""
+        area = PressureCircuit(0.0).area
+        pressure = np.max([run[f"{pulley}.clampingForce"] for pulley in PULLEYS], axis=0) / area + self.margin
+        revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
+        return pressure * self.displacement * revolutions / self.efficiency
+
+
+@dataclass(frozen=True)
+class Merit:
+    """Figures of merit of a run."""
+
+    supplied: float
+    """Energy that the shafts carry into the variator, at the primary while driving and at the secondary in overrun, J."""
+    lost: float
+    """Energy lost in the variator, J."""
+    pump: float
+    """Energy that the pump takes from the engine, J."""
+    distance: float
+    """m."""
+    pressure: float
+    """Mean pressure in the secondary circuit, Pa."""
+
+    @property
+    def efficiency(self) -> float:
+        """Efficiency of the variator over the cycle: 1 − lost/supplied; NaN if nothing was supplied."""
+        return 1.0 - self.lost / self.supplied if self.supplied > 0.0 else math.nan
+
+    @property
+    def with_pump(self) -> float:
+        """The same if the pump counts as a loss, and its energy as supplied."""
+        supplied = self.supplied + self.pump
+        return 1.0 - (self.lost + self.pump) / supplied if supplied > 0.0 else math.nan
+
+    @property
+    def lost_per_km(self) -> float:
+        """Energy lost in variator and pump, J/km; NaN at a standstill."""
+        return 1e3 * (self.lost + self.pump) / self.distance if self.distance > 0.0 else math.nan
+
+
+def merit(run: Run, pump: Pump = Pump()) -> Merit:  # noqa: B008
+    """Figures of merit of a run, by sums over the communication steps."""
+    step = run.setup.step
+    into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
+    # Powers are those of the belt, without the drag of the shafts.
+    supplied = step * float(into_the_belt + run["loss.shafts"].sum())
+    return Merit(
+        supplied,
+        run.variator_loss,
+        step * float(pump.power(run).sum()),
+        step * float(np.abs(run["speed.car"]).sum()),
+        float(run["secondary.clampingForce"].mean()) / PressureCircuit(0.0).area,
+    )
