@@ -11,7 +11,9 @@ use pushbelt::variator::settings::Readings;
 
 type Row = Variable<Settings, Readings>;
 
-/// A change of a shaft speed that is none, rad/s: a shaft below this speed stands still.
+/// Rounding as a share of a value: a speed is passed on as that of the belt, over radii.
+const ROUNDING: f64 = 1e-14;
+/// Speed below which a shaft stands still, rad/s.
 const STILL: f64 = 1e-3;
 
 /// Settings in which one differs a little, if there are such.
@@ -84,8 +86,9 @@ fn found(table: &Table<Settings, Readings>, settings: &Settings) -> BTreeMap<Str
             continue;
         };
         for ((name, before), (_, after)) in at.iter().zip(others) {
-            let least = if name.ends_with(".speed") { STILL } else { 0.0 };
-            if (after - before).abs() > least {
+            let size = before.abs().max(after.abs());
+            let stands = name.ends_with(".speed") && size < STILL;
+            if (after - before).abs() > ROUNDING * size && !stands {
                 depends.entry(name.clone()).or_default().insert(known.name.clone());
             }
         }
