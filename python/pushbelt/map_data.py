@@ -71,6 +71,7 @@ TABLES: Mapping[str, Quantity] = {
     "lossSheaves": Quantity(POINT, "W", "Friction loss between elements and sheaves"),
     "lossRing": Quantity(POINT, "W", "Friction loss between ring and elements"),
     "lossLayers": Quantity(POINT, "W", "Friction loss between the layers of the ring sets"),
+    "lossJoints": Quantity(POINT, "W", "Friction loss in the joints of a pull chain"),
     "lossSpin": Quantity(POINT, "W", "Loss by elements that turn at entry and exit of an arc, an upper bound"),
     "lossOther": Quantity(POINT, "W", "Loss in dampers"),
     "lossShafts": Quantity(POINT, "W", "Drag loss of both shafts"),
@@ -97,7 +98,7 @@ TABLES: Mapping[str, Quantity] = {
     "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
     "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
 }
-LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossSpin", "lossOther")
+LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")
 """Losses of the belt."""
 
 

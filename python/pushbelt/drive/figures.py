@@ -15,9 +15,9 @@ from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-LOSS_COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, MUTED)
+LOSS_COLOURS = (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED)
 """Colours of `LOSSES`."""
-DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", "#c98bd6", INK, MUTED)
+DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"
@@ -64,7 +64,11 @@ def drive(run: Run, group: str = "") -> Chart:
         ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], {"y_range": (-3.0, 4.0)}),
         (
             "Loss of the variator (W)",
-            [line(part, run[f"loss.{part}"], colour) for part, colour in zip(LOSSES, LOSS_COLOURS, strict=True)],
+            [
+                line(part, run[f"loss.{part}"], colour)
+                for part, colour in zip(LOSSES, LOSS_COLOURS, strict=True)
+                if run[f"loss.{part}"].any()
+            ],
             {},
         ),
     ]
@@ -131,6 +135,7 @@ def energy_shares(fixed: Run, slip: Run) -> Chart:
                 [
                     Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
                     for part, colour in parts
+                    if any(e[part] for e in energies)
                 ],
                 y_ticks=tuple((float(k), run.setup.name) for k, run in enumerate(runs)),
                 stacked=True,

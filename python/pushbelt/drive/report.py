@@ -89,7 +89,7 @@ def context(results: Results) -> dict[str, Any]:
         ],
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
-        "losses": LOSSES,
+        "losses": [part for part in LOSSES if any(run[f"loss.{part}"].any() for run in results.runs)],
         "pump": Pump(),
         "map_force": FORCE,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],

@@ -31,7 +31,7 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Start values by name of mesh: a coarse one for long runs, and the FMU's default."""
 
-LOSSES = ("sheaves", "ring", "layers", "spin", "shafts", "other")
+LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "other")
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
 
 OUTPUTS = (

@@ -31,7 +31,7 @@ DRAG = {
 """Drag of the shafts at all points."""
 FADING_SPEED = 2.0
 """Speed below which the drag of a shaft fades, rad/s: as in the FMU."""
-LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.spin", "loss.other")
+LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")
 """Losses of the belt."""
 OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 """Outputs that are recorded at each point, besides the torque loss and the bearing load."""

@@ -31,6 +31,7 @@ COLUMNS = {
     "lossSheaves": "loss.sheaves",
     "lossRing": "loss.ring",
     "lossLayers": "loss.layers",
+    "lossJoints": "loss.joints",
     "lossSpin": "loss.spin",
     "lossOther": "loss.other",
     "beltTorqueLoss": "beltTorqueLoss",
