@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::dispatch;
 use crate::log::{Category, Log, Sink, Status};
 use crate::slave::{Master, Slave, Version};
 use crate::start_values;
@@ -55,6 +56,9 @@ pub(crate) fn create<U: Unit>(
         Version::Two => Log::new(sink, arguments.debug),
         Version::Three => Log::silent_without_debug(sink, arguments.debug),
     };
+    if let Some(remark) = dispatch::remark() {
+        log.send(Status::Ok, Category::Events, &remark);
+    }
     Some(Slave::with(master, log, start))
 }
 
