@@ -149,12 +149,16 @@ fn compile(
             fs::remove_file(&path).with_context(|| format!("can't remove {}", path.display()))?;
         }
     }
+    // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
+    // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
+    let is_linux = target.platform.extension == "so";
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
         .arg("rustc")
         .args(["--target", target.zig, "--crate-type", "cdylib"])
         .env("PATH", tools.path()?)
         .env("PUSHBELT_BUILD", build)
+        .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
         .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
     if is_variant {
         let tool = std::env::current_exe().context("the path of this tool is unknown")?;
