@@ -213,7 +213,7 @@ def exports() -> list[str]:
     return [line.strip() for line in lines if line.startswith("    ")]
 
 
-@pytest.mark.skipif(platform.system() != "Linux" or platform.machine() != "x86_64", reason="libraries of Linux on x86-64")
+@pytest.mark.skipif((platform.system(), platform.machine()) != ("Linux", "x86_64"), reason="for Linux on x86-64")
 @pytest.mark.parametrize("name", OF_LINUX)
 def test_every_library_has_the_listed_functions(
     archive: zipfile.ZipFile, names: list[str], tmp_path: Path, name: str

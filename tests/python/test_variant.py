@@ -1,4 +1,4 @@
-"""The choice between the library for all processors and its variant for AVX2, with the FMU `examples/lag.rs` of `crates/fmi`."""
+"""The choice between the library for all processors and its variant for AVX2, with the FMU of `crates/fmi/examples/lag.rs`."""
 
 from __future__ import annotations
 
@@ -250,7 +250,8 @@ def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
     libraries[0].free(instances[0])
     assert [is_loaded(variant(path)) for path in paths] == [False, True, False]
     for number in range(3):
-        outputs = [library.step(instance, number) for library, instance in zip(libraries[1:], instances[1:], strict=True)]
+        both = zip(libraries[1:], instances[1:], strict=True)
+        outputs = [library.step(instance, number) for library, instance in both]
         assert outputs[0] == pytest.approx(outputs[1], rel=1e-15)
 
 
