@@ -88,6 +88,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    if let Some(code) = portable::act_as_compiler() {
+        return code;
+    }
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

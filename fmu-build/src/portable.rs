@@ -3,20 +3,34 @@
 //!
 //! Zig contains the linker and the C library for each (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
 //! Rust's standard library.
+//!
+//! Linux and Windows on x86-64 get two libraries: one for all processors, and the variant for AVX2 that it opens where it can. Cargo
+//! compiles the dependencies once for both. For the variant it compiles again what [`WITH_AVX2`] lists and what depends on it, with
+//! this tool between cargo and the compiler, because flags in the environment would compile everything again.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitCode};
 
 use anyhow::{Context, ensure};
 
 use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
-use crate::workspace::Workspace;
+use crate::workspace::{MODEL_IDENTIFIER, Workspace};
 use crate::{binary, cargo, exports, progress};
 
 /// Oldest glibc with which the Linux binary loads.
 pub const GLIBC: (u32, u32) = (2, 17);
+
+/// A compiled library, and its name in the FMU.
+pub struct Binary {
+    pub platform: Platform,
+    /// Name without extension.
+    pub name: String,
+    pub path: PathBuf,
+}
 
 /// A target of the portable build.
 struct Target {
@@ -24,6 +38,8 @@ struct Target {
     triple: &'static str,
     /// Its name for `cargo zigbuild`.
     zig: &'static str,
+    /// Whether there is a variant for AVX2.
+    has_variant: bool,
 }
 
 /// All targets. FMI 2.0 gets the first [`OF_FMI2`].
@@ -32,63 +48,232 @@ const TARGETS: [Target; 5] = [
         platform: Platform::LINUX64,
         triple: "x86_64-unknown-linux-gnu",
         zig: "x86_64-unknown-linux-gnu.2.17",
+        has_variant: true,
     },
     Target {
         platform: Platform::WIN64,
         triple: "x86_64-pc-windows-gnu",
         zig: "x86_64-pc-windows-gnu",
+        has_variant: true,
     },
     Target {
         platform: Platform::LINUX_ARM,
         triple: "aarch64-unknown-linux-gnu",
         zig: "aarch64-unknown-linux-gnu.2.17",
+        has_variant: false,
     },
     Target {
         platform: Platform::DARWIN_ARM,
         triple: "aarch64-apple-darwin",
         zig: "aarch64-apple-darwin",
+        has_variant: false,
     },
     Target {
         platform: Platform::DARWIN64,
         triple: "x86_64-apple-darwin",
         zig: "x86_64-apple-darwin",
+        has_variant: false,
     },
 ];
 const OF_FMI2: usize = 2;
 
-/// Compiles the binary for every target whose standard library can be installed, and prints the others.
+/// Suffix of the variant's name.
+const VARIANT: &str = "-avx2";
+
+/// Crates that are compiled for AVX2 in the variant: the types of the lanes, and the code that uses them. Each of them depends on the
+/// first one.
+const WITH_AVX2: [&str; 4] = ["safe_arch", "wide", "pushbelt_solver", "pushbelt"];
+const AVX2: &str = "-Ctarget-feature=+avx2";
+
+/// A setting without effect on the first of [`WITH_AVX2`], which is one small unit in any case. By it cargo keeps the compiled crates of
+/// the variant apart.
+const APART: &str = "profile.release.package.safe_arch.codegen-units=2";
+
+/// Set for the compiler of the variant: this tool adds the flags, and then starts what the variable contains, or the compiler.
+const AS_COMPILER: &str = "PUSHBELT_COMPILER_OF_VARIANT";
+
+/// Compiles the libraries for every target whose standard library can be installed, and prints the others. Libraries of the same
+/// sources are not compiled again.
 ///
 /// # Errors
-/// The tools can't be installed, a compilation fails, or a binary doesn't meet its requirements.
-pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
+/// The tools can't be installed, a compilation fails, or a library doesn't meet its requirements.
+pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Binary>> {
     let tools = Environment::prepare(workspace, &BUILDING)?;
+    let build = identity(workspace)?;
+    let folder = workspace.target().join("portable");
+    remove_others(&folder, &build)?;
     let mut binaries = Vec::new();
     let targets = match version {
         Version::Two => &TARGETS[..OF_FMI2],
         Version::Three => &TARGETS[..],
     };
     for target in targets {
-        let folder = target.platform.tuple;
+        let tuple = target.platform.tuple;
         if let Err(why) = ensure_installed(target.triple) {
-            eprintln!("  {folder} is left out: {why:#}");
+            eprintln!("  {tuple} is left out: {why:#}");
             continue;
         }
-        progress::headline(&format!("Compiling the FMU's binary for {folder}"));
-        // A library for C alone, optimised as a whole: unused functions are removed, also those of Rust's standard library. So the
-        // Windows library doesn't import `bcryptprimitives.dll`, which older compatibility layers lack.
-        let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
-        command
-            .arg("rustc")
-            .args(["--target", target.zig, "--crate-type", "cdylib"])
-            .env("PATH", tools.path()?)
-            .env("CARGO_PROFILE_RELEASE_LTO", "fat")
-            .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
-        let library = cargo::build_library_with(&mut command)?;
-        check(&library)?;
-        binaries.push((target.platform, library));
+        for is_variant in [false, true] {
+            if is_variant && !target.has_variant {
+                continue;
+            }
+            let suffix = if is_variant { VARIANT } else { "" };
+            let name = format!("{MODEL_IDENTIFIER}{suffix}");
+            let path = folder.join(&build).join(tuple).join(&name);
+            let path = path.with_extension(target.platform.extension);
+            if !path.is_file() {
+                progress::headline(&format!("Compiling the FMU's binary for {tuple}{suffix}"));
+                let library = compile(workspace, &tools, target, &build, is_variant)?;
+                keep(&library, &path)?;
+            }
+            let platform = target.platform;
+            binaries.push(Binary { platform, name, path });
+        }
     }
     ensure!(!binaries.is_empty(), "there is no target to build for");
     Ok(binaries)
+}
+
+/// Compiles a library and returns its path in cargo's folder, where the next one replaces it.
+fn compile(
+    workspace: &Workspace,
+    tools: &Environment,
+    target: &Target,
+    build: &str,
+    is_variant: bool,
+) -> anyhow::Result<PathBuf> {
+    // A library and its variant have the same path there, and cargo could take one for the other.
+    for file in ["libpushbelt.so", "pushbelt.dll", "libpushbelt.dylib"] {
+        let path = workspace.target().join(target.triple).join("release/deps").join(file);
+        if path.exists() {
+            fs::remove_file(&path).with_context(|| format!("can't remove {}", path.display()))?;
+        }
+    }
+    // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
+    // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
+    let is_linux = target.platform.extension == "so";
+    let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
+    command
+        .arg("rustc")
+        .args(["--target", target.zig, "--crate-type", "cdylib"])
+        .env("PATH", tools.path()?)
+        .env("PUSHBELT_BUILD", build)
+        .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
+        .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
+    if is_variant {
+        let tool = std::env::current_exe().context("the path of this tool is unknown")?;
+        command
+            .args(["--config", APART])
+            .env(AS_COMPILER, std::env::var_os("RUSTC_WRAPPER").unwrap_or_default())
+            .env("RUSTC_WRAPPER", tool);
+    }
+    let library = cargo::build_library_with(&mut command)?;
+    check(&library)?;
+    Ok(library)
+}
+
+/// Starts the compiler with the flags of the variant if cargo has started this tool for that, and returns how it ended.
+pub fn act_as_compiler() -> Option<ExitCode> {
+    let wrapper = std::env::var_os(AS_COMPILER)?;
+    let mut words = std::env::args_os().skip(1);
+    let compiler = words.next()?;
+    let words: Vec<_> = words.collect();
+    let mut command = if wrapper.is_empty() {
+        Command::new(&compiler)
+    } else {
+        let mut command = Command::new(&wrapper);
+        command.arg(&compiler);
+        command
+    };
+    command.args(&words);
+    if gets_avx2(&words) {
+        command.arg(AVX2);
+    }
+    Some(match command.status() {
+        Ok(status) => status
+            .code()
+            .and_then(|code| u8::try_from(code).ok())
+            .map_or(ExitCode::FAILURE, ExitCode::from),
+        Err(error) => {
+            eprintln!("can't start {}: {error}", compiler.display());
+            ExitCode::FAILURE
+        }
+    })
+}
+
+/// Whether arguments of the compiler are those of a crate of the variant. Crates for this machine have no `--target`.
+fn gets_avx2(words: &[OsString]) -> bool {
+    let name = words.iter().skip_while(|word| *word != "--crate-name").nth(1);
+    let listed = name
+        .and_then(|name| name.to_str())
+        .is_some_and(|name| WITH_AVX2.contains(&name));
+    listed && words.iter().any(|word| word == "--target")
+}
+
+/// Copies a library to where it is kept. A draft is renamed, so that no incomplete file is kept.
+fn keep(library: &Path, path: &Path) -> anyhow::Result<()> {
+    let draft = path.with_extension("part");
+    path.parent()
+        .map_or(Ok(()), fs::create_dir_all)
+        .and_then(|()| fs::copy(library, &draft))
+        .and_then(|_| fs::rename(&draft, path))
+        .with_context(|| format!("can't write {}", path.display()))
+}
+
+/// Removes the libraries of other sources.
+fn remove_others(folder: &Path, build: &str) -> anyhow::Result<()> {
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let entry = entry?;
+        if entry.file_name() != build {
+            fs::remove_dir_all(entry.path()).with_context(|| format!("can't remove {}", entry.path().display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// What identifies a build: a hash of everything that its libraries are compiled from. A library accepts a variant of the same build
+/// only.
+fn identity(workspace: &Workspace) -> anyhow::Result<String> {
+    let mut hash = DefaultHasher::new();
+    include_str!("portable.rs").hash(&mut hash);
+    let compiler = Command::new("rustc").arg("-vV").output().context("can't start rustc")?;
+    compiler.stdout.hash(&mut hash);
+    std::env::var_os("RUSTFLAGS").hash(&mut hash);
+    let mut files = Vec::new();
+    for place in [
+        "Cargo.lock",
+        "Cargo.toml",
+        "crates",
+        "src",
+        "python/portable-requirements.txt",
+        "fmu-build/exports.def",
+    ] {
+        collect(&workspace.root().join(place), &mut files)?;
+    }
+    files.sort();
+    for file in files {
+        let name = file.strip_prefix(workspace.root()).unwrap_or(&file);
+        name.components()
+            .map(|part| part.as_os_str())
+            .collect::<Vec<&OsStr>>()
+            .hash(&mut hash);
+        fs::read(&file)
+            .with_context(|| format!("can't read {}", file.display()))?
+            .hash(&mut hash);
+    }
+    Ok(format!("{:016x}", hash.finish()))
+}
+
+/// The files at or below a path.
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
+    if !path.is_dir() {
+        files.push(path.to_owned());
+        return Ok(());
+    }
+    for entry in fs::read_dir(path).with_context(|| format!("can't read {}", path.display()))? {
+        collect(&entry?.path(), files)?;
+    }
+    Ok(())
 }
 
 /// Installs Rust's standard library for a target unless it is there.
@@ -157,6 +342,64 @@ mod tests {
         for target in TARGETS.iter().filter(|target| target.triple.contains("linux")) {
             assert_eq!(target.zig, format!("{}.{major}.{minor}", target.triple));
         }
+    }
+
+    #[test]
+    fn only_the_variants_crates_get_its_flags() {
+        let words = |line: &str| line.split(' ').map(OsString::from).collect::<Vec<_>>();
+        for (line, expected) in [
+            (
+                "--crate-name pushbelt --edition=2024 --target x86_64-pc-windows-gnu",
+                true,
+            ),
+            ("--crate-name wide --target x86_64-unknown-linux-gnu", true),
+            ("--crate-name faer --target x86_64-unknown-linux-gnu", false),
+            ("--crate-name pushbelt --edition=2024", false),
+            ("-vV", false),
+        ] {
+            assert_eq!(gets_avx2(&words(line)), expected, "{line}");
+        }
+    }
+
+    /// Cargo compiles the dependents of a crate again if a setting of that crate differs.
+    #[test]
+    fn the_variants_crates_depend_on_the_first() {
+        let workspace = Workspace::find().expect("the workspace");
+        let first = WITH_AVX2[0];
+        assert!(APART.contains(&format!("package.{first}.")));
+        let mut tree = cargo::command(&workspace);
+        tree.args([
+            "tree",
+            "--locked",
+            "--package",
+            "pushbelt",
+            "--prefix",
+            "none",
+            "--invert",
+            first,
+        ]);
+        let output = tree.output().expect("cargo starts");
+        let text = String::from_utf8_lossy(&output.stdout).replace('-', "_");
+        for name in WITH_AVX2 {
+            assert!(
+                text.lines().any(|line| line.starts_with(&format!("{name} v"))),
+                "{name}: {text}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_identity_of_a_build_is_that_of_its_sources() {
+        let workspace = Workspace::find().expect("the workspace");
+        let found = identity(&workspace).expect("a hash");
+        assert_eq!(found, identity(&workspace).expect("a hash"));
+        assert_eq!(found.len(), 16);
+        let mut files = Vec::new();
+        collect(&workspace.root().join("crates"), &mut files).expect("files");
+        assert!(
+            files.iter().any(|file| file.ends_with("fmi/src/c/dispatch.rs")),
+            "{files:?}"
+        );
     }
 
     #[test]

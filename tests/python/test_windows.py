@@ -1,4 +1,4 @@
-"""The win64 library in wine: every call, and stored states from and to Linux, with AVX2 and without.
+"""The win64 libraries in wine: every call, and stored states from and to Linux, with AVX2 and without.
 
 `cargo fmu test --windows` runs it. The program that loads the libraries is `tests/windows/host.c`, compiled by zig for both systems.
 """
@@ -24,8 +24,10 @@ OF_LINUX = "binaries/linux64/PushbeltVariator.so"
 ASKED = "PUSHBELT_ZIG" in os.environ
 """Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine."""
 
-Host = Callable[[Path, "Path | None", str], tuple[np.ndarray, Path]]
-"""Runs the program: library, stored state to start from, name → readings at both stops, and the state stored at the first."""
+Build = tuple[Path, bool]
+"""A library, and whether it may open its variant for AVX2."""
+Host = Callable[[Build, "Path | None", str], tuple[np.ndarray, Path]]
+"""Runs the program: build, stored state to start from, name → readings at both stops, and the state stored at the first."""
 
 
 def wine() -> str | None:
@@ -75,13 +77,18 @@ def host(place: Path, description) -> Host:
         "WINEDLLOVERRIDES": "mscoree=;mshtml=",
     }
 
-    def run(library: Path, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
+    def run(build: Build, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
+        library, avx2 = build
         stored, readings = place / f"{name}.state", place / f"{name}.txt"
         windows = library.suffix == ".dll"
         program = [wine(), place / "host.exe"] if windows else [place / "host"]
         paths = [str(path) if path else "-" for path in (references, state, stored, readings)]
         done = subprocess.run(
-            [*program, library, description.guid, *paths], env=environment, capture_output=True, text=True, timeout=600
+            [*program, library, description.guid, *paths],
+            env={**environment, "PUSHBELT_AVX2": "1" if avx2 else "0"},
+            capture_output=True,
+            text=True,
+            timeout=600,
         )
         assert done.returncode == 0, done.stderr
         assert re.search(r"^\d+ calls passed$", done.stdout, re.MULTILINE), done.stdout
@@ -93,17 +100,19 @@ def host(place: Path, description) -> Host:
 
 
 @pytest.fixture(scope="module")
-def libraries(place: Path) -> dict[str, Path]:
-    """The three builds of one version."""
+def libraries(place: Path) -> dict[str, Build]:
+    """The five builds of one version."""
     return {
-        "windows": place / OF_WINDOWS,
-        "linux": place / OF_LINUX,
-        "this machine": Path(os.environ["PUSHBELT_LIBRARY"]),
+        "windows": (place / OF_WINDOWS, False),
+        "windows, AVX2": (place / OF_WINDOWS, True),
+        "linux": (place / OF_LINUX, False),
+        "linux, AVX2": (place / OF_LINUX, True),
+        "this machine": (Path(os.environ["PUSHBELT_LIBRARY"]), False),
     }
 
 
 @pytest.fixture(scope="module")
-def first(host: Host, libraries: dict[str, Path]) -> dict[str, tuple[np.ndarray, Path]]:
+def first(host: Host, libraries: dict[str, Build]) -> dict[str, tuple[np.ndarray, Path]]:
     """The run of each library, and its stored state."""
     return {name: host(library, None, name) for name, library in libraries.items()}
 
@@ -114,7 +123,7 @@ def sizes(description) -> np.ndarray:
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
-BUILDS = ("windows", "linux", "this machine")
+BUILDS = ("windows", "windows, AVX2", "linux", "linux, AVX2", "this machine")
 SAME = 1e-12
 """Systems have different implementations of the sine; the portable builds agree in everything else."""
 ROUNDING = 1e-8
@@ -123,8 +132,17 @@ OTHER_LANES = 1e-3
 """Packs of another width sum in another order, and Newton's method stops within the tolerance of the error control."""
 
 
-def test_windows_and_linux_agree(first, sizes: np.ndarray) -> None:
-    assert np.max(np.abs(first["windows"][0] - first["linux"][0]) / sizes) < SAME
+@pytest.mark.parametrize("variant", ["", ", AVX2"])
+def test_windows_and_linux_agree(first, sizes: np.ndarray, variant: str) -> None:
+    assert np.max(np.abs(first[f"windows{variant}"][0] - first[f"linux{variant}"][0]) / sizes) < SAME
+
+
+@pytest.mark.parametrize("system", ["windows", "linux"])
+def test_the_variant_for_avx2_runs_where_it_may(first, sizes: np.ndarray, system: str) -> None:
+    """It computes as the library of this machine, and with other sums than the library for all processors."""
+    found = first[f"{system}, AVX2"][0]
+    assert np.max(np.abs(found - first["this machine"][0]) / sizes) < SAME
+    assert np.max(np.abs(found - first[system][0]) / sizes) > SAME
 
 
 def test_builds_with_and_without_avx2_agree(first, sizes: np.ndarray) -> None:
@@ -136,7 +154,7 @@ def test_builds_with_and_without_avx2_agree(first, sizes: np.ndarray) -> None:
 @pytest.mark.parametrize("reader", BUILDS)
 @pytest.mark.parametrize("writer", BUILDS)
 def test_each_build_continues_from_the_states_of_the_others(
-    host: Host, libraries: dict[str, Path], first, sizes: np.ndarray, writer: str, reader: str
+    host: Host, libraries: dict[str, Build], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
     """The run continues as from a state of the same library."""
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")

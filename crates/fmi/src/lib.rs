@@ -23,7 +23,8 @@
 //! | [`fmi2`], [`fmi3`] | the C functions and the model description of a version |
 //! | `c` | common parts of the C functions of both versions; with the two above the only modules with `unsafe` |
 //!
-//! There are no globals and no threads; every instance owns all its data.
+//! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
+//! (`c::dispatch`).
 
 #![warn(missing_docs)]
 // The program of the README is a test.
@@ -79,6 +80,10 @@ pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use table::Table;
 pub use unit::Unit;
+
+/// Forwarding to a variant of the library, for the macros of this crate.
+#[doc(hidden)]
+pub use c::dispatch;
 
 /// The C types of the exported functions, for the macros of this crate.
 #[doc(hidden)]

@@ -10,6 +10,7 @@ use clap::Args;
 use crate::archive::Archive;
 use crate::description::{self, Description};
 use crate::platform::{Platform, Version};
+use crate::portable::Binary;
 use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
@@ -97,20 +98,19 @@ pub fn run_both(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<
     Ok(())
 }
 
-fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
+fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> anyhow::Result<Vec<Binary>> {
     if arguments.portable {
         return portable::build(workspace, version);
     }
     progress::headline("Compiling the FMU's binary");
-    Ok(vec![(Platform::host()?, cargo::build_library(workspace)?)])
+    Ok(vec![Binary {
+        platform: Platform::host()?,
+        name: MODEL_IDENTIFIER.to_owned(),
+        path: cargo::build_library(workspace)?,
+    }])
 }
 
-fn pack(
-    workspace: &Workspace,
-    binaries: &[(Platform, PathBuf)],
-    machines: Machines,
-    version: Version,
-) -> anyhow::Result<PathBuf> {
+fn pack(workspace: &Workspace, binaries: &[Binary], machines: Machines, version: Version) -> anyhow::Result<PathBuf> {
     let archive = collect(workspace, binaries, machines, version)?;
     let path = match version {
         Version::Two => workspace.fmu(),
@@ -118,6 +118,17 @@ fn pack(
     };
     write(archive, &path)?;
     Ok(path)
+}
+
+/// Builds the portable FMU of FMI 2.0 at `path` and leaves the one in the target directory alone.
+///
+/// # Errors
+/// As [`run_options`].
+pub fn run_portable(workspace: &Workspace, path: &Path) -> anyhow::Result<()> {
+    let _alone = workspace.lock("build")?;
+    let arguments = Arguments { portable: true };
+    let binaries = compile(workspace, arguments, Version::Two)?;
+    write(collect(workspace, &binaries, arguments.machines(), Version::Two)?, path)
 }
 
 /// Writes an FMU and prints its path and size.
@@ -199,16 +210,16 @@ fn add_licenses(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<
 
 fn collect(
     workspace: &Workspace,
-    binaries: &[(Platform, PathBuf)],
+    binaries: &[Binary],
     machines: Machines,
     version: Version,
 ) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
-    for (platform, library) in binaries {
-        let mut bytes = read(library)?;
-        exports::check(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
+    for Binary { platform, name, path } in binaries {
+        let mut bytes = read(path)?;
+        exports::check(&bytes).with_context(|| format!("{} can't be packed", path.display()))?;
         binary::clear_time_stamp(&mut bytes);
-        archive.add(platform.binary(version, MODEL_IDENTIFIER)?, bytes)?;
+        archive.add(platform.binary(version, name)?, bytes)?;
     }
     let (xml, interface) = match version {
         Version::Two => {

@@ -32,7 +32,11 @@ pub struct Arguments {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let fmu = match &arguments.fmu {
         Some(fmu) => fmu.clone(),
-        None => build::run(workspace, &build::Arguments { portable: true })?,
+        None => {
+            let fmu = workspace.target().join("portable").with_extension("fmu");
+            build::run_portable(workspace, &fmu)?;
+            fmu
+        }
     };
     let environment = Environment::prepare(workspace, &PACKING)?;
     let _alone = workspace.lock("wheel")?;

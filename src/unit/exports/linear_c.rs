@@ -8,6 +8,8 @@ use crate::fmi::log::Status;
 use crate::unit::VariatorUnit;
 
 crate::fmi::export_functions! {
+    Some(&super::variant::DISPATCH);
+
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///
     /// Allowed in initialisation mode and from then on; the instance does not change. Modes below `frequency`, Hz, become states.

@@ -8,13 +8,15 @@ pub mod c_abi3;
 mod linear;
 #[allow(unsafe_code, non_snake_case)]
 pub mod linear_c;
+#[allow(unsafe_code, non_snake_case)]
+pub mod variant;
 
 use crate::fmi::{fmi2, fmi3};
 
 /// The content of `fmu-build/exports.def`.
 #[must_use]
 pub fn definition() -> String {
-    let mut names = [fmi2::NAMES, fmi3::NAMES, linear_c::NAMES].concat();
+    let mut names = [fmi2::NAMES, fmi3::NAMES, linear_c::NAMES, variant::NAMES].concat();
     names.sort_unstable();
     let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
     format!(

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::library;
+use super::{dispatch, library};
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
 use crate::slave::{Master, Slave, Version};
@@ -50,7 +50,8 @@ pub(crate) fn create<U: Unit>(
                 report(Status::Warning, Category::Warning, warning);
             }
         }
-        places.extend(library::path().and_then(|library| resources::beside(&library)));
+        let own = library::own_path().ok().and_then(|path| path.canonicalize().ok());
+        places.extend(own.and_then(|library| resources::beside(&library)));
         let defaults = load::<U>(&places)?;
         let token = check(&arguments, given, &(arguments.expected)(U::data(&defaults)))?;
         let start = start_values::find::<U>(&places, token, &defaults)?;
@@ -67,6 +68,9 @@ pub(crate) fn create<U: Unit>(
         Version::Two => Log::new(sink, arguments.debug),
         Version::Three => Log::errors_without_debug(sink, arguments.debug),
     };
+    if let Some(remark) = dispatch::remark() {
+        log.send(Status::Ok, Category::Events, &remark);
+    }
     Some(Slave::with(master, log, start))
 }
 

@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::dispatch::instance_freed;
 use super::floating_point;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
@@ -143,6 +144,7 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
         unsafe {
             if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
                 drop(Box::from_raw(pointer));
+                instance_freed();
             }
         }
     });

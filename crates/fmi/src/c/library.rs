@@ -1,84 +1,150 @@
-//! The file that this code was loaded from: the shared library of the FMU.
+//! Shared libraries at run time: the path of this one, and another one.
 
-use std::path::PathBuf;
+use std::ffi::{CStr, c_void};
+use std::path::{Path, PathBuf};
 
-/// Its absolute path; `None` if the system does not say.
-#[cfg(unix)]
-pub(crate) fn path() -> Option<PathBuf> {
-    use std::ffi::{CStr, OsStr};
-    use std::mem::MaybeUninit;
-    use std::os::unix::ffi::OsStrExt;
+/// A shared library that stays loaded until it is dropped.
+pub struct Library(*mut c_void);
 
-    let mut found = MaybeUninit::<libc::Dl_info>::uninit();
-    // SAFETY: the function writes to `found`, and returns zero if it has not.
-    if unsafe { libc::dladdr(path as *const libc::c_void, found.as_mut_ptr()) } == 0 {
-        return None;
+// SAFETY: a handle belongs to the process, and the functions on it may be called by any thread.
+unsafe impl Send for Library {}
+
+impl Library {
+    /// Loads a library.
+    ///
+    /// # Errors
+    /// The reason of the operating system.
+    ///
+    /// # Safety
+    /// The initialisation of the library is sound.
+    pub unsafe fn open(path: &Path) -> Result<Self, String> {
+        // SAFETY: as the caller grants.
+        unsafe { system::open(path) }.map(Self)
     }
-    // SAFETY: written, as the result says. The name belongs to the library, which is loaded while its code runs.
-    let name = unsafe {
-        let name = found.assume_init().dli_fname;
-        if name.is_null() {
-            return None;
-        }
-        CStr::from_ptr(name)
-    };
-    std::fs::canonicalize(OsStr::from_bytes(name.to_bytes())).ok()
+
+    /// The address of an exported function; null if there is none.
+    pub fn find(&self, name: &CStr) -> *mut c_void {
+        system::find(self.0, name)
+    }
 }
 
-/// Its absolute path; `None` if the system does not say.
-#[cfg(windows)]
-pub(crate) fn path() -> Option<PathBuf> {
-    use std::ffi::{OsString, c_void};
-    use std::os::windows::ffi::OsStringExt;
-    use std::ptr::null_mut;
+impl Drop for Library {
+    fn drop(&mut self) {
+        system::close(self.0);
+    }
+}
 
-    // `GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS` and `GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT`.
-    const FROM_ADDRESS: u32 = 4;
-    const UNCHANGED_REFCOUNT: u32 = 2;
-    /// Characters of the longest path.
-    const LONGEST: usize = 1 << 15;
+/// The absolute path of the library, or of the program, that contains this code.
+///
+/// # Errors
+/// The operating system has no path for it.
+pub fn own_path() -> Result<PathBuf, String> {
+    let path = system::own_path().ok_or("the path of this library is unknown")?;
+    std::path::absolute(&path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// A byte of this library, whose address identifies the library.
+static HERE: u8 = 0;
+
+#[cfg(unix)]
+mod system {
+    use std::ffi::{CStr, CString, OsStr, c_void};
+    use std::mem::MaybeUninit;
+    use std::os::unix::ffi::OsStrExt as _;
+    use std::path::{Path, PathBuf};
+
+    pub unsafe fn open(path: &Path) -> Result<*mut c_void, String> {
+        let path = CString::new(path.as_os_str().as_bytes()).map_err(|error| error.to_string())?;
+        // SAFETY: the path ends with a zero; the caller grants that the initialisation is sound. The text of `dlerror` is valid
+        // until the next call on this thread.
+        unsafe {
+            let handle = libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
+            if !handle.is_null() {
+                return Ok(handle);
+            }
+            let why = libc::dlerror();
+            Err(if why.is_null() {
+                "it can't be loaded".to_owned()
+            } else {
+                CStr::from_ptr(why).to_string_lossy().into_owned()
+            })
+        }
+    }
+
+    pub fn find(handle: *mut c_void, name: &CStr) -> *mut c_void {
+        // SAFETY: the handle is open, and the name ends with a zero.
+        unsafe { libc::dlsym(handle, name.as_ptr()) }
+    }
+
+    pub fn close(handle: *mut c_void) {
+        // SAFETY: the handle is open and not used any more.
+        unsafe { libc::dlclose(handle) };
+    }
+
+    pub fn own_path() -> Option<PathBuf> {
+        let mut found = MaybeUninit::<libc::Dl_info>::zeroed();
+        // SAFETY: `dladdr` fills the structure, or returns zero. The name ends with a zero and is valid while the library is loaded.
+        unsafe {
+            let known = libc::dladdr((&raw const super::HERE).cast(), found.as_mut_ptr()) != 0;
+            let name = found.assume_init().dli_fname;
+            (known && !name.is_null()).then(|| OsStr::from_bytes(CStr::from_ptr(name).to_bytes()).into())
+        }
+    }
+}
+
+#[cfg(windows)]
+mod system {
+    use std::ffi::{CStr, OsString, c_char, c_void};
+    use std::os::windows::ffi::{OsStrExt as _, OsStringExt as _};
+    use std::path::{Path, PathBuf};
+    use std::ptr;
 
     #[link(name = "kernel32")]
     unsafe extern "system" {
+        fn LoadLibraryExW(path: *const u16, file: *mut c_void, flags: u32) -> *mut c_void;
+        fn GetProcAddress(module: *mut c_void, name: *const c_char) -> *mut c_void;
+        fn FreeLibrary(module: *mut c_void) -> i32;
         fn GetModuleHandleExW(flags: u32, address: *const c_void, module: *mut *mut c_void) -> i32;
-        fn GetModuleFileNameW(module: *mut c_void, name: *mut u16, size: u32) -> u32;
+        fn GetModuleFileNameW(module: *mut c_void, path: *mut u16, size: u32) -> u32;
     }
 
-    let mut module = null_mut();
-    // SAFETY: with these flags the second argument is an address within a module, and the module's use is not counted.
-    let known = unsafe {
-        GetModuleHandleExW(
-            FROM_ADDRESS | UNCHANGED_REFCOUNT,
-            path as *const c_void,
-            &raw mut module,
-        )
-    };
-    let mut name = vec![0_u16; LONGEST];
-    let size = u32::try_from(LONGEST).ok()?;
-    // SAFETY: a module, and as many characters as the size.
-    let length = match known {
-        0 => 0,
-        _ => unsafe { GetModuleFileNameW(module, name.as_mut_ptr(), size) },
-    };
-    let length = usize::try_from(length)
-        .ok()
-        .filter(|length| (1..LONGEST).contains(length))?;
-    Some(PathBuf::from(OsString::from_wide(&name[..length])))
-}
+    /// `LOAD_LIBRARY_SEARCH_SYSTEM32`: what the library needs is Windows' own.
+    const OF_SYSTEM: u32 = 0x800;
+    /// `GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS` and `…_UNCHANGED_REFCOUNT`.
+    const BY_ADDRESS: u32 = 0x4 | 0x2;
+    /// No path of Windows has more characters.
+    const LONGEST: u32 = 0x8000;
 
-/// Its absolute path: this system does not say.
-#[cfg(not(any(unix, windows)))]
-pub(crate) fn path() -> Option<PathBuf> {
-    None
-}
+    pub unsafe fn open(path: &Path) -> Result<*mut c_void, String> {
+        let path: Vec<u16> = path.as_os_str().encode_wide().chain([0]).collect();
+        // SAFETY: the path ends with a zero; the caller grants that the initialisation is sound.
+        let module = unsafe { LoadLibraryExW(path.as_ptr(), ptr::null_mut(), OF_SYSTEM) };
+        if module.is_null() {
+            return Err(std::io::Error::last_os_error().to_string());
+        }
+        Ok(module)
+    }
 
-#[cfg(test)]
-mod tests {
-    use super::path;
+    pub fn find(module: *mut c_void, name: &CStr) -> *mut c_void {
+        // SAFETY: the module is loaded, and the name ends with a zero.
+        unsafe { GetProcAddress(module, name.as_ptr()) }
+    }
 
-    #[test]
-    fn the_code_of_a_test_is_in_its_program() {
-        let program = std::env::current_exe().expect("a test has a path");
-        assert_eq!(path(), Some(program.canonicalize().expect("it exists")));
+    pub fn close(module: *mut c_void) {
+        // SAFETY: the module is loaded and not used any more.
+        unsafe { FreeLibrary(module) };
+    }
+
+    pub fn own_path() -> Option<PathBuf> {
+        let mut module = ptr::null_mut();
+        let mut path = vec![0; LONGEST as usize];
+        // SAFETY: the address is in this module, which stays loaded while its code runs; the array has the given size.
+        let length = unsafe {
+            if GetModuleHandleExW(BY_ADDRESS, (&raw const super::HERE).cast(), &raw mut module) == 0 {
+                return None;
+            }
+            GetModuleFileNameW(module, path.as_mut_ptr(), LONGEST)
+        };
+        (0 < length && length < LONGEST).then(|| OsString::from_wide(&path[..length as usize]).into())
     }
 }

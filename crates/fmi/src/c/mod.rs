@@ -8,14 +8,16 @@
 //! |---|---|
 //! | `entry` | the entry of every C function; pointers to slices, references and strings |
 //! | `floating_point` | the floating-point environment of the host, and the default one |
-//! | `library` | the file of this library |
 //! | `creation` | creation of an instance |
 //! | `stored` | stored states |
+//! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
+//! | `library` | shared libraries at run time |
 
 pub(super) mod creation;
+pub mod dispatch;
 pub(super) mod entry;
 pub(super) mod floating_point;
-mod library;
+pub(super) mod library;
 pub(super) mod stored;
 
 /// Defines a generic function for each row of a table, and the list of their names.
@@ -44,21 +46,27 @@ macro_rules! define {
 pub(super) use define;
 
 /// Exports C functions, each with a list of arguments, a result and a body, and lists their names in `NAMES`: functions of an FMU
-/// beyond the standard.
+/// beyond the standard. The first argument of a function on an instance has the name `c`. The calls of these go to the variant of
+/// the library that [`Dispatch`](crate::dispatch::Dispatch) has chosen.
 ///
 /// To be called in a module that allows `unsafe` code and names in C's style.
 #[macro_export]
 macro_rules! export_functions {
-    ($($(#[$attribute:meta])* $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*) => {
+    (
+        $dispatch:expr;
+        $($(#[$attribute:meta])* $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*
+    ) => {
         /// Names of the C functions.
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+
+        $crate::__forwards! { $($name($($argument)*))* }
 
         $(
             $(#[$attribute])*
             #[cfg_attr(not(test), unsafe(no_mangle))]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: as the caller grants.
-                unsafe { $body }
+                $crate::__here_or_in_variant! { $dispatch, $name($($argument: $type),*) $(-> $result)?, unsafe { $body } }
             }
         )*
     };
@@ -69,20 +77,95 @@ macro_rules! export_functions {
 #[macro_export]
 macro_rules! __export_for {
     (
-        $version:ident $unit:ty;
+        $version:ident $unit:ty, $dispatch:expr;
         $($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*
-    ) => {$(
-        /// The standard's function of this name.
+    ) => {
+        $crate::__forwards! { $($name($($argument)*))* }
+
+        $(
+            /// The standard's function of this name.
+            ///
+            /// # Safety
+    #[doc = concat!("The caller grants what the documentation of `pushbelt_fmi::", stringify!($version), "` lists.")]
+            #[allow(clippy::too_many_arguments, reason = "the standard's")]
+            #[cfg_attr(not(test), unsafe(no_mangle))]
+            pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
+                // SAFETY: the caller grants what the function that is called requires.
+                $crate::__here_or_in_variant! { $dispatch, $name($($argument: $type),*) $(-> $result)?,
+                    unsafe { $crate::$version::functions::$name::<$unit>($($argument),*) }
+                }
+            }
+        )*
+    };
+}
+
+/// `FORWARDS`: the functions of the variant of the library, for each exported function.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __forwards {
+    ($($name:ident($($argument:ident)*))*) => {
+        #[allow(non_upper_case_globals, reason = "names of functions")]
+        mod forwards {$(
+            pub static $name: $crate::dispatch::Forward = $crate::dispatch::Forward::new(
+                $crate::dispatch::c_string(concat!(stringify!($name), "\0")),
+                $crate::dispatch::Kind::of(stringify!($name), $crate::__takes_instance!($($argument)*)),
+            );
+        )*}
+
+        /// The exported functions in the variant of the library for newer processors.
+        pub static FORWARDS: &[&$crate::dispatch::Forward] = &[$(&forwards::$name),*];
+    };
+}
+
+/// Whether the first argument is an instance.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __takes_instance {
+    (c $($others:ident)*) => {
+        true
+    };
+    ($($others:ident)*) => {
+        false
+    };
+}
+
+/// The body of an exported function: a call in this library, or in its variant. Builds without variant have no code for it.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __here_or_in_variant {
+    ($dispatch:expr, $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
+        if const { $crate::dispatch::has_variant(option_env!("PUSHBELT_BUILD"), cfg!(target_feature = "avx2")) } {
+            $crate::dispatch::through($dispatch, &forwards::$name, |function| {
+                if function.is_null() {
+                    return $here;
+                }
+                type Function = unsafe extern "C" fn($($type),*) $(-> $result)?;
+                // SAFETY: the variant is compiled from the same sources, so its function has this type and the same requirements. It
+                // is open, because it has the instance of the call.
+                unsafe { std::mem::transmute::<*mut $crate::libc::c_void, Function>(function)($($argument),*) }
+            })
+        } else {
+            $here
+        }
+    };
+}
+
+/// Exports the function by which a library recognises its variant: `pushbeltVariant`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! export_variant {
+    ($dispatch:expr) => {
+        /// For a library of the FMU that opens another one: the number of instances of this library, or null if `build` is
+        /// another build.
         ///
         /// # Safety
-#[doc = concat!("The caller grants what the documentation of `pushbelt_fmi::", stringify!($version), "` lists.")]
-        #[allow(clippy::too_many_arguments, reason = "the standard's")]
+        /// `build` is null or ends with a zero.
         #[cfg_attr(not(test), unsafe(no_mangle))]
-        pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
-            // SAFETY: the caller grants what the function that is called requires.
-            unsafe { $crate::$version::functions::$name::<$unit>($($argument),*) }
+        pub unsafe extern "C" fn pushbeltVariant(build: *const $crate::libc::c_char) -> *const $crate::libc::c_void {
+            // SAFETY: as the caller grants.
+            unsafe { $dispatch.handshake(build) }
         }
-    )*};
+    };
 }
 
 /// Exports the C functions of FMI 2.0 and FMI 3.0 for the given [`Unit`](crate::Unit). To be called once in a library.
@@ -91,11 +174,20 @@ macro_rules! export {
     ($unit:ty) => {
         #[allow(unsafe_code, non_snake_case, reason = "C functions of the standard")]
         const _: () = {
-            $crate::export_fmi2!($unit);
-        };
-        #[allow(unsafe_code, non_snake_case, reason = "C functions of the standard")]
-        const _: () = {
-            $crate::export_fmi3!($unit);
+            static DISPATCH: $crate::dispatch::Dispatch = $crate::dispatch::Dispatch::new(
+                <$unit as $crate::Unit>::IDENTITY.name,
+                option_env!("PUSHBELT_BUILD"),
+                &[&FMI2, &FMI3],
+            );
+            static FMI2: &[&$crate::dispatch::Forward] = {
+                $crate::export_fmi2!($unit, Some(&DISPATCH));
+                FORWARDS
+            };
+            static FMI3: &[&$crate::dispatch::Forward] = {
+                $crate::export_fmi3!($unit, Some(&DISPATCH));
+                FORWARDS
+            };
+            $crate::export_variant!(DISPATCH);
         };
     };
 }

@@ -8,6 +8,7 @@ use std::ptr;
 use super::description::guid_with;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Arguments, create};
+use crate::c::dispatch::instance_created;
 use crate::c::entry::{contain, text};
 use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
@@ -112,7 +113,10 @@ unsafe fn instantiate_here<U: Unit>(
             master,
             importer.map(|importer| Box::new(importer) as Box<dyn Sink>),
         );
-        slave.map_or(ptr::null_mut(), |slave| Box::into_raw(Box::new(slave)).cast())
+        slave.map_or(ptr::null_mut(), |slave| {
+            instance_created();
+            Box::into_raw(Box::new(slave)).cast()
+        })
     })
 }
 

@@ -128,15 +128,19 @@ fmi2_functions!([define]);
 /// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions.
+/// [`export!`](crate::export) does so for both versions. A library with a variant for newer processors passes
+/// `Some(&Dispatch)` after the unit.
 #[macro_export]
 macro_rules! export_fmi2 {
     ($unit:ty) => {
+        $crate::export_fmi2!($unit, None);
+    };
+    ($unit:ty, $dispatch:expr) => {
         use $crate::libc::{c_char, c_int, c_uint};
 
         use $crate::fmi2::{CallbackFunctions, Component, FmuState};
         use $crate::log::Status;
 
-        $crate::fmi2_functions! { [$crate::__export_for] fmi2 $unit; }
+        $crate::fmi2_functions! { [$crate::__export_for] fmi2 $unit, $dispatch; }
     };
 }

@@ -9,6 +9,7 @@ use super::description::{instantiation_token_with, is_intermediate};
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Arguments, create};
+use crate::c::dispatch::instance_created;
 use crate::c::entry::{array, contain, text};
 use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
@@ -114,7 +115,10 @@ pub(super) unsafe fn instantiate<U: Unit>(
             master,
             importer.map(|importer| Box::new(importer) as Box<dyn Sink>),
         );
-        slave.map_or(ptr::null_mut(), |slave| Box::into_raw(Box::new(slave)).cast())
+        slave.map_or(ptr::null_mut(), |slave| {
+            instance_created();
+            Box::into_raw(Box::new(slave)).cast()
+        })
     })
 }
 

@@ -234,10 +234,14 @@ fmi3_functions!([define]);
 /// Exports the 75 C functions of FMI 3.0, for the given [`Unit`](crate::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions.
+/// [`export!`](crate::export) does so for both versions. A library with a variant for newer processors passes
+/// `Some(&Dispatch)` after the unit.
 #[macro_export]
 macro_rules! export_fmi3 {
     ($unit:ty) => {
+        $crate::export_fmi3!($unit, None);
+    };
+    ($unit:ty, $dispatch:expr) => {
         use $crate::libc::{c_char, c_int, c_void};
 
         use $crate::fmi3::{
@@ -245,6 +249,6 @@ macro_rules! export_fmi3 {
         };
         use $crate::log::Status;
 
-        $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit; }
+        $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit, $dispatch; }
     };
 }

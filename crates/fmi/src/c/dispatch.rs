@@ -1,0 +1,321 @@
+//! Forwarding to a variant of the library for newer processors.
+//!
+//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by itself, and `Name-avx2` in the
+//! same folder. `Name` opens `Name-avx2` when it creates an instance and has no other instance. Then it forwards calls on
+//! instances there, until the last instance is freed; then it closes `Name-avx2`. So an instance is used only by the library
+//! that created it, and a host that unloads `Name` after its instances leaves nothing loaded.
+//!
+//! `Name` runs by itself if the processor lacks AVX2, if [`SWITCH`] is "0", or if there is no `Name-avx2` of the same build.
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::path::Path;
+use std::ptr::{self, null_mut};
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::entry::contain;
+use super::library::{self, Library};
+
+/// Environment variable: "0" makes the library run by itself.
+const SWITCH: &str = "PUSHBELT_AVX2";
+
+/// The function by which a library recognises its variant: it takes the build, and returns the number of instances, or null if its
+/// own build is another one.
+const HANDSHAKE: &CStr = c"pushbeltVariant";
+type Handshake = unsafe extern "C" fn(*const c_char) -> *const AtomicUsize;
+
+/// Instances of this library.
+static INSTANCES: AtomicUsize = AtomicUsize::new(0);
+
+/// Why the library of a portable build runs, for the log; empty otherwise.
+static REMARK: Mutex<String> = Mutex::new(String::new());
+
+/// Counts a new instance.
+pub(crate) fn instance_created() {
+    INSTANCES.fetch_add(1, Ordering::SeqCst);
+}
+
+/// Counts a freed instance.
+pub(crate) fn instance_freed() {
+    INSTANCES.fetch_sub(1, Ordering::SeqCst);
+}
+
+/// What the log of a new instance has about the choice of the library.
+pub(crate) fn remark() -> Option<String> {
+    let remark = locked(&REMARK).clone();
+    (!remark.is_empty()).then_some(remark)
+}
+
+/// What an exported function does with instances.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Creates one.
+    Create,
+    /// Frees one.
+    Free,
+    /// Is called on one.
+    Call,
+    /// Has none. Never forwarded, so it can be called while the variant is closed.
+    Without,
+}
+
+impl Kind {
+    /// The kind of a function, by its name and whether its first argument is an instance.
+    #[must_use]
+    pub const fn of(name: &str, on_instance: bool) -> Self {
+        match (
+            on_instance,
+            contains(name, "FreeInstance"),
+            contains(name, "Instantiate"),
+        ) {
+            (true, true, _) => Self::Free,
+            (true, false, _) => Self::Call,
+            (false, _, true) => Self::Create,
+            (false, _, false) => Self::Without,
+        }
+    }
+}
+
+/// `text.contains(part)`, in constants too.
+const fn contains(text: &str, part: &str) -> bool {
+    let (text, part) = (text.as_bytes(), part.as_bytes());
+    let mut from = 0;
+    while from + part.len() <= text.len() {
+        let mut same = 0;
+        while same < part.len() && text[from + same] == part[same] {
+            same += 1;
+        }
+        if same == part.len() {
+            return true;
+        }
+        from += 1;
+    }
+    false
+}
+
+/// Whether a library opens a variant: the one of a portable build without AVX2.
+#[must_use]
+pub const fn has_variant(build: Option<&str>, with_avx2: bool) -> bool {
+    build.is_some() && !with_avx2
+}
+
+/// A text that ends with a zero, in constants too.
+///
+/// # Panics
+/// It ends with no zero.
+#[must_use]
+pub const fn c_string(text: &'static str) -> &'static CStr {
+    match CStr::from_bytes_with_nul(text.as_bytes()) {
+        Ok(text) => text,
+        Err(_) => panic!("no zero at the end"),
+    }
+}
+
+/// An exported function of the variant.
+pub struct Forward {
+    name: &'static CStr,
+    kind: Kind,
+    /// Null while the variant is closed.
+    function: AtomicPtr<c_void>,
+}
+
+impl Forward {
+    /// A function of a kind, not found yet.
+    #[must_use]
+    pub const fn new(name: &'static CStr, kind: Kind) -> Self {
+        Self {
+            name,
+            kind,
+            function: AtomicPtr::new(null_mut()),
+        }
+    }
+}
+
+/// The variant of a library, and its functions.
+pub struct Dispatch {
+    model: &'static str,
+    /// Identifies the build; none in a build that has no variant.
+    build: Option<&'static str>,
+    tables: &'static [&'static &'static [&'static Forward]],
+    state: Mutex<State>,
+}
+
+struct State {
+    /// Running calls that create or free an instance.
+    calls: usize,
+    open: Option<Variant>,
+}
+
+struct Variant {
+    /// Closed when this is dropped.
+    _library: Library,
+    instances: *const AtomicUsize,
+}
+
+// SAFETY: the counter is a static of the library, which is open as long as this exists.
+unsafe impl Send for Variant {}
+
+impl Dispatch {
+    /// The dispatcher of the library of a model. `build` is the same in a library and its variant, and in no other library.
+    #[must_use]
+    pub const fn new(
+        model: &'static str,
+        build: Option<&'static str>,
+        tables: &'static [&'static &'static [&'static Forward]],
+    ) -> Self {
+        Self {
+            model,
+            build,
+            tables,
+            state: Mutex::new(State { calls: 0, open: None }),
+        }
+    }
+
+    /// The number of instances of this library, for a library of the same build; null for others.
+    ///
+    /// # Safety
+    /// `build` is null or ends with a zero.
+    pub unsafe fn handshake(&self, build: *const c_char) -> *const c_void {
+        if build.is_null() {
+            return ptr::null();
+        }
+        // SAFETY: not null; the caller grants the zero.
+        let build = unsafe { CStr::from_ptr(build) };
+        if self.build.is_none_or(|own| own.as_bytes() != build.to_bytes()) {
+            return ptr::null();
+        }
+        "the library for processors with AVX2 runs".clone_into(&mut locked(&REMARK));
+        (&raw const INSTANCES).cast()
+    }
+
+    /// Keeps the choice of the library until [`Self::leave`], and makes one for a call that creates the first instance.
+    fn enter(&self, build: &str, kind: Kind) {
+        let mut state = locked(&self.state);
+        state.calls += 1;
+        let is_first = state.calls == 1 && INSTANCES.load(Ordering::SeqCst) == 0;
+        if kind == Kind::Create && state.open.is_none() && is_first {
+            match self.find(build) {
+                Ok(variant) => state.open = Some(variant),
+                Err(why) => *locked(&REMARK) = format!("the library for all processors runs: {why}"),
+            }
+        }
+    }
+
+    /// Closes the variant if it has no instance and no call that creates or frees one.
+    fn leave(&self) {
+        let mut state = locked(&self.state);
+        state.calls -= 1;
+        // SAFETY: the variant is open.
+        let unused = |variant: &Variant| unsafe { &*variant.instances }.load(Ordering::SeqCst) == 0;
+        if state.calls == 0 && state.open.as_ref().is_some_and(unused) {
+            for forward in self.tables.iter().copied().copied().flatten() {
+                forward.function.store(null_mut(), Ordering::Release);
+            }
+            state.open = None;
+        }
+    }
+
+    /// Opens the variant and finds its functions.
+    ///
+    /// # Errors
+    /// Why this library runs by itself.
+    fn find(&self, build: &str) -> Result<Variant, String> {
+        if !has_avx2() {
+            return Err("the processor has no AVX2".to_owned());
+        }
+        if std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
+            return Err(format!("{SWITCH} is 0"));
+        }
+        let name = format!("{}-avx2{}", self.model, std::env::consts::DLL_SUFFIX);
+        self.open(&library::own_path()?.with_file_name(name), build)
+    }
+
+    fn open(&self, path: &Path, build: &str) -> Result<Variant, String> {
+        let refused = |why: &str| format!("{}: {why}", path.display());
+        // Without this check the message would be that of the operating system.
+        if !path.is_file() {
+            return Err(refused("there is no such file"));
+        }
+        // SAFETY: it is in the folder of this library under its name, so it is as trusted as this one. Its initialisation is that of
+        // Rust's standard library.
+        let library = unsafe { Library::open(path) }.map_err(|why| refused(&why))?;
+        let handshake = library.find(HANDSHAKE);
+        let build = CString::new(build).unwrap_or_default();
+        let instances = if handshake.is_null() {
+            ptr::null()
+        } else {
+            // SAFETY: the function of this name has this type, and the text ends with a zero.
+            unsafe { std::mem::transmute::<*mut c_void, Handshake>(handshake)(build.as_ptr()) }
+        };
+        if instances.is_null() {
+            return Err(refused("it is of another build"));
+        }
+        let forwards = self
+            .tables
+            .iter()
+            .copied()
+            .copied()
+            .flatten()
+            .filter(|forward| forward.kind != Kind::Without);
+        let found: Vec<_> = forwards.map(|forward| (forward, library.find(forward.name))).collect();
+        if let Some((missing, _)) = found.iter().find(|(_, function)| function.is_null()) {
+            return Err(refused(&format!("it has no {}", missing.name.to_string_lossy())));
+        }
+        for (forward, function) in found {
+            forward.function.store(function, Ordering::Release);
+        }
+        Ok(Variant {
+            _library: library,
+            instances,
+        })
+    }
+}
+
+/// Makes the call of an exported function, here or in the variant. A call that creates or frees an instance keeps the variant open.
+pub fn through<T>(dispatch: Option<&Dispatch>, forward: &Forward, call: impl FnOnce(*mut c_void) -> T) -> T {
+    let held = match (forward.kind, dispatch) {
+        (Kind::Create | Kind::Free, Some(dispatch)) => dispatch.build.map(|build| (dispatch, build)),
+        _ => None,
+    };
+    if let Some((dispatch, build)) = held {
+        contain((), || dispatch.enter(build, forward.kind));
+    }
+    let result = call(forward.function.load(Ordering::Acquire));
+    if let Some((dispatch, _)) = held {
+        contain((), || dispatch.leave());
+    }
+    result
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    std::arch::is_x86_feature_detected!("avx2")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn has_avx2() -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Kind;
+
+    #[test]
+    fn kinds_follow_from_the_names() {
+        for (name, on_instance, kind) in [
+            ("fmi2GetVersion", false, Kind::Without),
+            ("fmi2Instantiate", false, Kind::Create),
+            ("fmi3InstantiateCoSimulation", false, Kind::Create),
+            ("fmi2FreeInstance", true, Kind::Free),
+            ("fmi2FreeFMUstate", true, Kind::Call),
+            ("fmi2DoStep", true, Kind::Call),
+        ] {
+            assert!(Kind::of(name, on_instance) == kind, "{name}");
+        }
+    }
+}

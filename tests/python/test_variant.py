@@ -1,0 +1,276 @@
+"""The choice between the library for all processors and its variant for AVX2, with the FMU of `crates/fmi/examples/lag.rs`."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from ctypes import CFUNCTYPE, POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+CPU = Path("/proc/cpuinfo")
+if platform.system() != "Linux" or platform.machine() != "x86_64":
+    pytestmark = pytest.mark.skip(reason="libraries of Linux on x86-64")
+elif " avx2 " not in CPU.read_text(encoding="ascii"):
+    pytestmark = pytest.mark.skip(reason="the processor has no AVX2")
+else:
+    pytestmark = pytest.mark.slow
+
+LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)
+OUTPUT = c_uint(1)
+
+
+class Callbacks(ctypes.Structure):
+    """fmi2CallbackFunctions."""
+
+    _fields_ = [("logger", LOGGER)] + [(name, c_void_p) for name in ("allocate", "free", "finished", "environment")]
+
+
+class Library:
+    """A loaded library with one log for all of its instances."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.log: list[str] = []
+        self.functions = ctypes.CDLL(str(path), mode=os.RTLD_LOCAL)
+        for name in ("fmi2Instantiate", "fmi2FreeInstance"):
+            getattr(self.functions, name).restype = c_void_p
+        self.callbacks = Callbacks(LOGGER(lambda *arguments: self.log.append(arguments[-1].decode())))
+        assert self.create("{0}") is None
+        self.guid = self.log.pop().split("not that of this binary, ")[1].split(":")[0]
+
+    def create(self, guid: str | None = None, *, logging: bool = True) -> int | None:
+        """A new instance."""
+        words = [b"lag", 1, (guid or self.guid).encode(), None, byref(self.callbacks), 0, int(logging)]
+        return self.functions.fmi2Instantiate(*words)
+
+    def call(self, name: str, instance: int, *arguments: object) -> None:
+        """Calls a function that must succeed."""
+        assert getattr(self.functions, name)(c_void_p(instance), *arguments) == 0, (name, self.log)
+
+    def free(self, instance: int | None) -> None:
+        """Frees an instance."""
+        self.functions.fmi2FreeInstance(c_void_p(instance))
+
+    def start(self, instance: int) -> None:
+        """Ends initialisation at 0 s."""
+        self.call("fmi2SetupExperiment", instance, 0, c_double(), c_double(), 0, c_double())
+        self.call("fmi2EnterInitializationMode", instance)
+        self.call("fmi2ExitInitializationMode", instance)
+
+    def step(self, instance: int, number: int) -> float:
+        """A step of 0.1 s, and the output after it."""
+        self.call("fmi2DoStep", instance, c_double(0.1 * number), c_double(0.1), 1)
+        value = c_double()
+        self.call("fmi2GetReal", instance, byref(OUTPUT), c_size_t(1), byref(value))
+        return value.value
+
+    def state(self, instance: int) -> bytes:
+        """The serialised state."""
+        state, size = c_void_p(), c_size_t()
+        self.call("fmi2GetFMUstate", instance, byref(state))
+        self.call("fmi2SerializedFMUstateSize", instance, state, byref(size))
+        data = ctypes.create_string_buffer(size.value)
+        self.call("fmi2SerializeFMUstate", instance, state, data, size)
+        self.call("fmi2FreeFMUstate", instance, byref(state))
+        return data.raw
+
+    def resume(self, instance: int, data: bytes) -> None:
+        """Continues from a serialised state."""
+        state = c_void_p()
+        self.call("fmi2DeSerializeFMUstate", instance, data, c_size_t(len(data)), byref(state))
+        self.call("fmi2SetFMUstate", instance, state)
+        self.call("fmi2FreeFMUstate", instance, byref(state))
+
+    def unload(self) -> None:
+        """Unloads the library."""
+        close = ctypes.CDLL(None).dlclose
+        close.argtypes = [c_void_p]
+        assert close(self.functions._handle) == 0
+
+
+def is_loaded(path: Path) -> bool:
+    """Whether a library is in this process."""
+    return str(path) in Path("/proc/self/maps").read_text()
+
+
+def variant(path: Path) -> Path:
+    """The variant of a library."""
+    return path.with_name("Lag-avx2.so")
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, bool], Path]:
+    """Compiles the library of a build, with or without AVX2, once."""
+    cargo = os.environ.get("CARGO") or shutil.which("cargo")
+    if cargo is None:
+        pytest.skip("cargo is not on the path: the library can't be built")
+    found: dict[tuple[str, bool], Path] = {}
+
+    def build(name: str, avx2: bool) -> Path:
+        if (name, avx2) not in found:
+            folder = ROOT / "target" / "variant" / ("avx2" if avx2 else "all")
+            environment = {
+                **os.environ,
+                "CARGO_TARGET_DIR": str(folder),
+                "CARGO_ENCODED_RUSTFLAGS": "-Ctarget-feature=+avx2" if avx2 else "",
+                "PUSHBELT_BUILD": name,
+            }
+            command = [cargo, "build", "--release", "--package", "pushbelt-fmi", "--example", "lag"]
+            subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
+            copy = tmp_path_factory.mktemp("built") / "Lag.so"
+            found[name, avx2] = Path(shutil.copy(folder / "release" / "examples" / "liblag.so", copy))
+        return found[name, avx2]
+
+    return build
+
+
+@pytest.fixture
+def folder(built, tmp_path: Path) -> Callable[..., Path]:
+    """Makes a folder with the library, and with the variant of a build; returns the path of the library."""
+
+    def make(name: str = "place", of: str | None = "one") -> Path:
+        path = tmp_path / name / "Lag.so"
+        path.parent.mkdir()
+        shutil.copy(built("one", False), path)
+        if of is not None:
+            shutil.copy(built(of, True), variant(path))
+        return path
+
+    return make
+
+
+@pytest.fixture(autouse=True)
+def without_switch(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The environment of most users."""
+    monkeypatch.delenv("PUSHBELT_AVX2", raising=False)
+    yield
+
+
+FAST = "the library for processors with AVX2 runs"
+SLOW = "the library for all processors runs: "
+
+
+def test_the_variant_is_open_from_the_first_instance_to_the_last(folder) -> None:
+    path = folder()
+    library = Library(path)
+    # An attempt with another GUID has opened it, and closed it.
+    assert not is_loaded(variant(path))
+    first, second = library.create(), library.create()
+    assert is_loaded(variant(path)) and library.log == [FAST, FAST]
+    library.start(first)
+    assert library.step(first, 0) == pytest.approx(0.048770575499286)
+    library.free(first)
+    library.free(None)
+    assert is_loaded(variant(path))
+    library.start(second)
+    library.step(second, 0)
+    library.free(second)
+    assert not is_loaded(variant(path))
+    third = library.create(logging=False)
+    assert is_loaded(variant(path)) and len(library.log) == 2, "nothing is logged without logging"
+    library.free(third)
+    library.unload()
+    assert not is_loaded(path) and not is_loaded(variant(path))
+
+
+def refusals() -> list:
+    """What keeps the library from its variant: build of the variant, what is written to its file, switch, message."""
+    return [
+        pytest.param(None, None, None, "Lag-avx2.so: there is no such file", id="missing"),
+        pytest.param("other", None, None, "Lag-avx2.so: it is of another build", id="another build"),
+        pytest.param("one", b"\x7fELF", None, "file too short", id="truncated"),
+        pytest.param("one", b"", None, "file too short", id="empty"),
+        pytest.param("one", None, "0", "PUSHBELT_AVX2 is 0", id="switched off"),
+    ]
+
+
+@pytest.mark.parametrize(("of", "content", "switch", "message"), refusals())
+def test_the_library_runs_by_itself(
+    folder, monkeypatch: pytest.MonkeyPatch, of: str | None, content: bytes | None, switch: str | None, message: str
+) -> None:
+    path = folder(of=of)
+    if content is not None:
+        variant(path).unlink()
+        variant(path).write_bytes(content)
+    if switch is not None:
+        monkeypatch.setenv("PUSHBELT_AVX2", switch)
+    library = Library(path)
+    instance = library.create()
+    assert not is_loaded(variant(path))
+    assert len(library.log) == 1 and library.log[0].startswith(SLOW) and message in library.log[0]
+    library.start(instance)
+    assert library.step(instance, 0) == pytest.approx(0.048770575499286)
+    library.free(instance)
+    quiet = library.create(logging=False)
+    assert len(library.log) == 1
+    library.free(quiet)
+    library.unload()
+    assert not is_loaded(path)
+
+
+def test_any_other_value_of_the_switch_has_no_effect(folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PUSHBELT_AVX2", "1")
+    library = Library(folder())
+    instance = library.create()
+    assert library.log == [FAST]
+    library.free(instance)
+
+
+def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While an instance of the library itself exists, the variant is not opened."""
+    path = folder()
+    monkeypatch.setenv("PUSHBELT_AVX2", "0")
+    library = Library(path)
+    first = library.create()
+    monkeypatch.delenv("PUSHBELT_AVX2")
+    second = library.create()
+    assert not is_loaded(variant(path))
+    library.free(first)
+    library.free(second)
+    third = library.create()
+    assert is_loaded(variant(path)) and library.log[-1] == FAST
+    library.free(third)
+
+
+def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
+    paths = [folder("a"), folder("b"), folder("c", None)]
+    libraries = [Library(path) for path in paths]
+    instances = [library.create() for library in libraries]
+    assert [is_loaded(variant(path)) for path in paths] == [True, True, False]
+    assert [library.log[0] for library in libraries[:2]] == [FAST, FAST] and libraries[2].log[0].startswith(SLOW)
+    for library, instance in zip(libraries, instances, strict=True):
+        library.start(instance)
+    libraries[0].free(instances[0])
+    assert [is_loaded(variant(path)) for path in paths] == [False, True, False]
+    for number in range(3):
+        both = zip(libraries[1:], instances[1:], strict=True)
+        outputs = [library.step(instance, number) for library, instance in both]
+        assert outputs[0] == pytest.approx(outputs[1], rel=1e-15)
+
+
+def test_states_pass_between_the_library_and_its_variant(folder) -> None:
+    fast, slow = Library(folder("a")), Library(folder("b", None))
+    instances = {library: library.create() for library in (fast, slow)}
+    for library, instance in instances.items():
+        library.start(instance)
+    for writer, reader in [(fast, slow), (slow, fast)]:
+        data = writer.state(instances[writer])
+        expected = writer.step(instances[writer], 0)
+        reader.resume(instances[reader], data)
+        assert reader.step(instances[reader], 0) == pytest.approx(expected, rel=1e-15)
+        for library in (fast, slow):
+            library.resume(instances[library], data)
+
+
+def test_the_handshake_has_no_answer_for_strangers(folder) -> None:
+    functions = ctypes.CDLL(str(variant(folder())), mode=os.RTLD_LOCAL)
+    functions.pushbeltVariant.restype = POINTER(c_size_t)
+    assert not functions.pushbeltVariant(b"two") and not functions.pushbeltVariant(None)
+    assert functions.pushbeltVariant(b"one")[0] == 0
