@@ -74,7 +74,7 @@ impl Variator {
     }
 }
 
-/// Residuals that a communication step may take, and more for each second of it: some hundred times those of a load that jumps.
+/// Residuals that a communication step may take, and more for each second of it: twenty times what loads that jump take.
 const MOST_RESIDUALS: f64 = 1.0e4;
 const MOST_RESIDUALS_PER_SECOND: f64 = 5.0e5;
 
