@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::entry::contain;
-use super::library::{self, Library};
+use super::loader::{self, Library};
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
@@ -227,7 +227,7 @@ impl Dispatch {
             return Err(format!("{SWITCH} is 0"));
         }
         let name = format!("{}-avx2{}", self.model, std::env::consts::DLL_SUFFIX);
-        self.open(&library::own_path()?.with_file_name(name), build)
+        self.open(&loader::own_path()?.with_file_name(name), build)
     }
 
     fn open(&self, path: &Path, build: &str) -> Result<Variant, String> {

@@ -11,13 +11,13 @@
 //! | `creation` | creation of an instance |
 //! | `stored` | stored states |
 //! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
-//! | `library` | shared libraries at run time |
+//! | `loader` | shared libraries at run time |
 
 pub(super) mod creation;
 pub mod dispatch;
 pub(super) mod entry;
 pub(super) mod floating_point;
-pub(super) mod library;
+pub(super) mod loader;
 pub(super) mod stored;
 
 /// Defines a generic function for each row of a table, and the list of their names.
