@@ -3,7 +3,7 @@
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
 use std::ffi::{CString, c_char, c_int, c_uint};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::ptr::null;
 
 use libloading::Library as Loaded;
@@ -45,8 +45,13 @@ pub fn path() -> PathBuf {
 
 impl Library {
     pub fn load() -> Self {
+        Self::load_from(&path())
+    }
+
+    /// The library, or a copy of it, in this file.
+    pub fn load_from(path: &Path) -> Self {
         // SAFETY: the library runs no code when it is loaded.
-        let loaded = unsafe { Loaded::new(path()) }.expect("the library loads");
+        let loaded = unsafe { Loaded::new(path) }.expect("the library loads");
         let (functions, functions3) = (Functions::of(&loaded), Functions3::of(&loaded));
         Self {
             _loaded: loaded,

@@ -18,7 +18,7 @@ use super::rings::Rings;
 use super::rows::{PRIMARY, Rows, SECONDARY, WHOLE, between, not_negative, typical};
 use super::settings::Settings;
 use super::types::{AXIAL, DRIVE, MODE, START_STATE, UNITS};
-use crate::fmi::table::{Access, Causality, Kind, Table};
+use crate::fmi::table::{Access, Causality, InitialDependencies, Kind, Table};
 use crate::variator::settings::{Axial, Drive, Mode, Readings};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
@@ -97,6 +97,30 @@ macro_rules! pulley_parameters {
     };
 }
 
+/// Outputs that do not depend on all settings at the start. The primary speed is given there, so a load on that shaft closes no loop. With
+/// a speed set point for the secondary shaft alone it is solved for, which these lists leave out: they are for shafts under torque.
+const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
+    (
+        "primary.speed",
+        &[
+            "initial.ratio",
+            "initial.primarySpeed",
+            "initial.steady",
+            "solver.mode",
+            "primary.drive",
+            "primary.speedSetpoint",
+            "secondary.drive",
+            "secondary.speedSetpoint",
+        ],
+    ),
+    ("solver.steps", &[]),
+    ("solver.jacobians", &[]),
+    ("solver.residuals", &[]),
+    ("solver.defect", &[]),
+    ("solver.behind", &[]),
+    ("solver.rollbacks", &[]),
+];
+
 /// The variable table of the variator.
 #[rustfmt::skip]
 pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
@@ -120,7 +144,8 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     pulley_parameters!(t, secondary);
     t.of(WHOLE);
     locals(t);
-    Table::new(UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays).with_retired(R::RETIRED)
+    let table = Table::new(UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays);
+    table.with_retired(R::RETIRED).with_initial_dependencies(INITIAL_DEPENDENCIES)
 }
 
 #[rustfmt::skip]

@@ -181,7 +181,9 @@ fn ring_of<R: Rings>(rings: &R, parameters: &Parameters) -> Result<Arc<dyn BeltR
 fn failure(error: StepError) -> StepFailure {
     match error {
         StepError::Input(error) => StepFailure::Setting(error.to_string()),
-        stalled @ StepError::Stalled { .. } => StepFailure::Discarded(stalled.to_string()),
+        partial @ (StepError::Stalled { .. } | StepError::Exhausted { .. }) => {
+            StepFailure::Discarded(partial.to_string())
+        }
     }
 }
 

@@ -149,6 +149,52 @@ fn a_step_that_fails_is_discarded_and_can_be_repeated() {
     }
 }
 
+/// The work of a step is bounded. Loads at the ends of their ranges exceed the bound within a millisecond.
+#[test]
+fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
+    let importer = Importer::new(c"work");
+    assert_eq!(importer.set_boolean("initial.steady", 0), Ok);
+    assert_eq!(importer.set_real("inputs.ramp", 0.0), Ok);
+    importer.start();
+    assert_eq!(importer.step(0.0, 1e-3), Ok, "{:?}", importer.record);
+    let (c, mut stored, mut reached) = (importer.c, null_mut(), f64::NAN);
+    let before = importer.integer("solver.residuals");
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
+        for (name, load) in [
+            ("primary.clampingForce", 1e7),
+            ("secondary.clampingForce", 1e7),
+            ("primary.torque", 1e6),
+            ("secondary.torque", -1e6),
+        ] {
+            assert_eq!(importer.set_real(name, load), Ok);
+        }
+        assert_eq!(importer.step(1e-3, 2e-3), Status::Discard);
+        assert!(
+            importer.last().contains("far beyond what the belt transmits"),
+            "{}",
+            importer.last()
+        );
+        let residuals: u32 = importer
+            .last()
+            .split_once("after ")
+            .and_then(|(_, rest)| rest.split(' ').next()?.parse().ok())
+            .expect("a count");
+        assert!((11_000..13_000).contains(&residuals), "{residuals} residuals");
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut reached), Ok);
+        assert!((1e-3..3e-3).contains(&reached), "{reached}");
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.integer("solver.residuals"), before);
+        assert_eq!(importer.step(1e-3, 1e-3), Ok, "{:?}", importer.record);
+        let expected = importer.readings();
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.step(1e-3, 1e-3), Ok);
+        assert_eq!(importer.readings(), expected);
+        assert_eq!(fmi2FreeFMUstate(c, &mut stored), Ok);
+    }
+}
+
 #[test]
 fn unsupported_functions_are_refused() {
     let importer = Importer::running(c"not supported");

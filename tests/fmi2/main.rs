@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
+mod coupled;
 mod derivatives;
 #[cfg(target_arch = "x86_64")]
 #[path = "../../crates/fmi/tests/fmi/environment.rs"]

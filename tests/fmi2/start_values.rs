@@ -8,6 +8,9 @@ use pushbelt::fmi::log::Status::Ok;
 use pushbelt::fmi::start_values::FILE;
 use pushbelt::unit::exports::c_abi::*;
 
+use pushbelt_lab::shared_library::{Library, OK};
+use pushbelt_lab::shared_library3::Watches;
+
 use crate::importer::*;
 
 /// A folder of resources, removed at the end.
@@ -123,4 +126,32 @@ fn an_unusable_file_is_an_error_that_names_it() {
         "{:?}",
         importer.record
     );
+}
+
+/// The importer passes no location: the library looks beside itself.
+#[test]
+fn a_library_finds_the_file_beside_the_folder_of_binaries() {
+    let unpacked = Resources::new("unpacked");
+    let folder = |name: &str| {
+        let folder = unpacked.0.join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        folder
+    };
+    let binary = folder("binaries/linux64").join("PushbeltVariator.so");
+    fs::copy(pushbelt_lab::shared_library::path(), &binary).expect("a copy");
+    fs::write(folder("resources").join(FILE), "friction.pulley = 0.085").expect("a file");
+    let library = Library::load_from(&binary);
+    let (f, f3) = (&library.functions, &library.functions3);
+    let (c, c3) = (f.instantiate(), f3.instantiate(Watches::default()));
+    let (friction, mut values) = (reference("friction.pulley"), [0.0; 2]);
+    // SAFETY: instances, and places for values.
+    unsafe {
+        f.make_cheap(c);
+        assert_eq!((f.fmi2EnterInitializationMode)(c), OK);
+        assert_eq!((f.fmi2GetReal)(c, &friction, 1, &raw mut values[0]), OK);
+        (f.fmi2FreeInstance)(c);
+        assert_eq!((f3.fmi3GetFloat64)(c3, &friction, 1, &raw mut values[1], 1), OK);
+        (f3.fmi3FreeInstance)(c3);
+    }
+    assert_eq!(values, [0.085; 2]);
 }

@@ -189,8 +189,16 @@ def test_input_derivatives_give_what_the_mean_torque_gives(variator: New) -> Non
 
 def test_initial_outputs_depend_on_settings_as_the_structure_says(variator: New, xml: ElementTree.Element) -> None:
     """Without a list an initial unknown depends on everything: a steady start solves for the outputs."""
-    for unknown in xml.find("ModelStructure").find("InitialUnknowns"):
-        assert unknown.get("dependencies") is None
+    variables = list(xml.find("ModelVariables"))
+    lists = {
+        variables[int(unknown.get("index")) - 1].get("name"): unknown.get("dependencies")
+        for unknown in xml.find("ModelStructure").find("InitialUnknowns")
+    }
+    listed = {name for name, dependencies in lists.items() if dependencies is not None}
+    assert listed == {"primary.speed"} | {name for name in lists if name.startswith("solver.")}
+    known = {variables[int(index) - 1].get("name") for index in lists["primary.speed"].split()}
+    assert "initial.primarySpeed" in known
+    assert not any(name.endswith((".torque", ".clampingForce")) for name in known)
     unit = variator(CHEAP | {"initial.steady": True})
     unit.enter_initialisation()
     before = readings(unit)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import CHEAP, ROOT
+from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
 import pushbelt
@@ -287,6 +288,8 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
         other = [name for name in source.namelist() if source.read(name) != target.read(name)]
         assert "ring.model = 1\n" in target.read("resources/start-values.txt").decode()
     assert other == ["modelDescription.xml"]
+    guids = [read_model_description(str(path)).guid for path in (fmu, copy)]
+    assert guids[0] != guids[1] and guids[0][:20] == guids[1][:20]
     with variator.Variator({}, fmu=copy) as belt:
         assert belt["geometry.centerDistance"] == 0.155
         assert (belt["ring.model"], belt["initial.steady"]) == (1, False)
@@ -297,6 +300,16 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
         listed = target.read("resources/start-values.txt").decode()
         assert target.namelist().count("resources/start-values.txt") == 1
     assert "initial.ratio = 1.2\n" in listed and "initial.steady = false\n" in listed and "1.6" not in listed
+    assert read_model_description(str(again)).guid not in guids
+
+
+def test_a_copy_without_its_list_does_not_run_as_the_original(fmu: Path, tmp_path: Path) -> None:
+    own = tmp_path / "own.fmu"
+    assert cli.main(["fmu", str(own), "--fmu", str(fmu), "--set", "ring.model=ALE0"]) == 0
+    unpacked = Path(extract(str(own), str(tmp_path / "unpacked")))
+    (unpacked / "resources/start-values.txt").unlink()
+    with pytest.raises(Exception, match="instantiate"):
+        instantiate_fmu(str(unpacked), read_model_description(str(own)), "CoSimulation")
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,14 @@ impl<S: Stage> Model<S> {
         stop: None,
     };
 
+    /// This state in the instance of another one: the stop time is that of the instance.
+    pub fn in_instance_of(self, other: &Self) -> Self {
+        Self {
+            stop: other.stop,
+            ..self
+        }
+    }
+
     /// Compares the status of a call with the expected one.
     pub fn expect(&mut self, call: &impl Debug, status: c_int, allowed: &[S], legal: Expected) {
         // In the error state there are values only if the run had started.

@@ -79,7 +79,8 @@ impl<'a> Master<'a> {
             Call::Logging { on, name } => self.logging(call, on, name),
             Call::Keep(keeping) => {
                 // SAFETY: an instance.
-                self.model = unsafe { self.slots.keep(self.f, self.c, keeping, self.model) };
+                let kept = unsafe { self.slots.keep(self.f, self.c, keeping, self.model) };
+                self.model = kept.in_instance_of(&self.model);
             }
             Call::Status { function, kind, null } => self.status(call, function, kind, null),
             Call::Cancel => self.cancel(),

@@ -276,7 +276,10 @@ impl<'a> Master<'a> {
                 Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
                 Call::NotOffered { function } => self.not_offered(call, function),
                 Call::Logging { on, name } => self.logging(call, on, name),
-                Call::Keep(keeping) => self.model = self.slots.keep(f, c, keeping, self.model),
+                Call::Keep(keeping) => {
+                    let kept = self.slots.keep(f, c, keeping, self.model);
+                    self.model = kept.in_instance_of(&self.model);
+                }
                 Call::NullInstance => {
                     (f.fmi3FreeInstance)(null_mut());
                     assert_eq!(f.step(null_mut(), 0.0, 1e-3).status, ERROR);

@@ -129,3 +129,11 @@ pub(super) fn typed<S, R>(element: Element, variable: &Variable<S, R>, settings:
         start => element.with_some("start", start),
     }
 }
+
+/// With the dependencies of an unknown on these known variables, given by the numbers that the version of the standard uses.
+pub(super) fn depending(unknown: Element, known: impl IntoIterator<Item = u32>) -> Element {
+    let numbers: Vec<_> = known.into_iter().map(|number| number.to_string()).collect();
+    unknown
+        .with("dependencies", numbers.join(" "))
+        .with("dependenciesKind", vec!["dependent"; numbers.len()].join(" "))
+}

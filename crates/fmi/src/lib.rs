@@ -16,6 +16,7 @@
 //! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
 //! | [`log`] | messages to the importer |
 //! | `common_description`, `xml` | common parts of the model descriptions of both versions; elements and numbers of XML |
+//! | `resources` | places that a resource location may mean |
 //! | [`start_values`] | start values of a user, from a file in the resources |
 //! | `processor` | whether the processor has the instructions that the binary is compiled for |
 //! | [`fmi2`], [`fmi3`] | the C functions and the model description of a version |
@@ -44,6 +45,8 @@ mod hash;
 pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
+#[forbid(unsafe_code)]
+mod resources;
 #[forbid(unsafe_code)]
 pub mod simple;
 #[forbid(unsafe_code)]

@@ -86,8 +86,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are not debug messages. An
-    /// importer that does not use them passes no logger.
+    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are not debug messages, and in FMI
+    /// 2.0.4 (section 2.1.5) `loggingOn` is about these. An importer that does not use them passes no logger.
     const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
 
     /// A log into `sink`, if there is one, for FMI 2.0.
@@ -96,10 +96,11 @@ impl Log {
         Self::with(sink, debug, &Self::QUIET)
     }
 
-    /// A log that is silent without debug logging, as FMI 3.0 requires.
+    /// A log that has errors only without debug logging, for FMI 3.0. Section 2.3.1 of 3.0.2 forbids any message then, but 3.0.3
+    /// corrects that: errors are always logged. A host that reads none passes no function for messages.
     #[must_use]
-    pub fn silent_without_debug(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::with(sink, debug, &[])
+    pub fn errors_without_debug(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        Self::with(sink, debug, &[Category::Error])
     }
 
     fn with(sink: Option<Box<dyn Sink>>, debug: bool, quiet: &'static [Category]) -> Self {

@@ -2,11 +2,14 @@
 //!
 //! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
 //! contains them for the library too: one `name = value` per line; truth values are `true` and `false`, items of enumerations
-//! are numbers; `#` begins a comment. Without the file the defaults hold. An unreadable file is an error.
+//! are numbers; `#` begins a comment. An unreadable file is an error.
+//!
+//! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
+//! has another end, so the library refuses to run it without its file.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::table::{Kind, Table, Value};
 use super::unit::Unit;
@@ -17,7 +20,56 @@ pub const FILE: &str = "start-values.txt";
 /// Largest size of the file, bytes: a larger file is not a list of start values.
 const LARGEST: u64 = 1 << 20;
 
-/// The settings that an instance starts from: those of the file in this folder over the defaults; none if there is no file.
+/// The model description that a token belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Token {
+    /// The original one.
+    Original,
+    /// One with start values of a user.
+    Copy,
+}
+
+/// Characters at the beginning of a token that a copy has from the original: `{01234567-0123-0123-`.
+const SHARED: usize = 20;
+
+impl Token {
+    /// Compares a token with that of the original; `None` if it is one of another FMU.
+    pub(crate) fn of(token: &str, original: &str) -> Option<Self> {
+        if token == original {
+            return Some(Self::Original);
+        }
+        let is_copy = token.len() == original.len() && original.get(..SHARED) == token.get(..SHARED);
+        is_copy.then_some(Self::Copy)
+    }
+}
+
+/// The settings that an instance starts from: those of the file in the first folder that has one, over the defaults; `None` if
+/// there is no file.
+///
+/// # Errors
+/// The file is unusable, or missing in a copy. The reason is a sentence with file, line, variable and value.
+pub(crate) fn find<U: Unit>(folders: &[PathBuf], token: Token) -> Result<Option<U::Settings>, String> {
+    for folder in folders {
+        let found = read::<U>(folder)?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    let searched: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
+    match (token, searched.is_empty()) {
+        (Token::Original, _) => Ok(None),
+        (Token::Copy, false) => Err(format!(
+            "this copy of the FMU has start values of its own, but {FILE} is missing in {}",
+            searched.join(" and in ")
+        )),
+        (Token::Copy, true) => Err(format!(
+            "this copy of the FMU has start values of its own in {FILE}, but the importer passed no resource location, and the \
+             library is not in the folder into which the FMU was unpacked"
+        )),
+    }
+}
+
+/// The settings of the file in this folder, over the defaults; `None` if there is no file.
 ///
 /// # Errors
 /// The reason, as a sentence with file, line, variable and value.

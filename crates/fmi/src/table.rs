@@ -415,7 +415,12 @@ pub struct Table<S, R> {
     /// library that some Windows compatibility layers lack.
     by_reference: Vec<(u32, usize)>,
     retired: &'static [Retired],
+    initial: &'static [InitialDependencies],
 }
+
+/// A calculated variable, and the settings on which it depends in initialisation mode, by their names. A master that couples units
+/// sorts by these: with fewer of them it finds fewer loops.
+pub type InitialDependencies = (&'static str, &'static [&'static str]);
 
 /// A variable that an earlier version had. Its value reference is not given again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -460,6 +465,7 @@ impl<S, R> Table<S, R> {
             arrays: Vec::new(),
             by_reference,
             retired: &[],
+            initial: &[],
         }
     }
 
@@ -468,6 +474,22 @@ impl<S, R> Table<S, R> {
     pub fn with_retired(mut self, retired: &'static [Retired]) -> Self {
         self.retired = retired;
         self
+    }
+
+    /// The same with the dependencies of some outputs in initialisation mode. Each other output depends on all settings.
+    #[must_use]
+    pub fn with_initial_dependencies(mut self, initial: &'static [InitialDependencies]) -> Self {
+        self.initial = initial;
+        self
+    }
+
+    /// The places of the settings on which a variable depends in initialisation mode, in order; `None` if it depends on all.
+    #[must_use]
+    pub fn initial_dependencies(&self, variable: &Variable<S, R>) -> Option<Vec<usize>> {
+        let (_, settings) = self.initial.iter().find(|(name, _)| *name == variable.name)?;
+        let places = self.variables.iter().enumerate();
+        let known = places.filter(|(_, one)| settings.contains(&one.name.as_str()));
+        Some(known.map(|(place, _)| place).collect())
     }
 
     /// The variables of earlier versions.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import hashlib
 import math
 import zipfile
 from collections.abc import Collection, Mapping
@@ -14,6 +15,8 @@ from lxml import etree
 DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"
 """File of start values that the library reads: one line `name = value` each."""
+SHARED = len("{01234567-0123-0123-")
+"""Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
 SETTABLE = ("parameter", "input")
 """Causalities of variables with a start value that can be set."""
 
@@ -100,20 +103,22 @@ def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
     """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or not at all.
 
     The values are in the model description for importers, and in a list that the library reads, for importers that do not
-    set start values. Start values of an earlier copy remain unless they are specified again.
+    set start values. Start values of an earlier copy remain unless they are specified again. The GUID is the copy's own: the
+    library does not run it without its list, and importers that remember FMUs by their GUID tell copies apart.
     """
     draft = copy.with_name(f"{copy.name}.part")
     try:
         with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
             listed = _listed(source) | {name: _written(value) for name, value in values.items()}
+            lines = [f"{name} = {value}" for name, value in listed.items()]
             for entry in source.infolist():
                 if entry.filename != LIST:
                     content = source.read(entry)
-                    target.writestr(entry, _described(content, values) if entry.filename == DESCRIPTION else content)
-            if listed:
-                lines = ["# Start values of this copy, read by the library. Written by `pushbelt fmu`."]
-                lines += [f"{name} = {value}" for name, value in listed.items()]
-                target.writestr(LIST, "\n".join(lines) + "\n")
+                    described = entry.filename == DESCRIPTION and bool(lines)
+                    target.writestr(entry, _described(content, values, lines) if described else content)
+            if lines:
+                head = "# Start values of this copy, read by the library. Written by `pushbelt fmu`."
+                target.writestr(LIST, "\n".join([head, *lines]) + "\n")
         draft.replace(copy)
     finally:
         draft.unlink(missing_ok=True)
@@ -133,11 +138,13 @@ def _written(value: float) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _described(xml: bytes, values: Mapping[str, float]) -> bytes:
-    """The model description with other start values."""
+def _described(xml: bytes, values: Mapping[str, float], lines: list[str]) -> bytes:
+    """The model description with other start values, and with the GUID of a copy that has the list `lines`."""
     root = etree.fromstring(xml)
     variables = {variable.get("name"): variable for variable in root.iter("ScalarVariable")}
     for name, value in values.items():
         (kind,) = (child for child in variables[name] if child.tag != "Annotations")
         kind.set("start", _written(value))
+    digits = hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+    root.set("guid", f"{root.get('guid')[:SHARED]}{digits[:4]}-{digits[4:16]}}}")
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8")

@@ -148,7 +148,7 @@ impl JacobianCache {
 
     /// Whether there are derivatives with nearly these factors.
     fn has_similar_step(&self, slopes: [f64; 2]) -> bool {
-        (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
+        self.origin.exists() && (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
     }
 
     /// Part of the derivatives that is no longer valid.

@@ -7,9 +7,7 @@ use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::outcome::StepError;
 use crate::variator::run::variator::Variator;
-use crate::variator::settings::parameters::Mode;
-#[cfg(doc)]
-use crate::variator::settings::parameters::Solver;
+use crate::variator::settings::parameters::{Mode, Solver};
 use crate::variator::settings::signals::Inputs;
 
 /// An ongoing communication step.
@@ -76,6 +74,23 @@ impl Variator {
     }
 }
 
+/// Residuals that a communication step may take, and more for each second of it: twenty times what loads that jump take.
+const MOST_RESIDUALS: f64 = 1.0e4;
+const MOST_RESIDUALS_PER_SECOND: f64 = 5.0e5;
+
+/// Residuals that a communication step of this length, s, may take. Tighter tolerances than the default may take more: steps shorten
+/// with the cube root.
+fn most_residuals(solver: &Solver, length: f64) -> u64 {
+    let tighter = (1.0e-4 / solver.tolerance).cbrt().max(1.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count, positive"
+    )]
+    let most = (tighter * (MOST_RESIDUALS + MOST_RESIDUALS_PER_SECOND * length)) as u64;
+    most
+}
+
 impl CommunicationStep {
     /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
     /// is over, then [`CommunicationStep::finish`].
@@ -122,6 +137,16 @@ impl CommunicationStep {
                 reason: stalled.to_string(),
             }
         })?;
+        let residuals = (variator.counts() - self.before).residuals;
+        if !self.is_over && residuals > most_residuals(&variator.parameters().solver, self.to - self.from) {
+            self.count_work(variator);
+            return Err(StepError::Exhausted {
+                from: self.from,
+                to: self.to,
+                reached: variator.plant.time,
+                residuals,
+            });
+        }
         Ok(())
     }
 

@@ -39,6 +39,21 @@ pub enum StepError {
         /// Cause, as the solver reports it.
         reason: String,
     },
+    /// The step took more work than any load within a belt's capacity does.
+    #[error(
+        "the step from {from} s to {to} s was given up at {reached} s after {residuals} residuals: the loads are far beyond what \
+         the belt transmits, or the step is too long for them"
+    )]
+    Exhausted {
+        /// Start of the step, s.
+        from: f64,
+        /// Its end, s.
+        to: f64,
+        /// Last successful time, s.
+        reached: f64,
+        /// Residuals that it took.
+        residuals: u64,
+    },
 }
 
 /// Outputs a moment before and after the present, along the tangent of the state.

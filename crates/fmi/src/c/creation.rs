@@ -1,11 +1,10 @@
 //! Creation of an instance, for both versions.
 
-use std::path::Path;
-
-use super::dispatch;
+use super::{dispatch, library};
 use crate::log::{Category, Log, Sink, Status};
+use crate::resources;
 use crate::slave::{Master, Slave, Version};
-use crate::start_values;
+use crate::start_values::{self, Token};
 use crate::unit::Unit;
 
 /// The arguments of an `instantiate` function that both versions have.
@@ -18,17 +17,17 @@ pub(crate) struct Arguments<'a> {
     pub token: (&'static str, Option<&'a str>),
     /// Token of this binary.
     pub expected: String,
-    /// The folder of the resources, if it can be used; if not, why.
-    pub resources: Result<Option<&'a Path>, String>,
+    /// The resource location, a URI or a path.
+    pub resources: Option<&'a str>,
     /// Whether debug logging is on.
     pub debug: bool,
 }
 
-/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, or why
-/// there is no instance.
+/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, with
+/// warnings, or why there is no instance.
 pub(crate) fn create<U: Unit>(
     arguments: Arguments<'_>,
-    master: impl FnOnce() -> Result<Master, String>,
+    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
     sink: Option<Box<dyn Sink>>,
 ) -> Option<Slave<U>> {
     let report = |status, category, text: &str| {
@@ -36,13 +35,21 @@ pub(crate) fn create<U: Unit>(
             sink.send(status, category, &format!("{}: {text}", arguments.function));
         }
     };
-    let checked = check(&arguments).and_then(|()| master()).and_then(|master| {
-        // Without start values in its resources an FMU works too: a location that can't be used is a warning, not an error.
-        let folder = arguments.resources.as_ref().unwrap_or_else(|warning| {
-            report(Status::Warning, Category::Warning, warning);
-            &None
+    let checked = check(&arguments).and_then(|token| {
+        let mut warnings = Vec::new();
+        let master = master(&mut warnings)?;
+        // A location that means no place is a warning: without start values in its resources an FMU works too.
+        let mut places = resources::places(arguments.resources.unwrap_or_default()).unwrap_or_else(|warning| {
+            warnings.push(warning);
+            Vec::new()
         });
-        let start = folder.map_or(Ok(None), start_values::read::<U>)?;
+        if master.version == Version::Two || arguments.debug {
+            for warning in &warnings {
+                report(Status::Warning, Category::Warning, warning);
+            }
+        }
+        places.extend(library::path().and_then(|library| resources::beside(&library)));
+        let start = start_values::find::<U>(&places, token)?;
         Ok((master, start.unwrap_or_default()))
     });
     let (master, start) = match checked {
@@ -54,7 +61,7 @@ pub(crate) fn create<U: Unit>(
     };
     let log = match master.version {
         Version::Two => Log::new(sink, arguments.debug),
-        Version::Three => Log::silent_without_debug(sink, arguments.debug),
+        Version::Three => Log::errors_without_debug(sink, arguments.debug),
     };
     if let Some(remark) = dispatch::remark() {
         log.send(Status::Ok, Category::Events, &remark);
@@ -62,17 +69,16 @@ pub(crate) fn create<U: Unit>(
     Some(Slave::with(master, log, start))
 }
 
-fn check(arguments: &Arguments<'_>) -> Result<(), String> {
+fn check(arguments: &Arguments<'_>) -> Result<Token, String> {
     if arguments.name.is_none_or(str::is_empty) {
         return Err("the instance name is missing".to_owned());
     }
     let (what, token) = arguments.token;
     let token = token.ok_or_else(|| format!("the {what} is missing"))?;
     let expected = &arguments.expected;
-    if token == expected {
-        return Ok(());
-    }
-    Err(format!(
-        "the {what} {token} is not that of this binary, {expected}: the model description belongs to another binary"
-    ))
+    Token::of(token, expected).ok_or_else(|| {
+        format!(
+            "the {what} {token} is not that of this binary, {expected}: the model description belongs to another binary"
+        )
+    })
 }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `entry` | the entry of every C function; pointers to slices, references and strings |
 //! | `floating_point` | the floating-point environment of the host, and the default one |
+//! | `library` | the file of this library |
 //! | `creation` | creation of an instance |
 //! | `stored` | stored states |
 //! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
@@ -17,6 +18,7 @@ pub(super) mod creation;
 pub mod dispatch;
 pub(super) mod entry;
 pub(super) mod floating_point;
+mod library;
 pub(super) mod loader;
 pub(super) mod stored;
 

@@ -6,7 +6,6 @@ use libc::{c_char, c_int, c_void};
 use std::ptr;
 
 use super::description::guid;
-use super::resources;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Arguments, create};
 use crate::c::dispatch::instance_created;
@@ -97,16 +96,15 @@ unsafe fn instantiate_here<U: Unit>(
                 instance: CString::new(name.clone().unwrap_or_default()).unwrap_or_default(),
             })
         });
-        let folder = location.as_deref().map(resources::path).transpose();
         let arguments = Arguments {
             function: "fmi2Instantiate",
             name: name.as_deref(),
             token: ("GUID", token.as_deref()),
             expected: guid::<U>(),
-            resources: folder.as_ref().map(Option::as_deref).map_err(String::clone),
+            resources: location.as_deref(),
             debug,
         };
-        let master = || match fmu_type {
+        let master = |_: &mut Vec<String>| match fmu_type {
             CO_SIMULATION => Ok(Master::default()),
             _ => Err("this FMU is for co-simulation only".to_owned()),
         };

@@ -1,7 +1,7 @@
 //! `modelDescription.xml` of FMI 2.0, generated from the variable table, and the GUID made from it.
 
 use crate::common_description::{
-    default_experiment, head, items, log_categories, token_of, typed, unit_definition, variable_head,
+    default_experiment, depending, head, items, log_categories, token_of, typed, unit_definition, variable_head,
 };
 use crate::log::Category;
 use crate::table::{Causality, Enumeration, Kind, Table, Variable};
@@ -65,16 +65,27 @@ fn scalar_variable<S, R>(variable: &Variable<S, R>, settings: &S) -> Element {
     head.child(typed(Element::new(tag), variable, settings))
 }
 
-/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs may depend on
-/// parameters and inputs, so there is no list.
+/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs depend on
+/// settings, on all of them where there is no list (section 2.2.8 of FMI 2.0.4).
 fn model_structure<S, R>(table: &Table<S, R>) -> Element {
     let unknowns = || {
         let numbered = table.variables().iter().zip(1..);
         let outputs = numbered.filter(|(variable, _)| variable.causality == Causality::Output);
-        outputs.map(|(_, index): (_, u32)| Element::new("Unknown").with("index", index))
+        outputs.map(|(variable, index): (_, u32)| (variable, Element::new("Unknown").with("index", index)))
     };
-    let independent = unknowns().map(|unknown| unknown.with("dependencies", "").with("dependenciesKind", ""));
+    let initial = unknowns().map(|(variable, unknown)| match table.initial_dependencies(variable) {
+        Some(places) => {
+            let indices = (1..).zip(0..table.variables().len());
+            depending(
+                unknown,
+                indices
+                    .filter(|(_, place)| places.contains(place))
+                    .map(|(index, _)| index),
+            )
+        }
+        None => unknown,
+    });
     Element::new("ModelStructure")
-        .list("Outputs", independent)
-        .list("InitialUnknowns", unknowns())
+        .list("Outputs", unknowns().map(|(_, unknown)| depending(unknown, [])))
+        .list("InitialUnknowns", initial)
 }

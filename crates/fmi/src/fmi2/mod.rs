@@ -17,7 +17,6 @@
 //! | `types` | the standard's types |
 //! | `functions` | the table of the C functions |
 //! | `creation` | creation of an instance |
-//! | `resources` | the resource location, a URI |
 //! | `query` | queries beyond the standard |
 //! | `description` | `modelDescription.xml` and the GUID made from it |
 
@@ -27,8 +26,6 @@ mod description;
 #[doc(hidden)]
 pub mod functions;
 pub mod query;
-#[forbid(unsafe_code)]
-mod resources;
 mod types;
 
 pub use description::{guid, model_description};

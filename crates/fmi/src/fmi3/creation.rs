@@ -3,7 +3,6 @@
 use std::ffi::CString;
 
 use libc::c_int;
-use std::path::Path;
 use std::ptr;
 
 use super::description::{instantiation_token, is_intermediate};
@@ -90,29 +89,25 @@ pub(super) unsafe fn instantiate<U: Unit>(
         // SAFETY: null or valid, as the caller grants.
         let [name, token, path] = texts.map(|pointer| unsafe { text(pointer) });
         let [debug, events, early_return] = flags.map(|flag| flag != 0);
-        let path = path.as_deref().map(Path::new);
         let arguments = Arguments {
             function: "fmi3InstantiateCoSimulation",
             name: name.as_deref().map(str::trim),
             token: ("instantiation token", token.as_deref()),
             expected: instantiation_token::<U>(),
-            resources: match path {
-                Some(path) if path.is_absolute() => Ok(Some(path)),
-                Some(path) if debug => Err(format!("the resource path {path:?} is not absolute")),
-                _ => Ok(None),
-            },
+            resources: path.as_deref(),
             debug,
         };
-        let master = || {
+        let master = |warnings: &mut Vec<String>| {
             // SAFETY: null or valid, as the caller grants.
             let required = unsafe { array(required) }.map_err(|error| error.to_string())?;
+            let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
             Ok(Master {
                 version: Version::Three,
                 events,
                 early_return,
                 update: intermediate_update.map(|update| (update, environment)),
-                sets_inputs: check_intermediate::<U>(required)?,
-                intermediate: required.to_vec(),
+                sets_inputs,
+                intermediate,
             })
         };
         let slave = create::<U>(
@@ -127,25 +122,28 @@ pub(super) unsafe fn instantiate<U: Unit>(
     })
 }
 
-/// Checks the variables that the master sets and reads in intermediate update mode; whether inputs are among them.
-fn check_intermediate<U: Unit>(required: &[u32]) -> Result<bool, String> {
+/// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
+/// them. The others are a warning: some masters name all outputs, and access is refused.
+fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
-    let mut sets_inputs = false;
+    let (mut usable, mut sets_inputs) = (Vec::new(), false);
     for &reference in required {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
             ));
         };
-        if !is_intermediate(variable) {
-            return Err(format!(
+        if is_intermediate(variable) {
+            usable.push(reference);
+            sets_inputs |= variable.causality == Causality::Input;
+        } else {
+            warnings.push(format!(
                 "{} can't be set or read in intermediate update mode: only real inputs and outputs can",
                 variable.name
             ));
         }
-        sets_inputs |= variable.causality == Causality::Input;
     }
-    Ok(sets_inputs)
+    Ok((usable, sets_inputs))
 }
 
 /// `fmi3InstantiateModelExchange` and `fmi3InstantiateScheduledExecution`: null, with a message.

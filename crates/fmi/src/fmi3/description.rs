@@ -4,7 +4,7 @@
 //! the value reference of its first element. Its size is fixed: FMI 2.0 names each element.
 
 use crate::common_description::{
-    default_experiment, head, items, log_categories, token_of, typed, unit_definition, variable_head,
+    default_experiment, depending, head, items, log_categories, token_of, typed, unit_definition, variable_head,
 };
 use crate::log::Category;
 use crate::slave::TIME;
@@ -58,16 +58,15 @@ fn capabilities<U: Unit>() -> Element {
     ];
     let name = Element::new("CoSimulation").with("modelIdentifier", U::IDENTITY.name);
     let flags = flags.into_iter().fold(name, |element, flag| element.with(flag, true));
-    flags
-        .with_some("maxOutputDerivativeOrder", U::OUTPUT_DERIVATIVES.then_some(1))
-        // Inputs may jump between the unit's internal steps.
-        .with("recommendedIntermediateInputSmoothness", -1)
+    // Inputs may jump between the unit's internal steps, but without `recommendedIntermediateInputSmoothness="-1"`: checkers stop at
+    // a negative number.
+    flags.with_some("maxOutputDerivativeOrder", U::OUTPUT_DERIVATIVES.then_some(1))
 }
 
-/// What is logged under a category. In contrast to FMI 2.0, nothing is logged without debug logging.
+/// What is logged under a category. In contrast to FMI 2.0, only errors are logged without debug logging.
 fn log_category(category: Category) -> &'static str {
     match category {
-        Category::Error => "Why a call failed",
+        Category::Error => "Why a call failed (always logged)",
         Category::Warning => "What looks wrong but lets the run go on",
         Category::Discard => "Why a step could not be completed",
         Category::Events => "What the unit did, e.g. how it found its initial state, and the events of a run",
@@ -112,17 +111,22 @@ fn model_variable<S, R>(table: &Table<S, R>, variable: &Variable<S, R>, settings
     Some(typed(head, variable, settings).children(size))
 }
 
-/// As in FMI 2.0, no output depends directly on an input in a run, and at the start outputs may depend on everything.
+/// As in FMI 2.0, no output depends directly on an input in a run, and at the start outputs depend on settings, on all of them
+/// where there is no list (section 2.4.8 of FMI 3.0.2).
 fn model_structure<S, R>(table: &Table<S, R>) -> Element {
-    let unknowns = |tag| {
-        let outputs = table
-            .variables()
-            .iter()
-            .filter(|one| one.causality == Causality::Output);
-        outputs.map(move |output| Element::new(tag).with("valueReference", output.reference))
+    let outputs = || {
+        let variables = table.variables().iter();
+        variables.filter(|one| one.causality == Causality::Output)
     };
-    let independent = unknowns("Output").map(|output| output.with("dependencies", "").with("dependenciesKind", ""));
+    let unknown = |tag, output: &Variable<S, R>| Element::new(tag).with("valueReference", output.reference);
+    let initial = outputs().map(|output| {
+        let unknown = unknown("InitialUnknown", output);
+        match table.initial_dependencies(output) {
+            Some(places) => depending(unknown, places.iter().map(|place| table.variables()[*place].reference)),
+            None => unknown,
+        }
+    });
     Element::new("ModelStructure")
-        .children(independent)
-        .children(unknowns("InitialUnknown"))
+        .children(outputs().map(|output| depending(unknown("Output", output), [])))
+        .children(initial)
 }

@@ -13,10 +13,12 @@ impl<U: Unit> Slave<U> {
         Ok(self.now.clone())
     }
 
-    /// Goes back to a state, which may come from another instance.
+    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
     pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
         self.allow(Call::Always)?;
+        let stop = self.now.experiment.stop;
         self.now = snapshot.clone();
+        self.now.experiment.stop = stop;
         // The state may come from an instance whose master handles events.
         if self.now.state == State::Event && !self.master.events {
             self.now.state = State::StepComplete;

@@ -132,7 +132,7 @@ impl<U: Unit> Slave<U> {
         match references.iter().find(|reference| !announced(reference)) {
             Some(other) if self.now.state == State::IntermediateUpdate => refused(format!(
                 "in intermediate update mode, and the value reference {other} is not among the required intermediate \
-                 variables that fmi3InstantiateCoSimulation was given"
+                 variables that fmi3InstantiateCoSimulation was given, or does not support this mode"
             )),
             _ => Ok(()),
         }

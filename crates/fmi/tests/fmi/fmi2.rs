@@ -186,7 +186,35 @@ fn start_values_come_from_the_resources() {
         importer.assert_logged(why);
         importer.assert_logged("the start values in ");
     }
+    // A copy with start values has a token of its own, and does not start without them.
+    let token = guid().into_string().expect("UTF-8");
+    let with = |token: &str, location: &CStr| {
+        let token = CString::new(token).expect("no zero inside");
+        Importer::with(c"tank".as_ptr(), 1, token.as_ptr(), location.as_ptr())
+    };
+    let copy = format!("{}0123-0123456789ab}}", &token[..20]);
+    std::fs::write(&file, "start = 3").expect("a file");
+    let path = CString::new(folder.to_str().expect("UTF-8")).expect("no zero inside");
+    for location in [&*uri, &path] {
+        let importer = with(&copy, location);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi2EnterInitializationMode(importer.c) }, Ok);
+        assert_eq!(importer.real(LEVEL), 3.0);
+    }
     std::fs::remove_dir_all(&folder).expect("removed");
+    for (location, why) in [
+        (&*uri, folder.to_str().expect("UTF-8")),
+        (c"", "passed no resource location"),
+        (c"http://a/b", "passed no resource location"),
+    ] {
+        let importer = with(&copy, location);
+        assert!(importer.c.is_null(), "{location:?}");
+        importer.assert_logged("this copy of the FMU has start values of its own");
+        importer.assert_logged(why);
+    }
+    let other = with(&format!("{{0{}", &token[2..]), &uri);
+    assert!(token.starts_with("{0") || other.c.is_null(), "the token of another FMU");
     let elsewhere = Importer::with(c"tank".as_ptr(), 1, guid().as_ptr(), c"http://a/b".as_ptr());
     assert!(!elsewhere.c.is_null(), "a warning only");
     elsewhere.assert_logged("is not a file: URI");

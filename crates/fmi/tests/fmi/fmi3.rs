@@ -216,12 +216,6 @@ fn an_instance_needs_a_name_the_right_token_and_intermediate_variables() {
             "the instantiation token {0} is not that of this binary",
         ),
         (name, right.as_ptr(), NONE, "no variable has the value reference 99"),
-        (
-            name,
-            right.as_ptr(),
-            GAIN,
-            "gain can't be set or read in intermediate update mode",
-        ),
     ] {
         let importer = Importer::with(name, token, &[required], WATCHES);
         assert!(importer.c.is_null());
@@ -437,6 +431,27 @@ fn a_master_reads_sets_and_returns_within_a_step() {
 }
 
 #[test]
+fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
+    let importer = Importer::with(c"tank".as_ptr(), token().as_ptr(), &[GAIN, LEVEL], WATCHES);
+    let c = importer.c;
+    assert!(!c.is_null(), "{}", importer.last());
+    importer.assert_logged("fmi3InstantiateCoSimulation: gain can't be set or read in intermediate update mode");
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), Ok);
+        assert_eq!(fmi3ExitInitializationMode(c), Ok);
+    }
+    importer.answer(move |_, inputs_may_be_set| {
+        assert!(!inputs_may_be_set, "no input is announced");
+        assert!(get(c, LEVEL).is_some() && get(c, GAIN).is_none());
+        assert_eq!(set(c, GAIN, 2.0), Error);
+        None
+    });
+    assert_eq!(importer.step(0.0, 1.0).status, Ok);
+    importer.assert_logged("or does not support this mode");
+}
+
+#[test]
 fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
     let importer = Importer::running(WATCHES);
     let c = importer.c;
@@ -575,14 +590,17 @@ fn unsupported_functions_are_refused() {
 }
 
 #[test]
-fn an_instance_without_logging_is_silent() {
+fn an_instance_without_logging_sends_errors_only() {
     let importer = Importer::running(Handles::default());
     // SAFETY: an instance, strings that end with a zero.
     unsafe {
         assert_eq!(fmi3SetDebugLogging(importer.c, 0, 0, null()), Ok);
         importer.record.messages.borrow_mut().clear();
-        assert_eq!(importer.step(9.0, 1.0).status, Error);
+        assert_eq!(importer.set(GAIN, 99.0), Discard);
         assert!(importer.record.messages.borrow().is_empty());
+        assert_eq!(importer.step(9.0, 1.0).status, Error);
+        importer.assert_logged("fmi3DoStep: the step starts at 9 s");
+        assert_eq!(importer.record.messages.borrow().len(), 1);
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &c"logAll".as_ptr()), Ok);
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &c"noise #1".as_ptr()), Error);
     }

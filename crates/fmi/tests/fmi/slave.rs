@@ -352,6 +352,41 @@ fn bytes_hold_everything_and_fit_another_instance() {
 }
 
 #[test]
+fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
+    let experiment = |stop| Experiment {
+        stop,
+        ..Experiment::default()
+    };
+    let (mut slave, _) = slave();
+    assert_eq!(slave.setup_experiment(experiment(Some(1.0))), Status::Ok);
+    slave.enter_initialization_mode();
+    slave.exit_initialization_mode();
+    assert_eq!(slave.do_step(0.0, 1.0), Status::Ok);
+    let stored = slave.save().1.expect("stored");
+    let bytes = slave.serialize(&stored).1.expect("bytes");
+
+    let (mut other, messages) = self::slave();
+    assert_eq!(other.setup_experiment(experiment(Some(2.0))), Status::Ok);
+    let found = other.deserialize(&bytes).1.expect("a state");
+    for state in [&stored, &found] {
+        assert_eq!(other.restore(state), Status::Ok);
+        assert_eq!(other.do_step(1.0, 1.0), Status::Ok, "{messages:?}");
+        assert_eq!(other.do_step(2.0, 1.0), Status::Error);
+        assert!(last(&messages).contains("stop time 2 s"), "{}", last(&messages));
+    }
+    // The host goes straight from instantiation to the stored state: no stop time.
+    let (mut fresh, messages) = self::slave();
+    assert_eq!(fresh.restore(&found), Status::Ok);
+    assert_eq!(fresh.do_step(1.0, 5.0), Status::Ok, "{messages:?}");
+    // A stop time of an instance holds for a state of an earlier run too.
+    assert_eq!(slave.reset(), Status::Ok);
+    assert_eq!(slave.setup_experiment(experiment(Some(3.0))), Status::Ok);
+    assert_eq!(slave.restore(&stored), Status::Ok);
+    assert_eq!(slave.do_step(1.0, 2.0), Status::Ok);
+    assert_eq!(slave.do_step(3.0, 1.0), Status::Error);
+}
+
+#[test]
 fn input_derivatives_last_for_one_step() {
     let (mut slave, _) = running();
     assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Ok);

@@ -1,0 +1,179 @@
+//! The resource location: where the importer has unpacked the archive's `resources` directory.
+//!
+//! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and percent signs encoded or not,
+//! or nothing. So there are several places to look in; the last one is beside the library.
+
+use std::path::{Path, PathBuf};
+
+/// The places that a resource location may mean, the most likely one first; none for an empty location.
+///
+/// # Errors
+/// The reason why it means none, as a sentence.
+pub fn places(location: &str) -> Result<Vec<PathBuf>, String> {
+    let mut found = read(location, cfg!(windows))?;
+    found.dedup();
+    Ok(found.into_iter().map(PathBuf::from).collect())
+}
+
+/// The resources of the archive that a library was unpacked with: the library is in `binaries`, in the platform's folder.
+pub fn beside(library: &Path) -> Option<PathBuf> {
+    let binaries = library.parent()?.parent()?;
+    let unpacked = binaries.file_name()?.eq_ignore_ascii_case("binaries");
+    unpacked.then(|| binaries.with_file_name("resources"))
+}
+
+fn read(location: &str, windows: bool) -> Result<Vec<String>, String> {
+    if location.is_empty() {
+        return Ok(Vec::new());
+    }
+    if location.starts_with('/') || location.starts_with(r"\\") || has_drive(location) {
+        return Ok(as_is_or_decoded(location).into());
+    }
+    let (scheme, rest) = location
+        .split_once(':')
+        .ok_or_else(|| format!("the resource location {location:?} is neither an absolute path nor a URI"))?;
+    if !scheme.eq_ignore_ascii_case("file") {
+        return Err(format!(
+            "the resource location {location:?} is not a file: URI; only local files can be read"
+        ));
+    }
+    let path = path_of(rest, windows).map_err(|why| format!("the resource location {location:?} {why}"))?;
+    // `/C:/a` is `C:/a`.
+    let path = path.strip_prefix('/').filter(|path| has_drive(path)).unwrap_or(&path);
+    let [as_is, decoded] = as_is_or_decoded(path);
+    Ok(vec![decoded, as_is])
+}
+
+/// The path of a `file:` URI, which follows the colon. The authority may be missing (`/a`), empty (`///a`), `localhost`, a drive
+/// letter by mistake (`//C:/a`), or on Windows another host (`//server/a`).
+fn path_of(rest: &str, windows: bool) -> Result<String, String> {
+    let Some(rest) = rest.strip_prefix("//") else {
+        return match rest.starts_with(['/', '\\']) || has_drive(rest) {
+            true => Ok(rest.into()),
+            false => Err("has no absolute path".into()),
+        };
+    };
+    if has_drive(rest) {
+        return Ok(rest.into());
+    }
+    let (authority, path) = rest.split_at(rest.find(['/', '\\']).unwrap_or(rest.len()));
+    if path.is_empty() {
+        Err("has no absolute path".into())
+    } else if authority.is_empty() || authority.eq_ignore_ascii_case("localhost") {
+        Ok(path.into())
+    } else if windows {
+        Ok(format!("//{authority}{path}"))
+    } else {
+        Err(format!("names the host {authority:?}; only local files can be read"))
+    }
+}
+
+/// Whether a text begins with a drive letter, a colon and a slash of either kind.
+fn has_drive(text: &str) -> bool {
+    matches!(text.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic())
+}
+
+/// A path as it is, and with its percent-encoding decoded. What cannot be decoded stays as it is.
+fn as_is_or_decoded(path: &str) -> [String; 2] {
+    [path.into(), percent_decode(path).unwrap_or_else(|| path.into())]
+}
+
+fn percent_decode(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte == b'%' {
+            let mut digit = || char::from(rest.next()?).to_digit(16);
+            let (high, low) = (digit()?, digit()?);
+            bytes.push(u8::try_from(16 * high + low).ok()?);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    String::from_utf8(bytes).ok().filter(|s| !s.contains('\0'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{beside, read};
+    use std::path::Path;
+
+    fn places(location: &str, windows: bool) -> Vec<String> {
+        let mut found = read(location, windows).unwrap_or_else(|why| panic!("{why}"));
+        found.dedup();
+        found
+    }
+
+    #[test]
+    fn a_uri_may_come_with_or_without_an_authority() {
+        for uri in ["file:/tmp/a", "file:///tmp/a", "file://localhost/tmp/a", "FILE:/tmp/a"] {
+            assert_eq!(places(uri, false), ["/tmp/a"], "{uri}");
+        }
+    }
+
+    #[test]
+    fn a_drive_letter_may_stand_where_the_authority_should() {
+        for uri in [
+            "file:///C:/a b",
+            "file://C:/a b",
+            "file:C:/a b",
+            "file:/C:/a b",
+            "C:/a b",
+        ] {
+            assert_eq!(places(uri, true), ["C:/a b"], "{uri}");
+        }
+        assert_eq!(places(r"file:///C:\a\b", true), [r"C:\a\b"]);
+        assert_eq!(places(r"C:\a\b", true), [r"C:\a\b"]);
+    }
+
+    #[test]
+    fn a_host_is_a_share_on_windows() {
+        assert_eq!(
+            places("file://server/share/a%20b", true),
+            ["//server/share/a b", "//server/share/a%20b"]
+        );
+        assert_eq!(places("file:////server/share/a", true), ["//server/share/a"]);
+        assert_eq!(places(r"\\server\share\a", true), [r"\\server\share\a"]);
+        let refused = read("file://server/share/a", false).expect_err("another host");
+        assert!(refused.contains("names the host \"server\""), "{refused}");
+    }
+
+    #[test]
+    fn a_percent_sign_may_be_encoded_or_not() {
+        assert_eq!(places("file:///a%20b/%C3%A9", false), ["/a b/é", "/a%20b/%C3%A9"]);
+        assert_eq!(places("/a%20b", false), ["/a%20b", "/a b"]);
+        for literal in ["/100%/a", "/a%4", "/a%FF", "/a%00"] {
+            assert_eq!(places(literal, false), [literal]);
+            assert_eq!(places(&format!("file://{literal}"), false), [literal]);
+        }
+    }
+
+    #[test]
+    fn nothing_is_no_place_and_no_error() {
+        assert!(places("", false).is_empty());
+    }
+
+    #[test]
+    fn locations_that_are_not_local_files_are_refused() {
+        for location in [
+            "a/b",
+            "%",
+            "https://x/y",
+            "file:relative",
+            "file://",
+            "file:",
+            "c:relative",
+        ] {
+            let error = read(location, false).expect_err(location);
+            assert!(error.contains(&format!("{location:?}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn resources_are_beside_the_binaries() {
+        let found = beside(Path::new("/x/binaries/linux64/PushbeltVariator.so"));
+        assert_eq!(found.as_deref(), Some(Path::new("/x/resources")));
+        assert_eq!(beside(Path::new("/x/lib/linux64/PushbeltVariator.so")), None);
+        assert_eq!(beside(Path::new("PushbeltVariator.so")), None);
+    }
+}

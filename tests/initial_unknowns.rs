@@ -1,0 +1,193 @@
+//! Dependencies of the outputs in initialisation mode: those that the model descriptions declare, and those that are found by
+//! changes of each setting.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::table::{Causality, Kind, Table, Value, Variable};
+use pushbelt::fmi::unit::Experiment;
+use pushbelt::unit::{Settings, VariatorUnit, model_description, model_description3};
+use pushbelt::variator::settings::Readings;
+
+type Row = Variable<Settings, Readings>;
+
+/// Rounding as a share of a value: a speed is passed on as that of the belt, over radii.
+const ROUNDING: f64 = 1e-14;
+/// Speed below which a shaft stands still, rad/s.
+const STILL: f64 = 1e-3;
+
+/// Settings in which one differs a little, if there are such.
+fn changed(variable: &Row, settings: &Settings) -> Option<Settings> {
+    let value = variable.value(settings, None)?;
+    let candidates: Vec<Value> = match (&variable.kind, value) {
+        (_, Value::Real(value)) => {
+            let others = [1.001 * value, 0.999 * value, value + 1e-3, value - 1e-3];
+            others.map(Value::Real).into()
+        }
+        (Kind::Enumeration { of, .. }, _) => of.items.iter().map(|item| Value::Integer(item.value.into())).collect(),
+        (_, Value::Integer(value)) => [value + 1, value + 2, value - 1].map(Value::Integer).into(),
+        (_, Value::Boolean(value)) => vec![Value::Boolean(!value)],
+    };
+    candidates
+        .into_iter()
+        .filter(|other| *other != value)
+        .find_map(|other| {
+            let mut changed = settings.clone();
+            variable.set(&mut changed, other).ok()?;
+            VariatorUnit::check(&changed).ok()?;
+            Some(changed)
+        })
+}
+
+fn number(value: Value) -> f64 {
+    match value {
+        Value::Real(value) => value,
+        Value::Integer(value) => i32::try_from(value).expect("a count").into(),
+        Value::Boolean(value) => f64::from(u8::from(value)),
+    }
+}
+
+/// The outputs at the start, if there is one.
+fn outputs(table: &Table<Settings, Readings>, settings: &Settings) -> Option<Vec<(String, f64)>> {
+    let mut unit = VariatorUnit::start(settings, &Experiment::default(), &mut Vec::new()).ok()?;
+    let readings = unit.readings(false);
+    let of = |variable: &Row| {
+        let value = variable.value(settings, Some(readings)).expect("readings");
+        (variable.name.clone(), number(value))
+    };
+    Some(
+        table
+            .variables()
+            .iter()
+            .filter(|v| v.causality == Causality::Output)
+            .map(of)
+            .collect(),
+    )
+}
+
+/// A coarse reference ring with these values.
+fn settings(table: &Table<Settings, Readings>, values: &[(&str, Value)]) -> Settings {
+    let coarse = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"];
+    let coarse = coarse.into_iter().zip([1, 4, 4, 4].map(Value::Integer));
+    let mut settings = Settings::default();
+    for (name, value) in coarse.chain(values.iter().copied()) {
+        let variable = table.by_name(name).expect("listed");
+        variable.set(&mut settings, value).expect("admissible");
+    }
+    settings
+}
+
+/// The settings on which each output depends, by trial about these settings.
+fn found(table: &Table<Settings, Readings>, settings: &Settings) -> BTreeMap<String, BTreeSet<String>> {
+    let at = outputs(table, settings).expect("a start");
+    let mut depends = BTreeMap::<_, BTreeSet<_>>::new();
+    for known in table.variables().iter().filter(|v| v.causality.is_setting()) {
+        let Some(others) = changed(known, settings).and_then(|changed| outputs(table, &changed)) else {
+            continue;
+        };
+        for ((name, before), (_, after)) in at.iter().zip(others) {
+            let size = before.abs().max(after.abs());
+            let stands = name.ends_with(".speed") && size < STILL;
+            if (after - before).abs() > ROUNDING * size && !stands {
+                depends.entry(name.clone()).or_default().insert(known.name.clone());
+            }
+        }
+    }
+    depends
+}
+
+/// Every dependency that is found is declared, for shafts under torque or with a set point at the primary one; and each that is
+/// declared is found in one of the starts.
+#[test]
+fn the_declared_dependencies_are_those_that_are_found() {
+    use Value::{Boolean as B, Integer as I, Real as R};
+    let table = VariatorUnit::table();
+    let starts: &[&[(&str, Value)]] = &[
+        &[],
+        &[("initial.steady", B(false))],
+        &[("initial.equilibrium", B(true))],
+        &[("initial.primarySpeed", R(0.0))],
+        &[
+            ("initial.ratio", R(1.8)),
+            ("primary.torque", R(-20.0)),
+            ("secondary.torque", R(30.0)),
+        ],
+        &[("primary.drive", I(2))],
+        &[("primary.drive", I(2)), ("secondary.drive", I(2))],
+        &[("initial.steady", B(false)), ("secondary.drive", I(2))],
+        &[("primary.axial", I(2))],
+        &[("solver.mode", I(2))],
+    ];
+    let mut seen = BTreeMap::<String, BTreeSet<String>>::new();
+    for start in starts {
+        for (name, knowns) in found(&table, &settings(&table, start)) {
+            let output = table.by_name(&name).expect("listed");
+            if let Some(declared) = table.initial_dependencies(output) {
+                let declared: BTreeSet<_> = declared.iter().map(|place| &table.variables()[*place].name).collect();
+                let missing: Vec<_> = knowns.iter().filter(|known| !declared.contains(known)).collect();
+                assert!(missing.is_empty(), "{name} with {start:?} also depends on {missing:?}");
+            }
+            seen.entry(name).or_default().extend(knowns);
+        }
+    }
+    let listed = table
+        .variables()
+        .iter()
+        .filter_map(|v| Some((v, table.initial_dependencies(v)?)));
+    for (output, places) in listed {
+        let seen = seen.remove(&output.name).unwrap_or_default();
+        for place in places {
+            let known = &table.variables()[place].name;
+            assert!(seen.contains(known), "{} does not depend on {known}", output.name);
+        }
+    }
+    // What has no list depends on the loads, but for the outputs of misaligned pulleys.
+    for output in table.variables().iter().filter(|v| v.causality == Causality::Output) {
+        let spatial = ["belt.lateralMax", "belt.skew"].contains(&output.name.as_str());
+        if table.initial_dependencies(output).is_none() && !spatial && output.name != "macroSlip" {
+            assert!(seen[&output.name].contains("secondary.torque"), "{}", output.name);
+        }
+    }
+}
+
+/// A set point at the secondary shaft alone: the primary speed is solved for, as the documentation says.
+#[test]
+fn with_a_set_point_at_the_secondary_shaft_alone_the_primary_speed_depends_on_loads() {
+    let table = VariatorUnit::table();
+    let depends = found(&table, &settings(&table, &[("secondary.drive", Value::Integer(2))]));
+    assert!(depends["primary.speed"].contains("primary.torque"));
+}
+
+#[test]
+fn both_descriptions_have_the_dependencies() {
+    let table = VariatorUnit::table();
+    let (two, three) = (model_description(), model_description3());
+    let mut listed = 0;
+    for (place, output) in table.variables().iter().enumerate() {
+        if output.causality != Causality::Output {
+            continue;
+        }
+        let (mut tail2, mut tail3) = ("/>".to_owned(), "/>".to_owned());
+        if let Some(places) = table.initial_dependencies(output) {
+            let join = |numbers: Vec<u32>| {
+                let numbers: Vec<_> = numbers.iter().map(u32::to_string).collect();
+                let kinds = vec!["dependent"; numbers.len()].join(" ");
+                format!(" dependencies=\"{}\" dependenciesKind=\"{kinds}\"/>", numbers.join(" "))
+            };
+            tail2 = join(
+                places
+                    .iter()
+                    .map(|place| u32::try_from(place + 1).expect("few"))
+                    .collect(),
+            );
+            tail3 = join(places.iter().map(|place| table.variables()[*place].reference).collect());
+            listed += 1;
+        }
+        let (_, initial) = two.split_once("<InitialUnknowns>").expect("there are some");
+        let line = format!("<Unknown index=\"{}\"{tail2}", place + 1);
+        assert!(initial.contains(&line), "{}: {line}", output.name);
+        let line = format!("<InitialUnknown valueReference=\"{}\"{tail3}", output.reference);
+        assert!(three.contains(&line), "{}: {line}", output.name);
+    }
+    assert_eq!(listed, 7);
+}
