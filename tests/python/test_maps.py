@@ -9,7 +9,6 @@ import math
 import re
 from pathlib import Path
 
-import mat4py
 import netCDF4
 import numpy as np
 import pandas
@@ -99,7 +98,8 @@ def test_gaps_have_the_nearest_value() -> None:
 def test_shift_rates_are_made_monotone() -> None:
     excesses = np.array([-0.4, -0.1, 0.0, 0.1, 0.4])
     rates = run.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
-    assert np.all(np.diff(rates) > 0.0) or rates.tolist() == [[-3.0, -3.0, 0.0, 1.0, 1.0]]
+    # The second rate is not above the first one, and the last is missing.
+    assert rates[0].tolist() == pytest.approx([-3.0, -3.0, 0.0, 1.0, 1.0])
     assert rates[0, 2] == 0.0
     assert run.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
 
@@ -139,8 +139,10 @@ def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, pla
     torque = 0.5 * capacity(plan.full, 1.0, 6e3)
     assert -unit.get("primary.shaftTorque") == pytest.approx(torque, rel=1e-6)
     assert unit.get("loss.shafts") < 1e-2 * torque * 200.0
+    slip = unit.get("slip")
+    assert slip > 1e-3
     found = measure(bench, line, Along((0.5, 1.2), (-1.0, 0.0, 1.0), (0.3,), (0.2,)))
-    assert found["points"]["slip"][0] == pytest.approx(unit.get("slip") if unit is None else found["points"]["slip"][0])
+    assert found["points"]["slip"][0] == pytest.approx(slip, rel=1e-9)
     assert found["points"]["slip"][1] is None
     assert found["reasons"] == {"1.2": f"beyond the capacity, a utilisation of {found['capacity'][1]:.3f}"}
     assert found["traction"][0] == found["capacity"][0] < -0.8
@@ -304,7 +306,7 @@ def test_netcdf_is_read_by_xarray(maps: Maps, written: Path) -> None:
         assert float(data.slip.where(data.valid == 1.0).max()) == np.nanmax(maps.masked("slip"))
 
 
-def test_matlab_file_is_read_by_two_programs(maps: Maps, written: Path) -> None:
+def test_matlab_file_is_read_back(maps: Maps, written: Path) -> None:
     names = {name for name, _, _ in whosmat(written / "maps.mat")}
     assert max(map(len, names)) <= 31
     found = loadmat(written / "maps.mat")
@@ -312,12 +314,6 @@ def test_matlab_file_is_read_by_two_programs(maps: Maps, written: Path) -> None:
     assert found["bp_ratio"].ravel().tolist() == maps.axes["ratio"].tolist()
     assert found["tbl_shiftGain"].shape == (3, 2, 2, 2)
     assert [row[1][0] for row in found["names"] if row[0][0] == "tbl_slip"] == ["ratio,utilisation,speed,force"]
-    # mat4py reads arrays of up to two dimensions.
-    other = tmp = written / "two.mat"
-    from scipy.io import savemat
-
-    savemat(tmp, {name: found[name] for name in names if name.startswith("bp_")})
-    assert mat4py.loadmat(str(other))["bp_utilisation"] == pytest.approx(maps.axes["utilisation"].tolist())
 
 
 def test_modelica_tables_are_read(maps: Maps, written: Path) -> None:

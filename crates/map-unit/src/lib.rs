@@ -7,7 +7,7 @@
 //! | [`settings`] | parameters, inputs, outputs |
 //! | [`law`] | torques, losses and shift rate of a state |
 //! | [`stage`] | one implicit stage |
-//! | [`unit`] | the FMU: start, steps, outputs, stored states |
+//! | [`mod@unit`] | the FMU: start, steps, outputs, stored states |
 //! | `variables` | the variable table |
 #![warn(missing_docs)]
 

@@ -51,7 +51,7 @@ impl Stage<'_> {
             state = next;
             // The next change is smaller by the factor between the last two.
             let rate = change / before;
-            if change <= TOLERANCE * 1e-3 || rate < 0.5 && change * rate <= TOLERANCE {
+            if change <= TOLERANCE * 1e-3 || before.is_finite() && rate < 0.5 && change * rate <= TOLERANCE {
                 return Some(state);
             }
             before = change;

@@ -117,10 +117,9 @@ impl MapUnit {
             return;
         }
         // The speed of the shaft that is not given follows from the slip. Torque, loss and bearing load are iterated.
-        let mut wanted = 0.0;
         for _ in 0..30 {
             let frame = self.frame();
-            wanted = self.steady_torque(&frame, drive) / frame.torque.max(1e-9);
+            let wanted = self.steady_torque(&frame, drive) / frame.torque.max(1e-9);
             let Some(slip) = self.slip_at(&frame, wanted) else {
                 warn(format!(
                     "the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip"
@@ -140,7 +139,6 @@ impl MapUnit {
                 break;
             }
         }
-        let _ = wanted;
     }
 
     /// The torque T_P with which the slip stays constant, N·m: the free shafts accelerate together.
