@@ -5,7 +5,7 @@
 //! instances there, until the last instance is freed; then it closes `Name-avx2`. So an instance is used only by the library
 //! that created it, and a host that unloads `Name` after its instances leaves nothing loaded.
 //!
-//! `Name` runs by itself if the processor lacks AVX2, if [`SWITCH`] is "0", or if there is no `Name-avx2` of the same build.
+//! `Name` runs by itself if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0", or if there is no `Name-avx2` of the same build.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::Path;
