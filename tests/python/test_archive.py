@@ -59,6 +59,8 @@ def test_everything_has_its_place(names: list[str]) -> None:
         "resources/belt155.json",
         "resources/bench168.ssv",
         "resources/belt155.ssv",
+        "resources/chain168.json",
+        "resources/chain168.ssv",
     ):
         assert name in names
     assert any(name.startswith("binaries/") for name in names)

@@ -25,7 +25,7 @@ def variables(description: Any) -> dict[str, Any]:
     return {variable.name: variable for variable in description.modelVariables}
 
 
-@pytest.mark.parametrize("name", ["bench168", "belt155"])
+@pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
     """Written by `python -m pushbelt.fmu.ssv`; the schema is checked by another program too."""
     path = FOLDER / f"{name}.ssv"

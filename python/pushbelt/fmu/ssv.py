@@ -114,7 +114,7 @@ def published(path: Path, description: Any) -> bytes:
 
 def main() -> None:
     """Writes the files of the published variators."""
-    description = fmpy.read_model_description(RESOURCES.parent / "modelDescription.xml")
+    description = fmpy.read_model_description(str(RESOURCES.parent))
     for path in sorted((RESOURCES / "parameters").glob("*.json")):
         path.with_suffix(".ssv").write_bytes(published(path, description))
 
