@@ -96,7 +96,7 @@ pub struct NotConverged;
 #[derive(Clone, Debug)]
 pub struct Newton {
     chord: Chord,
-    /// α of the factored matrix; NaN before the first.
+    /// α of the factored matrix; infinite before the first, so no stage reuses it.
     alpha: f64,
     step: Vec<f64>,
     guess: Vec<f64>,
@@ -123,7 +123,7 @@ impl Newton {
         let shape = system.shape();
         Self {
             chord: Chord::new(system),
-            alpha: f64::NAN,
+            alpha: f64::INFINITY,
             step: vec![0.0; shape.len()],
             guess: vec![0.0; shape.len()],
             broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
@@ -162,14 +162,14 @@ impl Newton {
 
     /// Forgets the factored Jacobian.
     pub fn forget(&mut self) {
-        self.alpha = f64::NAN;
+        self.alpha = f64::INFINITY;
     }
 
     /// Forms and factors the Jacobian at the stage.
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
         let [alpha, beta] = stage.slopes;
         self.counts.factorizations += 1;
-        self.alpha = f64::NAN;
+        self.alpha = f64::INFINITY;
         let view = stage.state.view();
         if !self
             .chord
