@@ -30,12 +30,15 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
     check_against(&names(), library)
 }
 
-/// The same for the names of the standard alone.
+/// The same for the names that the crate `pushbelt-fmi` exports for every unit: those of the standard, and that of a variant.
 ///
 /// # Errors
 /// As [`check`].
 pub fn check_standard(library: &[u8]) -> anyhow::Result<()> {
-    let standard = names().into_iter().filter(|name| name.starts_with("fmi")).collect();
+    let standard = names()
+        .into_iter()
+        .filter(|name| name.starts_with("fmi") || *name == "pushbeltVariant")
+        .collect();
     check_against(&standard, library)
 }
 
