@@ -117,6 +117,7 @@ fn the_declared_dependencies_are_those_that_are_found() {
         &[("initial.steady", B(false)), ("secondary.drive", I(2))],
         &[("primary.axial", I(2))],
         &[("solver.mode", I(2))],
+        &[("belt.kind", I(2))],
     ];
     let mut seen = BTreeMap::<String, BTreeSet<String>>::new();
     for start in starts {
