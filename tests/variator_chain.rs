@@ -247,15 +247,20 @@ fn a_standstill_holds_the_torque() {
     }
 }
 
-/// A torque that reverses while the clamping forces vanish: a strand loses its tension for a moment.
+/// A torque jumps while the clamping forces fall, at a low speed and without damping of the chain: a strand loses its tension for a
+/// moment.
 #[test]
 fn a_slack_strand_gives_a_warning() {
-    for model in MODELS {
-        let mut run = Run::new(chain(model), inputs((20.0, 11e3), (-20.0, 11e3)));
-        run.inputs = inputs((-20.0, 100.0), (20.0, 100.0));
-        run.go(0.05, 1e-3);
-        assert!(run.warned("a real chain would be slack"), "{:?}", run.messages);
-    }
+    let mut parameters = chain(RingModel::Ale);
+    parameters.initial.primary_speed = 20.0;
+    parameters.solver.input_ramp = 0.0;
+    parameters.ring.damping = 0.0;
+    let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
+    run.go(5e-3, 1e-3);
+    assert!(!run.warned("slack"), "{:?}", run.messages);
+    run.inputs = inputs((-150.0, 100.0), (150.0, 100.0));
+    run.go(0.03, 1e-3);
+    assert!(run.warned("a real chain would be slack"), "{:?}", run.messages);
 }
 
 #[test]

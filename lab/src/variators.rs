@@ -88,7 +88,7 @@ pub fn chain(model: RingModel) -> Parameters {
     parameters.kind = BeltKind::PullChain;
     (parameters.belt.mass_per_length, parameters.ring.mass_per_length) = (0.5, 0.65);
     (parameters.belt.element_thickness, parameters.belt.element_inertia) = (8.5e-3, 1.8e-7);
-    (parameters.ring.axial_stiffness, parameters.ring.bending_stiffness) = (3.5e6, 2.0e-3);
+    (parameters.ring.axial_stiffness, parameters.ring.bending_stiffness) = (3.5e6, 1.5e-3);
     parameters.contact.stiffness = 1.2e10;
     parameters
 }
