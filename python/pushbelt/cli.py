@@ -28,7 +28,7 @@ PROGRAMS = {
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),
     "compare": ("comparison of two runs, and a report", "reports"),
     "belt": ("parameter set for a belt of given dimensions, with checks of ratio and stress", "reports"),
-    "calibrate": ("parameters from a table of measured points, and a report", "reports"),
+    "calibrate": ("parameters from a table of measured points, and a report", "tables"),
 }
 """Description of each program, and the extra that installs the packages it needs."""
 

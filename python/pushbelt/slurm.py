@@ -107,7 +107,7 @@ def _seconds(walltime: str) -> int:
     try:
         parts = [int(part) for part in rest.split(":")]
         if len(parts) > 3 or min(parts) < 0:
-            raise ValueError
+            raise ValueError(f"{walltime} is not [days-]hours[:minutes[:seconds]] or minutes[:seconds]")
         if days:
             hours, minutes, seconds = [*parts, 0, 0][:3]
             return 86400 * int(days) + 3600 * hours + 60 * minutes + seconds

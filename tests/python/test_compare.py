@@ -97,7 +97,7 @@ def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -
     (pair,) = runs.pairs(*paths)
     shown = [belts.belt_of(run, parameter_set("bench168")) for run in pair.runs]
     assert len(shown[0].time) == 20
-    assert shown[0].push == pytest.approx(np.column_stack([pair.runs[0][n] for n in belts.places("pushForce")]))
+    assert shown[0].force == pytest.approx(np.column_stack([pair.runs[0][n] for n in belts.places("pushForce")]))
     assert abs(shown[0].radii - shown[1].radii).max() > 1e-6, "the belts are at other ratios"
     # Fields are in the table, but not among the curves.
     assert "<code>profile.pushForce[1]</code>" in text

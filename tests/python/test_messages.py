@@ -21,11 +21,13 @@ BUILTIN = {
 }
 """Errors of Python that the package raises. Other errors are classes of the package."""
 BROAD = {
+    "cluster.py",
     "drive/cosim/study.py",
     "fmu/unit.py",
     "fmu/untrusted.py",
+    "maps/worker.py",
+    "rig/text.py",
     "side_by_side.py",
-    "sweep/cluster.py",
     "sweep/point.py",
 }
 """Files that convert any exception of a library or a worker to an error or a reason."""

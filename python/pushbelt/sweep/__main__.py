@@ -79,7 +79,7 @@ def main(arguments: list[str] | None = None) -> int:
         slurm = Slurm.read(options.slurm) if options.slurm is not None else None
         if options.print_job:
             if slurm is None:
-                raise ValueError("--print-job requires --slurm")
+                raise ValueError("--print-job requires the options of --slurm")
             print(slurm.script())
             return 0
         if slurm is not None and (options.scheduler or options.workers):
