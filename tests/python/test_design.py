@@ -221,7 +221,7 @@ def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
         (["--samples", "5"], "--samples requires"),
         (["--points", "points.csv", "--ratio", "1"], "it excludes --vary"),
         (["--vary", "belt.play=1e-4", "--set", "belt.play=1e-4"], "set by the points of the study: belt.play"),
-        (["--print-job"], "--print-job requires --slurm"),
+        (["--print-job"], "--print-job requires the options of --slurm"),
         (["--slurm", "jobs=1"], "--slurm excludes"),
     ],
 )
