@@ -10,15 +10,17 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from . import numerals, text, units
 from .numerals import NumeralError, Percent
 from .text import Cells, TextError
 from .units import Unit
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DEVIATION = ".sd"
 """Suffix of a column of standard deviations."""
@@ -260,7 +262,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
 
     try:
         cells = text.read(path, known, reading.sheet)
-    except (TextError, pd.errors.ParserError) as error:
+    except ValueError as error:  # A TextError, or pandas' ParserError.
         raise TableError([Fault(str(error))], path) from error
     return _Reader(path, cells, names, reading, known, misspelled).sheet()
 
@@ -483,6 +485,8 @@ class _Reader:
         """SI values of a column of plain numbers that are all in range; None for any other column."""
         if decimal != "point" or one.turned or one.name.endswith(DEVIATION):
             return None
+        import pandas as pd
+
         numbers = pd.to_numeric(pd.Series(list(column), dtype=object), errors="coerce").to_numpy(dtype=float)
         values = one.scale.factor * numbers + one.scale.offset
         inside = (values >= one.column.low) & (values <= one.column.high)

@@ -9,12 +9,14 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from .numerals import MISSING, Percent
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
@@ -159,6 +161,8 @@ def _separator(lines: Sequence[str], known: Callable[[Sequence[str]], int]) -> s
 
 
 def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
+    import pandas as pd
+
     if separator == "  ":
         lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
     # The C parser of pandas takes the number of columns from here.
@@ -182,6 +186,8 @@ def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
 
 
 def _spreadsheet(data: bytes, known: Callable[[Sequence[str]], int], wanted: str | None) -> Cells:
+    import pandas as pd
+
     try:
         book = pd.ExcelFile(io.BytesIO(data), engine="openpyxl")
     except ImportError as error:
@@ -203,6 +209,8 @@ def _spreadsheet(data: bytes, known: Callable[[Sequence[str]], int], wanted: str
 
 
 def _sheet(book: pd.ExcelFile, name: str) -> Cells | None:
+    import pandas as pd
+
     frame = pd.read_excel(book, sheet_name=name, header=None, dtype=object, keep_default_na=False, na_values=[])
     if frame.empty:
         return None
