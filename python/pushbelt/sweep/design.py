@@ -157,17 +157,17 @@ def varied(text: str) -> Varied:
     name = AXIS_OF.get(name, name)
     try:
         if not separator:
-            raise ValueError
+            raise ValueError(f"{text} is none of the forms")
         numbers = [float(part) for part in re.split("[:,]", values)]
         if ":" not in values:
             return Varied(name, tuple(numbers))
         low, high, *count = numbers
         if "," in values or len(count) > 1 or not low < high:
-            raise ValueError
+            raise ValueError(f"{text} is none of the forms")
         if not count:
             return Varied(name, span=(low, high))
         if count[0] != int(count[0]) or count[0] < 2:
-            raise ValueError
+            raise ValueError(f"{text} is none of the forms")
         steps = int(count[0]) - 1
         return Varied(name, tuple(low + (high - low) * k / steps for k in range(steps + 1)))
     except ValueError:
