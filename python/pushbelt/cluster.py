@@ -6,10 +6,12 @@ A chunk is a list of tasks. A worker solves it by the method `solver.solve` of a
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -26,6 +28,7 @@ from distributed import (
 )
 
 import pushbelt.fmu
+from pushbelt.fmu.unit import Archive
 
 from . import slurm as jobs
 from .slurm import Slurm
@@ -95,20 +98,45 @@ def interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+class UnitPlugin(WorkerPlugin):
+    """Installs an FMU and its solver on every worker, including workers that join later."""
+
+    def __init__(self, name: str, fmu: bytes, load: Callable[[Archive], Any]) -> None:
+        self.name = name
+        self._fmu, self._load = fmu, load
+
+    def setup(self, worker: Any) -> None:
+        """Unpacks the FMU into the worker's folder and loads it."""
+        self._cleanup = ExitStack()
+        folder = Path(worker.local_directory) / self.name
+        folder.mkdir(parents=True, exist_ok=True)
+        file = folder / "unit.fmu"
+        file.write_bytes(self._fmu)
+        archive = Archive.unpack(file, folder / "unpacked")
+        self._cleanup.callback(archive.remove)
+        self.solver = self._load(archive)
+        self._cleanup.callback(self.solver.close)
+
+    def teardown(self, worker: Any) -> None:  # noqa: ARG002
+        """Frees the instances and removes the unpacked FMU."""
+        self._cleanup.close()
+
+
 @contextmanager
 def shipped(
-    client: Client, plugin: Callable[[str], WorkerPlugin], *modules: ModuleType
+    client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
 ) -> Iterator[Callable[[Chunk], list[Row]]]:
-    """Sends a plugin and the code of its modules to the workers; returns the function that solves chunks there.
+    """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there.
 
-    `plugin` makes the plugin, from a name that no other client has. The modules of `pushbelt.fmu` are sent too.
+    `load` makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which are sent with
+    those of `pushbelt.fmu`.
 
     Raises ClusterError if a worker cannot load them.
     """
     name = f"pushbelt-{client.id}"
     try:
-        with by_value(pushbelt.fmu, *modules):
-            client.register_plugin(plugin(name))
+        with by_value(pushbelt.fmu, sys.modules[__name__], *modules):
+            client.register_plugin(UnitPlugin(name, fmu, load))
     except Exception as error:  # Any exception type is possible, since it comes from a worker.
         raise ClusterError(f"a worker cannot load the FMU: {error}") from error
     try:

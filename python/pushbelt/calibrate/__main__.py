@@ -29,12 +29,12 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import provenance
+from pushbelt.arguments import assignment
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError, described
 from pushbelt.progress import progress_bar
-
 from pushbelt.rig import model, parameters, points
 from pushbelt.rig import options as reading_options
 from pushbelt.rig.parameters import ParameterError
@@ -50,14 +50,6 @@ MISFIT = 3
 """Exit code of a bad fit."""
 ITERATIONS = 12
 """Number of iterations of a fit that the progress bar assumes."""
-
-
-def assignment(text: str) -> tuple[str, float]:
-    """`name=value`."""
-    name, separator, value = text.partition("=")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value")
-    return name, float(value)
 
 
 def wanted(text: str) -> dict[str, float | None]:

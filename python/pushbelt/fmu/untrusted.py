@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import stat
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,27 @@ def described(path: Path) -> Any:
     checked_archive(path)
     with _named(path):
         return fmpy.read_model_description(str(path))
+
+
+class OfFmu:
+    """What is defined for an FMU, whose path is `fmu`."""
+
+    fmu: Path
+
+    @cached_property
+    def archive(self) -> bytes:
+        """The FMU's bytes."""
+        return self.fmu.read_bytes()
+
+    @cached_property
+    def description(self) -> Any:
+        """The FMU's model description."""
+        return described(self.fmu)
+
+    @cached_property
+    def variables(self) -> Mapping[str, Any]:
+        """The FMU's variables by name."""
+        return {variable.name: variable for variable in self.description.modelVariables}
 
 
 @contextmanager

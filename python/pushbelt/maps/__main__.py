@@ -15,8 +15,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from pushbelt.arguments import add_cluster, numbers
 from pushbelt.cluster import ClusterError
-from pushbelt.fmu.enumerations import RingModel
 from pushbelt.map_data import Maps
 from pushbelt.progress import progress_bar
 
@@ -33,19 +33,6 @@ LOAD = hasattr(os, "getloadavg")
 """Whether the system has a load average; Windows has none."""
 
 
-def numbers(text: str) -> tuple[float, ...]:
-    """Comma-separated numbers."""
-    return tuple(float(number) for number in text.split(","))
-
-
-def assignment(text: str) -> tuple[str, float]:
-    """`name=value`."""
-    name, separator, value = text.partition("=")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value")
-    return name, float(value)
-
-
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     found = argparse.ArgumentParser(
@@ -54,15 +41,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     found.add_argument("--output", type=Path, required=True, help="folder for maps, report and finished lines")
     found.add_argument("--short", action="store_true", help="a few lines instead of the default")
-    found.add_argument(
-        "--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port [default: a local cluster]"
-    )
-    found.add_argument(
-        "--workers", type=int, metavar="N", help="processes of the local cluster [default: one per processor]"
-    )
-    found.add_argument("--variator", default="bench168", help="name of a parameter set, or a file ….json")
-    found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
-    found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
+    add_cluster(found)
     for name, text in AXES.items():
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=f"{text}; comma-separated")
     found.add_argument("--ratios", type=int, metavar="N", help="number of ratios between the end stops")

@@ -16,7 +16,7 @@ from pushbelt.fmu import shift, working_points
 from pushbelt.fmu.data import parameter_set, pitch_radius
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.untrusted import OfFmu
 from pushbelt.fmu.working_points import Along, Line
 
 MARGIN = 1.06
@@ -95,7 +95,7 @@ LIMITS = ("primary.minRadius", "primary.maxRadius", "secondary.minRadius", "seco
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(OfFmu):
     """The lines of a grid, for an FMU and a variator."""
 
     fmu: Path
@@ -105,21 +105,6 @@ class Plan:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", checked(self.variables, self.parameters, {"parameter"}))
-
-    @cached_property
-    def archive(self) -> bytes:
-        """The FMU's bytes."""
-        return self.fmu.read_bytes()
-
-    @cached_property
-    def description(self) -> Any:
-        """The FMU's model description."""
-        return described(self.fmu)
-
-    @cached_property
-    def variables(self) -> Mapping[str, Any]:
-        """The FMU's variables by name."""
-        return {variable.name: variable for variable in self.description.modelVariables}
 
     @cached_property
     def full(self) -> dict[str, float]:

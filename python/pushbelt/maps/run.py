@@ -9,6 +9,7 @@ import random
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,6 @@ from pushbelt.map_data import AXES, LOSSES, POINT, STATES, TABLES, Maps
 
 from . import worker
 from .plan import Plan
-from .worker import MapsPlugin
 
 WORKERS_INTERVAL = 1.0
 """Interval of polling the number of workers, s."""
@@ -125,11 +125,9 @@ def solve(
                 failed = sum("reason" in row for row in rows.values())
                 progress(Progress(len(plan.lines), len(rows), failed, count))
 
-            def plugin(name: str) -> MapsPlugin:
-                return MapsPlugin(name, plan.archive, plan.full, plan.along)
-
+            load = partial(worker.Solver, parameters=plan.full, along=plan.along)
             chunks = [[task] for task in missing]
-            with cluster.shipped(client, plugin, worker) as solver:
+            with cluster.shipped(client, plan.archive, load, worker) as solver:
                 for (row,) in cluster.rows(client, solver, chunks, report, _lost):
                     rows[row["line"]] = row
                     if row.get("reason") != cluster.WORKER_LOST:

@@ -8,11 +8,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
-
-from distributed import WorkerPlugin
 
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.fmu.working_points import Along, Bench, Line, measure
@@ -55,27 +51,3 @@ class Solver:
         """Frees the instances."""
         for bench in self._benches:
             bench.close()
-
-
-class MapsPlugin(WorkerPlugin):
-    """Installs an FMU on every worker, including workers that join later."""
-
-    def __init__(self, name: str, fmu: bytes, parameters: Mapping[str, float], along: Along) -> None:
-        self.name = name
-        self._fmu, self._parameters, self._along = fmu, parameters, along
-
-    def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's folder and loads it."""
-        self._cleanup = ExitStack()
-        folder = Path(worker.local_directory) / self.name
-        folder.mkdir(parents=True, exist_ok=True)
-        file = folder / "unit.fmu"
-        file.write_bytes(self._fmu)
-        archive = Archive.unpack(file, folder / "unpacked")
-        self._cleanup.callback(archive.remove)
-        self.solver = Solver(archive, self._parameters, self._along)
-        self._cleanup.callback(self.solver.close)
-
-    def teardown(self, worker: Any) -> None:
-        """Frees the instances and removes the unpacked FMU."""
-        self._cleanup.close()

@@ -12,9 +12,10 @@ existing ones.
 The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
+from pushbelt.slurm import Slurm
+
 from .design import Design, DesignError
 from .run import Progress, sweep
-from pushbelt.slurm import Slurm
 from .study import Grid, Study
 
 __all__ = ["Design", "DesignError", "Grid", "Progress", "Slurm", "Study", "sweep"]

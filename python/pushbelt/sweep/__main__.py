@@ -10,30 +10,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import provenance
-from pushbelt.fmu.enumerations import RingModel
+from pushbelt.arguments import add_cluster, numbers
+from pushbelt.cluster import ClusterError
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
+from pushbelt.slurm import HELP, Slurm
 
 from . import measure
-from .cluster import ClusterError
-from .run import Progress, sweep
 from .design import AXIS_OF, Design, Varied, crossed, listed, varied
-from pushbelt.slurm import HELP, Slurm
+from .run import Progress, sweep
 from .store import Store, write_parquet
 from .study import AXES, DEFAULT, SHORT, Study, variator
-
-
-def numbers(text: str) -> tuple[float, ...]:
-    """Comma-separated numbers."""
-    return tuple(float(number) for number in text.split(","))
-
-
-def assignment(text: str) -> tuple[str, float]:
-    """`name=value`."""
-    name, separator, value = text.partition("=")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value")
-    return name, float(value)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -44,11 +31,7 @@ def parser() -> argparse.ArgumentParser:
         "--output", type=Path, required=True, help="folder for report, maps, results and finished points"
     )
     found.add_argument("--short", action="store_true", help=f"{len(SHORT)} points instead of {len(DEFAULT)}")
-    found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port [default: a local cluster]")
-    found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster [default: one per processor]")
-    found.add_argument("--variator", default="bench168", help="name of a parameter set, or a file ….json")
-    found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
-    found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
+    add_cluster(found)
     for name, axis in AXES.items():
         text = f"{axis.description}, {axis.unit}; comma-separated numbers"
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)

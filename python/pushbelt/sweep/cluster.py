@@ -12,14 +12,14 @@ from pushbelt.cluster import WORKER_LOST, ClusterError, by_value, connect, inter
 
 from . import point, worker
 from .point import Row, failure
-from .worker import Chunk, UnitPlugin
+from .worker import Chunk
 
 __all__ = ["WORKER_LOST", "ClusterError", "by_value", "connect", "interrupts_ignored", "rows", "shipped"]
 
 
 def shipped(client: Client, fmu: bytes) -> AbstractContextManager[Callable[[Chunk], list[Row]]]:
     """Sends the FMU and the code to the workers; returns the function that solves chunks there."""
-    return cluster.shipped(client, lambda name: UnitPlugin(name, fmu), worker, point)
+    return cluster.shipped(client, fmu, worker.Solver, worker, point)
 
 
 def rows(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +16,10 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.page import write_html
 from pushbelt.style import BLUE, RED, in_figures
 
+from .maps import Quantity
 from .report import FEW, Effort, shown_parameters
 from .store import METADATA, schema
 from .study import Study
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """An output that the report shows."""
-
-    name: str
-    column: str
-    scale: float
-    unit: str
 
 
 QUANTITIES = (

@@ -12,8 +12,9 @@ from pathlib import Path
 import pyarrow as pa
 from distributed import Client
 
-from . import cluster
 from pushbelt.slurm import Slurm
+
+from . import cluster
 from .store import Store, table, with_metadata
 from .study import Study
 from .worker import Chunk

@@ -15,7 +15,7 @@ from typing import Any
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.untrusted import OfFmu
 
 from . import design as design_law
 from . import point as law
@@ -100,7 +100,7 @@ SHORT = Grid(
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(OfFmu):
     """A grid or another design of points, with an FMU and common parameters."""
 
     fmu: Path
@@ -118,21 +118,6 @@ class Study:
         if taken:
             raise ValueError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
-
-    @cached_property
-    def archive(self) -> bytes:
-        """The FMU's bytes."""
-        return self.fmu.read_bytes()
-
-    @cached_property
-    def description(self) -> Any:
-        """The FMU's model description."""
-        return described(self.fmu)
-
-    @cached_property
-    def variables(self) -> Mapping[str, Any]:
-        """The FMU's variables by name."""
-        return {variable.name: variable for variable in self.description.modelVariables}
 
     @cached_property
     def identity(self) -> str:

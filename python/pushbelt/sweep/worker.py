@@ -8,11 +8,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
-from pathlib import Path
-from typing import Any
-
-from distributed import WorkerPlugin
 
 from pushbelt.fmu.unit import Archive, Variator
 
@@ -54,27 +49,3 @@ class Solver:
         """Frees the instances."""
         while self._idle:
             self._idle.pop().free()
-
-
-class UnitPlugin(WorkerPlugin):
-    """Installs an FMU on every worker, including workers that join later."""
-
-    def __init__(self, name: str, fmu: bytes) -> None:
-        self.name = name
-        self._fmu = fmu
-
-    def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's folder and loads it."""
-        self._cleanup = ExitStack()
-        folder = Path(worker.local_directory) / self.name
-        folder.mkdir(parents=True, exist_ok=True)
-        file = folder / "unit.fmu"
-        file.write_bytes(self._fmu)
-        archive = Archive.unpack(file, folder / "unpacked")
-        self._cleanup.callback(archive.remove)
-        self.solver = Solver(archive)
-        self._cleanup.callback(self.solver.close)
-
-    def teardown(self, worker: Any) -> None:  # noqa: ARG002
-        """Frees the instances and removes the unpacked FMU."""
-        self._cleanup.close()
