@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::entry::contain;
+use super::instances::INSTANCES;
 use super::library::{self, Library};
 
 /// Environment variable: "0" makes the library run by itself.
@@ -24,21 +25,8 @@ const SWITCH: &str = "PUSHBELT_AVX2";
 const HANDSHAKE: &CStr = c"pushbeltVariant";
 type Handshake = unsafe extern "C" fn(*const c_char) -> *const AtomicUsize;
 
-/// Instances of this library.
-static INSTANCES: AtomicUsize = AtomicUsize::new(0);
-
 /// Why the library of a portable build runs, for the log; empty otherwise.
 static REMARK: Mutex<String> = Mutex::new(String::new());
-
-/// Counts a new instance.
-pub(crate) fn instance_created() {
-    INSTANCES.fetch_add(1, Ordering::SeqCst);
-}
-
-/// Counts a freed instance.
-pub(crate) fn instance_freed() {
-    INSTANCES.fetch_sub(1, Ordering::SeqCst);
-}
 
 /// What the log of a new instance has about the choice of the library.
 pub(crate) fn remark() -> Option<String> {

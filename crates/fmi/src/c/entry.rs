@@ -5,8 +5,8 @@ use std::ffi::CStr;
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::dispatch::instance_freed;
 use super::floating_point;
+use super::instances::instance_freed;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
