@@ -100,6 +100,18 @@ fn a_run_without_wiring_goes_through_all_its_states() {
     assert_eq!(importer.readings(), last, "a terminated run keeps its outputs");
 }
 
+/// All loads at the ends of their ranges.
+fn set_largest_loads(importer: &Importer) {
+    for (name, load) in [
+        ("primary.clampingForce", 1e7),
+        ("secondary.clampingForce", 1e7),
+        ("primary.torque", 1e6),
+        ("secondary.torque", -1e6),
+    ] {
+        assert_eq!(importer.set_real(name, load), Ok);
+    }
+}
+
 /// All loads at the ends of their ranges, with the least tolerance and friction velocity: too much for the
 /// error control.
 #[test]
@@ -119,14 +131,7 @@ fn a_step_that_fails_is_discarded_and_can_be_repeated() {
     unsafe {
         assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
         let discard = || {
-            for (name, load) in [
-                ("primary.clampingForce", 1e7),
-                ("secondary.clampingForce", 1e7),
-                ("primary.torque", 1e6),
-                ("secondary.torque", -1e6),
-            ] {
-                assert_eq!(importer.set_real(name, load), Ok);
-            }
+            set_largest_loads(&importer);
             assert_eq!(importer.step(1e-4, 1e-3), Status::Discard);
             assert!(importer.last().contains("stalled at 0.000"), "{}", importer.last());
         };
@@ -162,14 +167,7 @@ fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     // SAFETY: an instance and a state of it.
     unsafe {
         assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
-        for (name, load) in [
-            ("primary.clampingForce", 1e7),
-            ("secondary.clampingForce", 1e7),
-            ("primary.torque", 1e6),
-            ("secondary.torque", -1e6),
-        ] {
-            assert_eq!(importer.set_real(name, load), Ok);
-        }
+        set_largest_loads(&importer);
         assert_eq!(importer.step(1e-3, 2e-3), Status::Discard);
         assert!(
             importer.last().contains("far beyond what the belt transmits"),

@@ -51,11 +51,10 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     }
     let length = belt.curve.length() - TAU * e;
     let density = 1.0 - law.chain.play / length;
-    for (i, cell) in belt.mesh.cells.iter().enumerate() {
+    // The pins of a chain have no unknowns of their own.
+    let cells: &[Cell] = if law.is_chain() { &[] } else { &belt.mesh.cells };
+    for (i, cell) in cells.iter().enumerate() {
         let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
-        if law.is_chain() {
-            continue;
-        }
         state.y[layout.amount(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));
         state.y[layout.belt_speed(i)] = speed;
     }

@@ -185,6 +185,11 @@ impl Survey {
             }
         }
         self.sums = sums.total();
+        if system.belt.law.is_chain() {
+            // One law of drag along the ring, whose cause differs.
+            let losses = &mut self.sums.losses;
+            (losses.joints, losses.layers) = (losses.layers, 0.0);
+        }
         let (energy, loss) = system.ring_energy(view);
         self.sums.losses.other += loss;
         let speeds = system.belt.shaft_speeds(view);

@@ -108,10 +108,6 @@ impl Observer {
             other: sums.losses.other + system.pulleys.losses(view),
             ..sums.losses
         };
-        if belt.law.is_chain() {
-            // One law of drag along the ring, whose cause differs.
-            (out.losses.joints, out.losses.layers) = (out.losses.layers, 0.0);
-        }
         let speeds = belt.shaft_speeds(view);
         let efficiency_of = |torques: PerPulley<f64>| efficiency(PerPulley::from_fn(|j| -torques[j] * speeds[j]));
         out.efficiency = efficiency_of(sums.shaft_torque);
