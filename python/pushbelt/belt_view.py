@@ -109,13 +109,15 @@ def magnification_for(offset: Array, least_radius: float) -> float:
 def belt_view(
     shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None
 ) -> Markup:
-    """The animation as an HTML fragment. With `group` it shares the cursor of charts over time."""
+    """The animation as an HTML fragment. `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
     distance, length, pitch = (
         parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
     )
     thickness = parameters.get("belt.elementThickness", ELEMENT_THICKNESS)
     chain = is_chain(parameters)
     together = 1 if chain else ELEMENTS_TOGETHER
+    force = "tension" if chain else "push force"
+    label = f"{label}, coloured by {force}"
     still = len(shown.time) == 2 and np.array_equal(shown.force[0], shown.force[1])
     magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
     wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)
@@ -129,7 +131,7 @@ def belt_view(
     data = {
         "group": group, "steady": bool(still), "pace": pace, "slow": slow,
         "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
-        "chain": chain, "force": "tension" if chain else "push force",
+        "chain": chain, "force": force,
         "count": round(length / (together * thickness)), "magnification": magnification,
         "gapScale": gap_scale / thickness, "most": most,
         "colours": [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in COLOUR_SCALE],
@@ -150,7 +152,7 @@ def belt_view(
         '<div class="controls"><button type="button">Play</button>'
         f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
         "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN {data["force"]}</div>'
+        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN {force}</div>'
         f'<p class="source">The distance from the reference curve is magnified {magnification:.0f} times. {drawn}'
         f" One turn in the animation represents {slow:.0f} turns.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'

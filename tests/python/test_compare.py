@@ -82,7 +82,7 @@ def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -
         unit = variator()
         unit.set({"primary.clampingForce": force})
         unit.initialise()
-        names = [*belts.OUTPUTS, *(column for field in belts.NEEDED for column in belts.places(field))]
+        names = belts.needed(parameter_set("bench168"))
         reals = unit.reals(names)
         rows = []
         for k in range(20):

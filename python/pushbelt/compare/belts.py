@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pushbelt.belt_view import Motion, integrated, motion
+from pushbelt.fmu.data import is_chain
 from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 
@@ -23,13 +24,15 @@ def places(field: str) -> list[str]:
     return [f"{FIELD}{field}[{k + 1}]" for k in range(PROFILE_POINTS)]
 
 
-NEEDED = ("position", "pushForce", "radialDeviation")
-"""Required fields of the animation. Other fields are optional."""
+def needed(parameters: Mapping[str, float]) -> list[str]:
+    """Columns that the animation of the belt requires. Other fields are optional."""
+    fields = ("position", "ringTension" if is_chain(parameters) else "pushForce", "radialDeviation")
+    return [*OUTPUTS, *(name for field in fields for name in places(field))]
 
 
-def shows_belt(run: Trace) -> bool:
-    """Whether the file has all columns that the animation of the belt requires."""
-    return all(name in run.columns for name in (*OUTPUTS, *(name for field in NEEDED for name in places(field))))
+def shows_belt(run: Trace, parameters: Mapping[str, float]) -> bool:
+    """Whether the file has all these columns."""
+    return all(name in run.columns for name in needed(parameters))
 
 
 def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:

@@ -61,7 +61,7 @@ def _context(
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> list[tuple[str, Markup]]:
     """The belt of each run; empty unless both files have the required columns."""
-    if parameters is None or not all(shows_belt(run) for run in pair.runs):
+    if parameters is None or not all(shows_belt(run, parameters) for run in pair.runs):
         return []
     return [
         (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))

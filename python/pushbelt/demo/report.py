@@ -93,14 +93,13 @@ def _context(results: DemoResults) -> dict[str, Any]:
     found = events.detect(trace)
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
-    coloured = "tension" if is_chain(results.parameters) else "push force"
     pictures = {
         "cases": figures.load_cases(results.cases, results.measured),
         "manoeuvre": figures.manoeuvre(trace, found),
         "moving_belt": belt_view(
             figures.belt_over_time(results.manoeuvre, results.parameters),
             results.parameters,
-            f"The belt on its pulleys during the manoeuvre, coloured by {coloured}",
+            "The belt on its pulleys during the manoeuvre",
             group=figures.GROUP,
             start=min(SHOWN_TIME, float(trace.time[-1])),
         ),
@@ -108,7 +107,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "belt": belt_view(
             steady(chosen.steady, results.parameters),
             results.parameters,
-            f"The belt on its pulleys, coloured by {coloured}",
+            "The belt on its pulleys",
         ),
     }
     if slipping is not None:

@@ -67,7 +67,7 @@ def context(results: Results) -> dict[str, Any]:
     belt = belt_view(
         figures.belt_over_time(slip, parameters),
         parameters,
-        "The belt on its pulleys during the drive, coloured by push force",
+        "The belt on its pulleys during the drive",
         group=figures.GROUP,
         start=0.5 * (results.plan.cycle[0] + results.plan.cycle[1]),
     )
