@@ -1,6 +1,5 @@
 //! Real time: bounded work in each tick, closeness to the accurate run, no allocation, stored states.
 
-use pushbelt::solver::bounded::RESIDUALS;
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
@@ -30,27 +29,65 @@ fn new_rollbacks(variator: &mut Variator, before: &mut i32) -> i32 {
     now - std::mem::replace(before, now)
 }
 
-/// Every load at every ratio: the number of Jacobians and residuals in each millisecond, no step fails, all outputs are finite,
+/// Work of a residual with its correction is 1, that of a Jacobian with its factors 6, and of all its geometry 14 more.
+const JACOBIAN: [f64; 2] = [6.0, 14.0];
+/// Work of a millisecond for each `solver.effort`, and how far a millisecond may be above it.
+const EFFORT: f64 = 15.5;
+const ABOVE: f64 = 32.0;
+
+/// Counts the work of a run from one communication step to the next.
+#[derive(Default)]
+struct Meter {
+    before: [f64; 3],
+    sum: f64,
+}
+
+impl Meter {
+    /// Work since the last call.
+    fn read(&mut self, variator: &Variator) -> f64 {
+        let counts = variator.counts();
+        let system = variator.system();
+        let geometry = system.differentiations()[0] as f64 / system.belt.mesh.groups.len() as f64;
+        let now = [counts.residuals as f64, counts.factorizations as f64, geometry];
+        let [residuals, jacobians, geometry] = std::array::from_fn(|k| now[k] - self.before[k]);
+        self.before = now;
+        let work = residuals + JACOBIAN[0] * jacobians + JACOBIAN[1] * geometry;
+        self.sum += work;
+        work
+    }
+}
+
+/// A meter of a run that begins with this variator.
+fn meter(variator: &Variator) -> Meter {
+    let mut meter = Meter::default();
+    meter.read(variator);
+    meter.sum = 0.0;
+    meter
+}
+
+/// Every load at every ratio: work within the bound in each communication step, its mean as well; no step fails, all outputs are finite,
 /// and the energy balance holds.
 fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
             let mut parameters = in_real_time(one_cell(model));
             parameters.solver.effort = effort;
-            let mut before = (0, 0);
+            let mut of_run = meter(&Driven::new(load, parameters.clone(), ratio).variator);
             let found = trace(load, &parameters, ratio, seconds, |driven| {
-                let work = driven.variator.outputs().work;
-                let ticks = (load.step() / 1e-3).round() as i32;
-                let taken = (work.jacobians - before.0, work.residuals - before.1);
-                let jacobians = effort * ticks;
-                let expected = (jacobians, jacobians * RESIDUALS as i32);
-                assert_eq!(taken, expected, "{load:?} at ratio {ratio}");
-                before = (work.jacobians, work.residuals);
+                let bound = EFFORT * f64::from(effort) * (load.step() / 1e-3);
+                let work = of_run.read(&driven.variator);
+                assert!(work <= bound + ABOVE, "{load:?} at ratio {ratio}: {work}");
+                assert!(driven.variator.outputs().work.behind < 0.02 + 1e-9);
             });
+            let mean = of_run.sum * 1e-3 / seconds;
             println!(
-                "{model:?} {load:?} {ratio}: defect {:.1e}, unaccounted {:.4}",
+                "{model:?} {load:?} {ratio}: {mean:.1} a millisecond, defect {:.1e}, unaccounted {:.4}",
                 found.defect, found.unaccounted
             );
+            assert!(mean <= EFFORT * f64::from(effort) + ABOVE * 1e-3 / seconds, "{mean}");
+            if load == LoadHistory::Smooth && effort >= 4 {
+                assert!(mean < 14.0, "{load:?} at ratio {ratio}: {mean}");
+            }
             assert!(
                 found.rows.iter().flatten().all(|x| x.is_finite()),
                 "{load:?} at ratio {ratio}"
@@ -70,29 +107,36 @@ fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
 }
 
 /// Relative to the transmitted energy, which is almost zero in the first moments of a launch.
-const UNACCOUNTED: f64 = 0.02;
+const UNACCOUNTED: f64 = 0.002;
 const IN_A_LAUNCH: f64 = 0.1;
-const WITH_LEAST_EFFORT: f64 = 0.05;
+const WITH_LEAST_EFFORT: f64 = 0.005;
 
 #[test]
-fn work_of_ale_is_the_same_in_every_tick() {
+fn work_of_ale_is_bounded() {
     work_of(RingModel::Ale, 4, 0.3, UNACCOUNTED);
 }
 
 #[test]
-fn work_of_ale0_is_the_same_in_every_tick() {
+fn work_of_ale0_is_bounded() {
     work_of(RingModel::Ale0, 4, 0.3, UNACCOUNTED);
     work_of(RingModel::Ale0, 1, 0.1, WITH_LEAST_EFFORT);
 }
 
 fn beside_accurate(load: LoadHistory, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
-    beside(&one_cell(model), (load, model, ratio), seconds)
+    beside(&one_cell(model), (load, model, ratio), 4, seconds)
 }
 
 /// Compared with an accurate run of these parameters.
-fn beside(accurate: &Parameters, (load, model, ratio): (LoadHistory, RingModel, f64), seconds: f64) -> (Trace, Trace) {
+fn beside(
+    accurate: &Parameters,
+    (load, model, ratio): (LoadHistory, RingModel, f64),
+    effort: i32,
+    seconds: f64,
+) -> (Trace, Trace) {
     let exact = trace(load, accurate, ratio, seconds, |_| ());
-    let found = trace(load, &in_real_time(one_cell(model)), ratio, seconds, |_| ());
+    let mut parameters = in_real_time(one_cell(model));
+    parameters.solver.effort = effort;
+    let found = trace(load, &parameters, ratio, seconds, |_| ());
     println!(
         "{model:?} {load:?} {ratio}: off by {:?} of {:?}",
         found.off(&exact),
@@ -148,14 +192,14 @@ fn smooth_and_rippling_loads_are_followed() {
     }
 }
 
-/// A ripple of 100 Hz requires ticks below 1 ms. With ticks of 1 ms the thrust ratio has errors of 5 % of its range.
+/// A ripple of 100 Hz requires steps below 1 ms: with 1 ms the thrust ratio has errors of 5 % of its range.
 #[test]
-fn ripple_is_followed_in_divided_ticks() {
+fn ripple_is_followed() {
     for model in MODELS {
         for ratio in [2.2, 0.5] {
             let mut sharp = one_cell(model);
             sharp.solver.tolerance = 1e-6;
-            let (found, exact) = beside(&sharp, (LoadHistory::Ripple, model, ratio), 0.5);
+            let (found, exact) = beside(&sharp, (LoadHistory::Ripple, model, ratio), 4, 0.5);
             let (off, ranges) = (found.off(&exact), exact.ranges());
             for (k, share) in [0.02, 0.02, 0.02, 0.02, 0.03].into_iter().enumerate() {
                 let (off, range) = (off[k], ranges[k]);
@@ -167,8 +211,8 @@ fn ripple_is_followed_in_divided_ticks() {
 
 /// Speeds and slip have errors within a share of their ranges, the thrust ratio within its own bound. The ratio, whose range is
 /// some 1e-2, has errors within 1e-2.
-fn assert_followed((load, model, ratio): (LoadHistory, RingModel, f64), share: f64, thrust_ratio: f64) {
-    let (found, exact) = beside_accurate(load, model, ratio, 0.3);
+fn assert_followed((load, model, ratio): (LoadHistory, RingModel, f64), effort: i32, share: f64, thrust_ratio: f64) {
+    let (found, exact) = beside(&one_cell(model), (load, model, ratio), effort, 0.3);
     let (off, ranges) = (found.off(&exact), exact.ranges());
     for k in [0, 1, 3] {
         assert!(
@@ -182,46 +226,50 @@ fn assert_followed((load, model, ratio): (LoadHistory, RingModel, f64), share: f
     assert!(off[4] < thrust_ratio, "{model:?}: {}", off[4]);
 }
 
-/// An engine's firing, also with noise on the forces. Where gaps close and open along the belt, as under noise, ticks end before they
-/// are solved, and the laws of the next ones are rounded.
+/// An engine's firing, also with noise on the forces.
 #[test]
 fn firing_is_followed() {
     for model in MODELS {
         let share = if model == RingModel::Ale { 0.1 } else { 0.01 };
         for &ratio in LoadHistory::Firing.ratios() {
-            assert_followed((LoadHistory::Firing, model, ratio), share, 5e-3);
+            assert_followed((LoadHistory::Firing, model, ratio), 4, share, 5e-3);
         }
-        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), 0.2, 3e-2);
+        let effort = if model == RingModel::Ale { 8 } else { 4 };
+        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), effort, 0.2, 3e-2);
     }
 }
 
-/// A torque that reverses from drive to coast. `ALE` at ratio 2.2 and a hunting clutch take more work than is available.
+/// A torque that reverses from drive to coast, and a hunting clutch: they take the work of an effort of 13.
 #[test]
 fn flips_and_hunting_are_followed() {
     for ratio in [2.2, 1.0, 0.5] {
-        assert_followed((LoadHistory::Flips, RingModel::Ale0, ratio), 0.2, 2e-2);
+        assert_followed((LoadHistory::Flips, RingModel::Ale0, ratio), 13, 0.05, 2e-2);
     }
     for ratio in [1.0, 0.5] {
-        assert_followed((LoadHistory::Flips, RingModel::Ale, ratio), 0.35, 2e-2);
+        assert_followed((LoadHistory::Flips, RingModel::Ale, ratio), 13, 0.1, 2e-2);
     }
-    assert_followed((LoadHistory::Hunting, RingModel::Ale0, 2.2), 0.2, 2e-2);
+    assert_followed((LoadHistory::Hunting, RingModel::Ale0, 2.2), 13, 0.05, 2e-2);
 }
 
-/// With more work `ALE` follows them too. Where gaps close all along the belt, Newton steps are hundreds of times too large, and
-/// smaller ones follow.
+/// Also `ALE` at ratio 2.2, with a bound on the delay.
 #[test]
 fn with_more_effort_ale_follows_a_clutch_that_hunts() {
     for (load, ratio, share) in [
-        (LoadHistory::Hunting, 2.2, 0.3),
-        (LoadHistory::Hunting, 1.0, 0.1),
-        (LoadHistory::Flips, 2.2, 0.15),
+        (LoadHistory::Hunting, 2.2, 0.05),
+        (LoadHistory::Hunting, 1.0, 0.05),
+        (LoadHistory::Flips, 2.2, 0.05),
     ] {
         let accurate = one_cell(RingModel::Ale);
         let mut parameters = in_real_time(accurate.clone());
-        parameters.solver.effort = 8;
-        let [exact, found] = [&accurate, &parameters].map(|parameters| trace(load, parameters, ratio, 0.2, |_| ()));
+        parameters.solver.effort = 13;
+        let mut latest = 0.0_f64;
+        let exact = trace(load, &accurate, ratio, 0.2, |_| ());
+        let found = trace(load, &parameters, ratio, 0.2, |driven| {
+            latest = latest.max(driven.variator.outputs().work.behind);
+        });
         let (off, ranges) = (found.off(&exact), exact.ranges());
-        println!("{load:?} {ratio}: off by {off:?} of {ranges:?}");
+        println!("{load:?} {ratio}: off by {off:?} of {ranges:?}, behind by {latest} s");
+        assert!(latest < 4e-3, "{load:?} {ratio}: {latest} s");
         for speed in 0..2 {
             assert!(
                 off[speed] < share * ranges[speed],
@@ -258,20 +306,21 @@ fn starts_without_load_are_smooth() {
     }
 }
 
-/// Communication steps that are not whole milliseconds take whole ticks, as do inputs that ramp over part of one.
+/// Communication steps that are not whole milliseconds have work in proportion to their time.
 #[test]
-fn ticks_are_never_longer_than_a_millisecond() {
+fn the_bound_is_in_proportion_to_time() {
     let mut variator = Variator::new(in_real_time(coarse(RingModel::Ale0))).expect("valid parameters");
     let given = inputs((50.0, 13e3), (-49.0, 10e3));
     variator.initialise(0.0, &given).expect("a start");
+    let mut of_run = meter(&variator);
     let mut time = 0.0;
-    for (step, ticks) in [(0.4e-3, 1), (1e-3, 1), (1.0000001e-3, 2), (2.5e-3, 3), (10e-3, 10)] {
-        let before = variator.outputs().work.jacobians;
+    for step in [1e-5, 0.4e-3, 1e-3, 1.0000001e-3, 2.5e-3, 10e-3] {
         time += step;
         variator
             .advance(time, &inputs((60.0, 13e3), (-49.0, 10e3)))
             .expect("a step");
-        assert_eq!(variator.outputs().work.jacobians - before, 4 * ticks, "{step} s");
+        let work = of_run.read(&variator);
+        assert!(work <= 4.0 * EFFORT * step / 1e-3 + ABOVE, "{step} s: {work}");
         assert_close(
             variator.outputs().primary.external_torque,
             60.0,
@@ -279,12 +328,13 @@ fn ticks_are_never_longer_than_a_millisecond() {
             "torque at the end",
         );
     }
+    assert_eq!(variator.outputs().work.behind, 0.0);
 }
 
-/// Ticks that end far from their solutions are rejected, and the run continues: it never stops, and ends near the speed and
-/// the ratio of an accurate run.
+/// Steps without a solution are begun again, and the run continues: it never stops, and ends near the speed and the ratio of an accurate
+/// run.
 #[test]
-fn a_run_continues_after_rejected_ticks() {
+fn a_run_continues_after_steps_without_a_solution() {
     let mut rollbacks = 0;
     for model in MODELS {
         for (load, ratio) in [
@@ -295,6 +345,7 @@ fn a_run_continues_after_rejected_ticks() {
             let ended = [Mode::Accurate, Mode::RealTime].map(|mode| {
                 let mut parameters = variator(model);
                 parameters.solver.mode = mode;
+                parameters.solver.effort = 8;
                 let mut driven = Driven::new(load, parameters, ratio);
                 let (mut before, mut held) = (0.0, 0);
                 while driven.until() < 1.2 {
@@ -317,13 +368,13 @@ fn a_run_continues_after_rejected_ticks() {
         }
     }
     println!("{rollbacks} rollbacks");
-    assert!(rollbacks <= 20, "{rollbacks}");
+    // Of 7200 milliseconds.
+    assert!(rollbacks <= 720, "{rollbacks}");
 }
 
-/// Clamping forces far from equilibrium lead to a fast shift in overdrive: hardly any tick is solved there with the specified
-/// laws. A rejected tick is repeated, but not endlessly.
+/// Clamping forces far from equilibrium lead to a fast shift in overdrive: few steps are begun again.
 #[test]
-fn few_ticks_are_rejected() {
+fn few_steps_are_begun_again() {
     for parameters in meshes() {
         let mut parameters = in_real_time(parameters);
         parameters.initial.ratio = 0.5;
@@ -398,17 +449,22 @@ impl Jumps {
     }
 }
 
-/// The run neither stops nor runs away, its outputs have a small delay, and at least seven of eight ticks are accepted.
+/// The run neither stops nor runs away, its delay is bounded, and so is its work.
 #[test]
 fn a_run_continues_under_random_jumps() {
     for parameters in meshes() {
-        for seed in 0..4 {
+        for (seed, effort) in [(0, 4), (1, 4), (2, 8), (3, 8), (2, 2)] {
+            let mut parameters = parameters.clone();
+            parameters.solver.effort = effort;
             let mut jumps = Jumps::new(&parameters, seed);
+            let mut of_run = meter(&jumps.variator);
             let (mut before, mut still, mut longest) = (f64::NAN, 0, 0);
             let (mut latest, mut behind) = (0.0_f64, 0.0);
-            for _ in 1..=1000 {
+            for _ in 1..=500 {
                 let (time, given) = jumps.next();
                 jumps.variator.advance(time, &given).expect("a step");
+                let work = of_run.read(&jumps.variator);
+                assert!(work <= EFFORT * f64::from(effort) + ABOVE, "{seed} at {time} s: {work}");
                 let outputs = jumps.variator.outputs();
                 let [p, s] = [&outputs.primary, &outputs.secondary];
                 assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
@@ -417,14 +473,14 @@ fn a_run_continues_under_random_jumps() {
                 longest = longest.max(still);
                 before = p.speed;
                 latest = latest.max(outputs.work.behind);
-                behind += outputs.work.behind / 1000.0;
+                behind += outputs.work.behind / 500.0;
             }
             let rollbacks = jumps.variator.outputs().work.rollbacks;
             println!(
-                "{rollbacks} rollbacks in 1000 ticks; behind by {behind:.1e} s in the mean, {latest:.1e} s at most; still for {longest} ms"
+                "effort {effort}, seed {seed}: {rollbacks} steps begun again; behind by {behind:.1e} s in the mean, {latest:.1e} s at most; still for {longest} ms"
             );
-            assert!(longest < 6, "{seed}: still for {longest} ms");
-            assert!(rollbacks < 125, "{seed}: {rollbacks}");
+            let allowed = if effort < 4 { 60 } else { 20 };
+            assert!(longest <= allowed, "{seed}: still for {longest} ms");
             assert!(latest < 0.02 + 1e-9, "{seed}: {latest} s");
         }
     }
@@ -451,7 +507,7 @@ fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (
     }
 }
 
-/// In a slam while the belt slips; under firing while a tick is unfinished; under ripple between two parts of a millisecond.
+/// In a slam while the belt slips; under firing while a step is open; under ripple.
 #[test]
 fn copies_and_stored_states_continue_alike() {
     for (load, parameters) in [
@@ -474,7 +530,7 @@ fn copies_and_stored_states_continue_alike() {
             if over {
                 break;
             }
-            assert!(step < 300, "no tick of {load:?} was unfinished");
+            assert!(step < 300, "no step of {load:?} was open");
             let inputs = driven.inputs();
             driven.variator.advance(driven.until(), &inputs).expect("a step");
         }
@@ -487,13 +543,13 @@ fn copies_and_stored_states_continue_alike() {
     }
 }
 
-/// The same for states right after a rollback.
+/// The same for states right after a step without a solution.
 #[test]
-fn states_after_a_rollback_continue_alike() {
+fn states_after_a_step_without_a_solution_continue_alike() {
     let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
     while jumps.variator.outputs().work.rollbacks == 0 {
         let (time, given) = jumps.next();
-        assert!(time < 1.0, "all ticks were accepted");
+        assert!(time < 1.0, "all steps had a solution");
         jumps.variator.advance(time, &given).expect("a step");
     }
     let mut variator = jumps.variator.clone();
@@ -503,55 +559,53 @@ fn states_after_a_rollback_continue_alike() {
     });
 }
 
-/// This includes the first ticks with rounded laws after a snapshot. Steps with a remark for the log allocate its text.
+/// Also after a state was stored, read or copied, and with an open step. Steps with a remark for the log allocate its text.
 #[test]
 fn a_tick_allocates_nothing() {
     for model in MODELS {
         let mut parameters = in_real_time(variator(model));
-        parameters.solver.effort = 1;
+        parameters.solver.effort = 2;
         let mut driven = Driven::new(LoadHistory::Flips, parameters, 1.0);
-        let own = driven.variator.parameters().friction.velocity;
-        let (mut snapshot, mut rounded) = (driven.variator.clone(), false);
-        let mut first_rounded = 0;
-        for _ in 0..60 {
+        let mut open = 0;
+        for step in 0..60 {
             let inputs = driven.inputs();
             let until = driven.until();
             let count =
                 allocation_counter::measure(|| driven.variator.advance(until, &inputs).expect("a step")).count_total;
-            let was_rounded = std::mem::replace(&mut rounded, driven.variator.system().friction().velocity > own);
             if driven.variator.take_messages().is_empty() {
                 assert_eq!(count, 0, "{model:?} until {until} s");
-                first_rounded += i32::from(rounded && !was_rounded);
+                open += i32::from(driven.variator.outputs().work.behind > 0.0);
             }
-            if !rounded {
-                snapshot.clone_from(&driven.variator);
+            if step == 20 {
+                driven.variator = driven.variator.clone();
+            }
+            if step == 40 {
+                let mut tape = Tape::writer();
+                driven.variator.serialize(&mut tape);
+                let bytes = tape.into_bytes();
+                let mut tape = Tape::reader(&bytes);
+                driven.variator.serialize(&mut tape);
+                assert_eq!(tape.finish(), Ok(()));
             }
         }
-        drop(snapshot);
-        assert!(first_rounded > 0, "{model:?}: no tick with rounded laws");
+        assert!(open > 0, "{model:?}: no step was open");
     }
 }
 
-/// `solver.defect` is the error of accepted solutions only: a rollback is counted and returns to the last solved state.
+/// `solver.defect` is the error of solved steps alone: below 1, as that of accurate steps.
 #[test]
-fn a_rollback_is_counted_and_does_not_change_the_defect() {
+fn the_defect_is_an_error() {
     let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
-    let (mut before, mut seen) = (0, 0);
-    for _ in 0..1000 {
+    let mut before = 0;
+    let mut again = 0;
+    for _ in 0..300 {
         let (time, given) = jumps.next();
         jumps.variator.advance(time, &given).expect("a step");
-        let rollbacks = new_rollbacks(&mut jumps.variator, &mut before);
+        again += new_rollbacks(&mut jumps.variator, &mut before);
         let work = jumps.variator.outputs().work;
-        assert!(work.defect < 1e3, "at {time} s: {}", work.defect);
-        if rollbacks > 0 {
-            seen += 1;
-            assert!(work.behind > 0.0, "at {time} s");
-        }
-        if seen == 3 {
-            return;
-        }
+        assert!((0.0..1.0).contains(&work.defect), "at {time} s: {}", work.defect);
     }
-    panic!("{seen} communication steps with a rollback");
+    assert!(again > 0, "all steps had a solution");
 }
 
 #[test]

@@ -176,9 +176,9 @@ fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.work("solver.steps", 27, "Steps of the integrator since the start, including rejected ones", Access::Reading(|readings| readings.outputs.work.steps));
     t.work("solver.jacobians", 28, "Jacobians formed and factored since the start", Access::Reading(|readings| readings.outputs.work.jacobians));
     t.work("solver.residuals", 29, "Residuals evaluated since the start", Access::Reading(|readings| readings.outputs.work.residuals));
-    t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "Largest remaining Newton correction of the last communication step, relative to the limit of accurate steps at the default tolerance: below 1 in accurate steps, above 1 after unsolved ticks with solver.mode = RealTime", read!(work.defect));
-    t.read("solver.behind", 31, (Output, "s", not_negative(1e-3)), "Delay of the outputs with solver.mode = RealTime, while an unsolved tick continues; 0 with solver.mode = Accurate", read!(work.behind));
-    t.work("solver.rollbacks", 32, "Rejected ticks with solver.mode = RealTime since the start: a tick ended too far from its solution, and the run returned to the last solved state", Access::Reading(|readings| readings.outputs.work.rollbacks));
+    t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", read!(work.defect));
+    t.read("solver.behind", 31, (Output, "s", not_negative(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", read!(work.behind));
+    t.work("solver.rollbacks", 32, "Steps without a solution with solver.mode = RealTime since the start: each was begun again with half the length", Access::Reading(|readings| readings.outputs.work.rollbacks));
     t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves are on opposite sides", read!(misalignment));
     t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
     t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));
@@ -234,9 +234,9 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
     t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element; with ring.model = ALE0 always one", set!(parameters.mesh.cells_per_element));
     t.choice("solver.mode", 1084, &MODE, "Accurate steps with error control, or bounded work in each millisecond for real time", choose!(parameters.solver.mode, 2 => Mode::RealTime; Mode::Accurate));
-    t.count("solver.effort", 1086, "With solver.mode = RealTime: Jacobians in each millisecond, with eight residuals each. Fewer take less time; more are accurate under loads that jump", set!(parameters.solver.effort));
+    t.count("solver.effort", 1086, "With solver.mode = RealTime: bound of the work of each millisecond, 15.5 times as much as a residual with its correction takes. Less takes less time; more is accurate under loads that jump", set!(parameters.solver.effort));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control. At its default the tolerance of the experiment is used instead, if there is one. A coarser tolerance is faster under loads that jump, not under smooth loads, where steps are as long as the communication steps. Output derivatives of forces and losses need 1e-6", set!(parameters.solver.tolerance));
-    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; with solver.mode = RealTime ticks are 1 ms or shorter", set!(parameters.solver.max_step));
+    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; with solver.mode = RealTime steps are 0.2 ms or shorter", set!(parameters.solver.max_step));
     t.set("inputs.ramp", 1083, Parameter, "s", "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead", set!(parameters.solver.input_ramp));
 }
 

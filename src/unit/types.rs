@@ -142,7 +142,7 @@ pub(super) static MODE: Enumeration = Enumeration {
         item(
             "RealTime",
             Mode::RealTime as i32,
-            "Bounded work in each millisecond, given by solver.effort; laws are rounded where that is not enough",
+            "Bounded work in each millisecond, given by solver.effort; where that is not enough, outputs have a delay",
         ),
     ],
 };

@@ -5,9 +5,9 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::GeometryUpdate;
 use crate::solver::{System, View};
 use crate::tape::Tape;
+use crate::variator::belt::equations::GeometryUpdate;
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
@@ -17,7 +17,7 @@ use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
-use crate::variator::settings::parameters::{Parameters, Rounded};
+use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
 
 /// The assembled variator.
@@ -33,9 +33,8 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
-    /// Constants of the cells in force: those of the belt, rounded in real time by a share from 0 to 1.
+    /// Constants of the cells in force.
     pub law: CellLaw,
-    rounding: f64,
     assembly: Box<dyn Assembly>,
     /// Working memory.
     resultants: ResultantSlopes,
@@ -67,7 +66,6 @@ impl VariatorSystem {
             parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
             law: belt.law.clone(),
-            rounding: 0.0,
             assembly: belt.ring.equations(&belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
@@ -84,24 +82,11 @@ impl VariatorSystem {
         } else {
             own.ring_velocity
         };
-        let rounded = |velocity| Rounded::width(velocity, Rounded::VELOCITY, self.rounding);
         Friction {
-            velocity: rounded(self.friction_velocity),
-            ring_velocity: rounded(ring_velocity),
+            velocity: self.friction_velocity,
+            ring_velocity,
             ..*own
         }
-    }
-
-    /// Regularises the laws by a share from 0, none, to 1, the least widths of [`Rounded`].
-    pub(crate) fn round(&mut self, share: f64) {
-        if share == self.rounding {
-            return;
-        }
-        self.rounding = share;
-        let Parameters { contact, belt, .. } = &self.parameters;
-        self.law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
-        self.law.chain = belt.with_stiff_film(share);
-        self.law.settling = Rounded::settling(belt.push_stiffness, share);
     }
 
     /// The residual, into `out`; returns the loads of the belt on the pulleys.
@@ -183,11 +168,8 @@ impl VariatorSystem {
         self.assembly.restore_derivatives(InForce { belt, law, friction });
     }
 
-    /// Writes to a tape, or reads from it, the loads, the rounding and the points of the cached derivatives.
+    /// Writes to a tape, or reads from it, the loads and the points of the cached derivatives.
     pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
-        let mut rounding = self.rounding;
-        tape.real(&mut rounding);
-        self.round(rounding);
         self.loads.serialize(tape);
         self.assembly.serialize_derivatives(&self.belt, tape);
     }
@@ -245,8 +227,11 @@ impl System for VariatorSystem {
         self.renew_jacobian(time, view, alpha, beta, out);
     }
 
-    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
+        let [before, _] = self.differentiations();
         self.form_jacobian(None, time, view, [alpha, beta], out);
+        let [after, _] = self.differentiations();
+        (after - before) as f64 / self.belt.mesh.groups.len() as f64
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {

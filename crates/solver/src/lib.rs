@@ -7,7 +7,6 @@
 #![warn(missing_docs)]
 
 pub mod arrow;
-pub mod bounded;
 mod broyden;
 pub mod continuation;
 pub mod differences;
@@ -97,9 +96,11 @@ pub trait System {
     /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`, s.
     fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
 
-    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one.
-    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one. Returns the share of the
+    /// derivatives that was evaluated anew, beside constitutive tangents.
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         self.jacobian(time, view, alpha, beta, out);
+        1.0
     }
 
     /// Absolute size of a change of each unknown that does not matter, in a step with dq/dy = β.

@@ -1,4 +1,5 @@
-//! Newton's method for one implicit stage, with reuse of the factored Jacobian.
+//! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be bounded ([`WorkBound`]): the solution then
+//! stops before a Jacobian for which the work does not last, and continues there.
 
 use super::System;
 use super::broyden::Broyden;
@@ -87,10 +88,44 @@ impl std::ops::Sub for Counts {
     }
 }
 
-/// Newton did not converge.
+/// Why a stage is not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("Newton's method found no solution")]
-pub struct NotConverged;
+pub enum Unsolved {
+    /// Newton's method does not converge.
+    #[error("Newton's method found no solution")]
+    NoSolution,
+    /// The allowed work is used up. The next call continues from the stage's best point.
+    #[error("the work for Newton's method is used up")]
+    OutOfWork,
+}
+
+/// Bound of the work of Newton's method. The unit is a residual with its correction.
+#[derive(Clone, Copy, Debug)]
+pub struct WorkBound {
+    /// Work that is left.
+    pub left: f64,
+    /// Work of a Jacobian with its factors: with reused geometry, and what all geometry takes beside.
+    pub jacobian: [f64; 2],
+    /// What an iteration that has begun may take beyond the work that is left.
+    pub overdraft: f64,
+    /// Most Jacobians in a stage.
+    pub jacobians: usize,
+}
+
+impl WorkBound {
+    /// No bound but that of Jacobians.
+    pub const NONE: Self = Self {
+        left: f64::INFINITY,
+        jacobian: [0.0; 2],
+        overdraft: 0.0,
+        jacobians: FRESH_ITERATIONS,
+    };
+
+    /// Whether an iteration that has begun has to stop.
+    fn is_overdrawn(&self) -> bool {
+        self.left <= -self.overdraft
+    }
+}
 
 /// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
@@ -105,6 +140,8 @@ pub struct Newton {
     /// Residuals: at the place evaluated last, and at the best one.
     residual: Vec<f64>,
     best_residual: Vec<f64>,
+    /// Residual where a search begins.
+    from_residual: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
     /// What iterations with these factors have cost beyond the first of each stage.
@@ -112,6 +149,10 @@ pub struct Newton {
     /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
     /// shows. The caller sets it to zero.
     pub left: f64,
+    /// Jacobians of a stage for which the work did not last: the residual at the stage's point is at hand.
+    open: Option<usize>,
+    /// Bound of the work.
+    pub bound: WorkBound,
     /// Work counts.
     pub counts: Counts,
 }
@@ -130,15 +171,29 @@ impl Newton {
             best: vec![0.0; shape.len()],
             residual: vec![0.0; shape.len()],
             best_residual: vec![0.0; shape.len()],
+            from_residual: vec![0.0; shape.len()],
             rate: 1.0,
             excess: 0,
             left: 0.0,
+            open: None,
+            bound: WorkBound::NONE,
             counts: Counts::default(),
         }
     }
 
     /// Writes to a tape, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        let mut is_open = self.open.is_some();
+        tape.flag(&mut is_open);
+        if is_open {
+            let mut jacobians = self.open.unwrap_or(0) as u64;
+            tape.counter(&mut jacobians);
+            self.open = usize::try_from(jacobians).ok();
+            tape.reals(&mut self.residual);
+        } else {
+            self.open = None;
+        }
+        tape.real(&mut self.bound.left);
         self.chord.serialize(tape);
         tape.real(&mut self.alpha);
         tape.real(&mut self.rate);
@@ -160,22 +215,30 @@ impl Newton {
         self.rate = 1.0;
     }
 
+    /// Abandons a stage that is not solved.
+    pub fn abandon(&mut self) {
+        self.open = None;
+    }
+
     /// Forgets the factored Jacobian.
     pub fn forget(&mut self) {
         self.alpha = f64::INFINITY;
     }
 
     /// Forms and factors the Jacobian at the stage.
-    fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
+    fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), Unsolved> {
         let [alpha, beta] = stage.slopes;
         self.counts.factorizations += 1;
         self.alpha = f64::INFINITY;
         let view = stage.state.view();
-        if !self
-            .chord
-            .factor(|matrix| system.renew_jacobian(stage.time, view, alpha, beta, matrix))
-        {
-            return Err(NotConverged);
+        let mut renewed = 0.0;
+        let regular = self.chord.factor(|matrix| {
+            renewed = system.renew_jacobian(stage.time, view, alpha, beta, matrix);
+        });
+        let [tangents, geometry] = self.bound.jacobian;
+        self.bound.left -= tangents + geometry * renewed;
+        if !regular {
+            return Err(Unsolved::NoSolution);
         }
         self.alpha = alpha;
         self.rate = 1.0;
@@ -192,20 +255,26 @@ impl Newton {
     /// Returns the number of Jacobians formed.
     ///
     /// # Errors
-    /// No convergence; `stage.state.y` is then meaningless.
+    /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call with this stage continues from there.
     pub fn solve<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
         reuse: bool,
-    ) -> Result<usize, NotConverged> {
+    ) -> Result<usize, Unsolved> {
+        if let Some(jacobians) = self.open.take() {
+            return self.damped(system, stage, tolerance, (jacobians, true));
+        }
+        if self.bound.left <= 0.0 {
+            return Err(Unsolved::OutOfWork);
+        }
         let ratio = stage.slopes[0] / self.alpha;
         let tries = reuse && REUSED.contains(&ratio);
         if tries && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
-        self.damped(system, stage, tolerance, tries)
+        self.damped(system, stage, tolerance, (0, tries))
     }
 
     /// The residual at `stage.state.y`, into `self.residual`.
@@ -213,6 +282,7 @@ impl Newton {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.state.view(), &mut self.residual);
         self.counts.residuals += 1;
+        self.bound.left -= 1.0;
     }
 
     /// Newton correction at `stage.state.y` with the factors at hand, into `self.chord.correction`.
@@ -222,12 +292,7 @@ impl Newton {
     }
 
     /// The same with new factors; `known`: the residual is at hand.
-    fn correct_anew<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        known: bool,
-    ) -> Result<(), NotConverged> {
+    fn correct_anew<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, known: bool) -> Result<(), Unsolved> {
         if known {
             stage.complete(system.has_position());
         } else {
@@ -239,12 +304,12 @@ impl Newton {
     }
 
     /// The largest scaled entry of the correction at hand and its scaled 2-norm.
-    fn measure(&self) -> Result<(f64, f64), NotConverged> {
+    fn measure(&self) -> Result<(f64, f64), Unsolved> {
         let (largest, sum) = self.chord.measure();
         if sum.is_finite() {
             Ok((largest, sum.sqrt()))
         } else {
-            Err(NotConverged)
+            Err(Unsolved::NoSolution)
         }
     }
 
@@ -257,10 +322,13 @@ impl Newton {
         stage: &mut Stage<'_>,
         tolerance: f64,
         corrected: bool,
-    ) -> Result<(), NotConverged> {
+    ) -> Result<(), Unsolved> {
         self.broyden.restart();
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..QUASI_ITERATIONS {
+            if self.bound.is_overdrawn() {
+                break;
+            }
             let at_hand = corrected && iteration == 0;
             if !at_hand {
                 self.correct(system, stage);
@@ -306,20 +374,26 @@ impl Newton {
         self.rate = 1.0;
         stage.state.y.copy_from_slice(&self.best);
         self.residual.copy_from_slice(&self.best_residual);
-        Err(NotConverged)
+        Err(Unsolved::NoSolution)
     }
 
     /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
-    /// direction to the other for ever. After a full step Broyden's method goes on. `known`: the residual is at hand.
+    /// direction to the other for ever. After a full step Broyden's method goes on. `before`: Jacobians
+    /// of the stage so far; `known`: the residual is at hand.
     fn damped<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
-        known: bool,
-    ) -> Result<usize, NotConverged> {
-        for iteration in 1..=FRESH_ITERATIONS {
-            self.correct_anew(system, stage, known || iteration > 1)?;
+        (before, known): (usize, bool),
+    ) -> Result<usize, Unsolved> {
+        for iteration in before + 1..=self.bound.jacobians {
+            let known = known || iteration > 1;
+            if self.bound.left < self.bound.jacobian[0] {
+                self.open = known.then_some(iteration - 1);
+                return Err(Unsolved::OutOfWork);
+            }
+            self.correct_anew(system, stage, known)?;
             let (largest, norm) = self.measure()?;
             if iteration == 1 && largest < SOLVED * tolerance {
                 self.left = self.left.max(largest / tolerance);
@@ -332,7 +406,7 @@ impl Newton {
                 return Ok(iteration);
             }
         }
-        Err(NotConverged)
+        Err(Unsolved::NoSolution)
     }
 
     /// Goes along the step at hand, whose scaled 2-norm is `norm`, to a place that the natural monotonicity test accepts
@@ -345,10 +419,11 @@ impl Newton {
         stage: &mut Stage<'_>,
         tolerance: f64,
         norm: f64,
-    ) -> Result<f64, NotConverged> {
+    ) -> Result<f64, Unsolved> {
         let mut line = LineSearch::new();
         let mut share = LineSearch::WHOLE;
         let mut best: Option<(f64, f64)> = None;
+        self.from_residual.copy_from_slice(&self.residual);
         for trial in 1.. {
             self.go(share, &mut stage.state.y);
             self.correct(system, stage);
@@ -367,17 +442,23 @@ impl Newton {
                 }
             }
             line.record(share, along, accepted.is_some());
-            if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow()) {
+            if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow() || self.bound.is_overdrawn())
+            {
                 self.go(share, &mut stage.state.y);
                 self.residual.copy_from_slice(&self.best_residual);
                 return Ok(share);
+            }
+            if self.bound.is_overdrawn() {
+                self.go(0.0, &mut stage.state.y);
+                self.residual.copy_from_slice(&self.from_residual);
+                return Ok(0.0);
             }
             if line.end() <= LEAST {
                 break;
             }
             share = line.next().max(LEAST);
         }
-        Err(NotConverged)
+        Err(Unsolved::NoSolution)
     }
 
     /// Goes a share of the step at hand from where it began.

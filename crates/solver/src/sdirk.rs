@@ -5,8 +5,7 @@
 //! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
-use super::arrow::Arrow;
-use super::newton::Newton;
+use super::newton::{Newton, Unsolved};
 use super::stage::{Stage, slopes};
 use super::{State, System, View};
 use pushbelt_tape::Tape;
@@ -32,39 +31,8 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// The Jacobian with such an update of its geometry. The default is [`System::jacobian`], which evaluates everything.
-    fn jacobian_with(
-        &mut self,
-        geometry: GeometryUpdate,
-        time: f64,
-        view: View<'_>,
-        slopes: [f64; 2],
-        out: &mut Arrow,
-    ) {
-        let _ = geometry;
-        let [alpha, beta] = slopes;
-        self.jacobian(time, view, alpha, beta, out);
-    }
-
     /// Called for each accepted step: to integrate what is not part of the state.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
-}
-
-/// Part of a Jacobian's geometry that is evaluated. The rest is reused from a Jacobian of a similar step, if there is one. The
-/// constitutive tangents are evaluated in any case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GeometryUpdate {
-    /// Everything.
-    All,
-    /// A part of it.
-    Part {
-        /// Which, from 0.
-        number: usize,
-        /// Of how many.
-        parts: usize,
-    },
-    /// Nothing: all geometry is reused.
-    None,
 }
 
 /// The time that an accepted step took.
@@ -74,18 +42,6 @@ pub struct Interval {
     pub end: f64,
     /// Size of the step, s.
     pub length: f64,
-    /// How powers are to be integrated over it.
-    pub rule: Quadrature,
-}
-
-/// How powers are integrated over a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quadrature {
-    /// From both ends: of the order of [`Sdirk`].
-    Trapezoid,
-    /// From the end alone. What implicit Euler balances are the powers there; all that is then unaccounted for is what it
-    /// damps by itself, and what was left unsolved.
-    End,
 }
 
 /// The step size fell below the smallest.
@@ -119,6 +75,8 @@ pub struct Sdirk {
     rough: f64,
     /// Fading mean of squared errors, of 1 at most: small as long as motions are smooth.
     error: f64,
+    /// Stage that is not solved, from 1 on; 0 if no step is open.
+    open: u8,
     stages: [State; 2],
     /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
@@ -216,6 +174,7 @@ impl Sdirk {
             kept: None,
             rough: 0.0,
             error: 0.0,
+            open: 0,
             stages: [State::zero(n), State::zero(n)],
             slope: vec![0.0; n],
             base: vec![0.0; n],
@@ -246,19 +205,75 @@ impl Sdirk {
         for stage in &mut self.stages {
             tape.reals(&mut stage.y_dot);
         }
+        let open = std::mem::take(&mut self.open);
+        for (stage, number) in self.stages.iter_mut().zip(1..) {
+            let mut is_open = open == number;
+            tape.flag(&mut is_open);
+            if is_open {
+                self.open = number;
+                stage.serialize(tape);
+                tape.reals(&mut self.base);
+                tape.reals(&mut self.position);
+            }
+        }
     }
 
-    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result stands in the second stage. None if Newton's
-    /// method fails, else the error.
-    fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<f64> {
-        self.kept = None;
-        self.newton.set_scale(system, 1.0 / (h * GAMMA));
-        self.solve_first(system, view, time, h)?;
-        self.solve_second(system, view, time, h)?;
+    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result is in the second stage. Returns its error.
+    ///
+    /// # Errors
+    /// The stage that is not solved.
+    fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<f64, Unsolved> {
+        self.solve(system, view, time, h)?;
         self.estimate_error(view, h);
         let error = system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error);
         self.error += LAST * (error.min(1.0).powi(2) - self.error);
-        Some(error)
+        Ok(error)
+    }
+
+    /// Solves both stages, or continues where the work was used up.
+    fn solve<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
+        self.kept = None;
+        self.newton.set_scale(system, 1.0 / (h * GAMMA));
+        if self.open == 0 {
+            self.predict_first(view, h);
+        }
+        if self.open <= 1 {
+            self.open = 1;
+            self.solve_first(system, view, time, h)?;
+            self.predict_second(view, h);
+        }
+        self.open = 2;
+        self.solve_second(system, time, h)?;
+        self.open = 0;
+        Ok(())
+    }
+
+    /// Abandons a step that is not solved.
+    pub fn abandon(&mut self) {
+        self.open = 0;
+        self.newton.abandon();
+    }
+
+    /// Takes one step of size `h` at `time` without error control, or continues it, as far as the work of [`Newton::bound`] lasts.
+    ///
+    /// # Errors
+    /// The stage that is not solved; the state stays at the start of the step. After [`Unsolved::OutOfWork`] call it again with the same
+    /// arguments, or [`Sdirk::abandon`] the step; after [`Unsolved::NoSolution`] it is abandoned.
+    pub fn fixed_step<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        time: f64,
+        h: f64,
+    ) -> Result<(), Unsolved> {
+        let solved = self.solve(system, state.view(), time, h);
+        if solved == Err(Unsolved::NoSolution) {
+            self.abandon();
+        }
+        solved?;
+        let end = time + h;
+        self.accept(system, state, Interval { end, length: h });
+        Ok(())
     }
 
     /// What Newton's method solves the next stage to, as a fraction of the system's Newton scale.
@@ -266,38 +281,50 @@ impl Sdirk {
         self.newton_tolerance * (1.0 + self.newton_widening * self.error)
     }
 
-    /// Solves the stage at c = γ.
-    fn solve_first<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
-        let tolerance = self.tolerance();
+    fn predict_first(&mut self, view: View<'_>, h: f64) {
         let first = &mut self.stages[0];
         move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
         first.q.copy_from_slice(view.q);
+    }
+
+    /// Solves the stage at c = γ.
+    fn solve_first<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        view: View<'_>,
+        time: f64,
+        h: f64,
+    ) -> Result<usize, Unsolved> {
+        let tolerance = self.tolerance();
         let mut stage = Stage {
             time: time + GAMMA * h,
             slopes: slopes(1.0 / (h * GAMMA)),
             base: view.y,
             position: view.q,
-            state: first,
+            state: &mut self.stages[0],
         };
-        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+        self.newton.solve(system, &mut stage, tolerance, true)
     }
 
-    /// Solves the stage at c = 1, from the first.
-    fn solve_second<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
-        let tolerance = self.tolerance();
+    fn predict_second(&mut self, view: View<'_>, h: f64) {
         let [first, second] = &mut self.stages;
         move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
         move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
         move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
         second.q.copy_from_slice(view.q);
+    }
+
+    /// Solves the stage at c = 1, from the first.
+    fn solve_second<S: Evolution>(&mut self, system: &mut S, time: f64, h: f64) -> Result<usize, Unsolved> {
+        let tolerance = self.tolerance();
         let mut stage = Stage {
             time: time + h,
             slopes: slopes(1.0 / (h * GAMMA)),
             base: &self.base,
             position: &self.position,
-            state: second,
+            state: &mut self.stages[1],
         };
-        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+        self.newton.solve(system, &mut stage, tolerance, true)
     }
 
     /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.
@@ -346,28 +373,21 @@ impl Sdirk {
             let h = rest / (rest / preferred * (1.0 - ROUNDING)).ceil().max(1.0);
             let last = h >= rest;
             match self.attempt(system, state.view(), from + done, h) {
-                Some(error) if error <= 1.0 => {
+                Ok(error) if error <= 1.0 => {
                     let end = from + done + h;
-                    self.accept(
-                        system,
-                        state,
-                        Interval {
-                            end,
-                            length: h,
-                            rule: Quadrature::Trapezoid,
-                        },
-                    );
+                    self.accept(system, state, Interval { end, length: h });
                     self.lengthen(h, error, preferred, longest);
                     span.done = if last { length } else { done + h };
                     return Ok(());
                 }
                 outcome => {
-                    self.shorten(h, outcome);
+                    self.abandon();
+                    self.shorten(h, outcome.ok());
                     if self.step < MIN_STEP {
                         return Err(Stalled {
                             time: from + done,
                             step: self.step,
-                            newton: outcome.is_none(),
+                            newton: outcome.is_err(),
                         });
                     }
                 }

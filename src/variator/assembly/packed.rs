@@ -6,7 +6,6 @@ use crate::reference_curve::{COORDINATES, DisplacedCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::GeometryUpdate;
 use crate::tape::Tape;
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
@@ -18,7 +17,7 @@ use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
-use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::equations::{Assembly, GeometryUpdate, InForce};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, CellUnknowns};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
@@ -157,20 +156,19 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let policy = |pack: usize| match geometry {
+        let policy = match geometry {
             None => ReusePolicy::WhereValid,
             Some(GeometryUpdate::All) => ReusePolicy::None,
-            Some(GeometryUpdate::Part { number, parts }) if pack % parts == number => ReusePolicy::None,
-            Some(GeometryUpdate::Part { .. } | GeometryUpdate::None) => ReusePolicy::Geometry,
+            Some(GeometryUpdate::None) => ReusePolicy::Geometry,
         };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
-        for (number, (pack, cache)) in self.packs.iter().zip(&mut self.caches).enumerate() {
+        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
-            let (b, update) = self.kind.update(acting, pack, &frames, at, policy(number), of_pack);
+            let (b, update) = self.kind.update(acting, pack, &frames, at, policy, of_pack);
             for (count, of) in self
                 .differentiations
                 .iter_mut()

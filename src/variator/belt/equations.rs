@@ -7,7 +7,6 @@ use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::GeometryUpdate;
 use crate::tape::Tape;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
@@ -15,12 +14,21 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
+/// Part of a Jacobian's geometry that is evaluated. The constitutive tangents are evaluated in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryUpdate {
+    /// Everything.
+    All,
+    /// Nothing: all geometry is reused from a Jacobian of a similar step, if there is one.
+    None,
+}
+
 /// The belt, and the laws in force.
 #[derive(Clone, Copy, Debug)]
 pub struct InForce<'a> {
     /// The belt.
     pub belt: &'a Belt,
-    /// Constants of its cells; in real time they may be rounded.
+    /// Constants of its cells.
     pub law: &'a CellLaw,
     /// Friction in force.
     pub friction: &'a Friction,

@@ -5,7 +5,7 @@
 //! | `variator` | [`Variator`]: all that a user calls |
 //! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
 //! | `stepper` | the trait behind a communication step, and the accurate integrator |
-//! | `real_time` | the same trait with bounded work |
+//! | `real_time`, `pending_inputs` | the same integrator with bounded work, and the inputs that wait for it |
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
 //! | `inputs` | inputs as functions of time |
@@ -18,6 +18,7 @@ mod initial;
 mod inputs;
 mod outcome;
 mod pace;
+mod pending_inputs;
 mod plant;
 mod real_time;
 pub(crate) mod soft_start;

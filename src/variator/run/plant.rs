@@ -3,7 +3,7 @@
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads, ShaftMode, SheaveMode};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::soft_start::SoftStart;
@@ -68,8 +68,20 @@ impl Plant {
         self.system.forget_derivatives();
     }
 
-    /// Brings inputs into force: boundary conditions and friction of the present time.
+    /// Brings inputs into force: boundary conditions and friction of the present time. The rates jump with the loads.
     pub fn apply(&mut self, segment: InputSegment) {
+        let (from, boundary, rates) = self.bring(segment);
+        self.system
+            .change_loads(from, boundary, rates, self.time, &mut self.state.y_dot);
+    }
+
+    /// The same where they were in force before at this state, or for outputs alone: the rates stay.
+    pub fn restore(&mut self, segment: InputSegment) {
+        let (from, boundary, rates) = self.bring(segment);
+        self.system.loads = Loads::changing(from, boundary, rates);
+    }
+
+    fn bring(&mut self, segment: InputSegment) -> (f64, Boundary, LoadRates) {
         self.inputs = segment;
         self.soften();
         let share = self.soft_start.load_share(self.time);
@@ -97,8 +109,7 @@ impl Plant {
             force: PerPulley::from_fn(|j| share * rates.pulley(j).clamping_force),
             shaft: PerPulley::from_fn(|j| shaft_rate(p.pulley(j).drive, rates.pulley(j))),
         };
-        self.system
-            .change_loads(*from, boundary, rates, self.time, &mut self.state.y_dot);
+        (*from, boundary, rates)
     }
 
     /// Whether the belt slips through, where it `slipped` before or not.

@@ -127,7 +127,6 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        self.plant.system.round(0.0);
         let (start_state, first_step) = find_start(&mut self.plant, &mut self.messages, time, inputs)?;
         self.start_state = start_state;
         let plant = &mut self.plant;

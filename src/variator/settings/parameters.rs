@@ -6,7 +6,6 @@ use crate::pulley::Pulley;
 pub use crate::ring::layers::Layers;
 pub use crate::ring::{Joints, Ring};
 pub use crate::shaft::ShaftDrag;
-use crate::solver::bounded::TICK;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
 
 /// Model of the ring inside the variator.
@@ -55,8 +54,7 @@ pub enum Axial {
 pub enum Mode {
     /// Steps as the error control requires, each solved.
     Accurate = 1,
-    /// Ticks of 1 ms with bounded work ([`bounded`](crate::solver::bounded)). After a tick that is not solved, the laws are
-    /// [`Rounded`]. For `ALE0` and `ALE`.
+    /// Steps of 0.2 ms with a bound on the work of each millisecond. For `ALE0` and `ALE`.
     RealTime = 2,
 }
 
@@ -167,7 +165,7 @@ impl Mesh {
 pub struct Solver {
     /// How a run is integrated.
     pub mode: Mode,
-    /// Jacobians in a millisecond of [`Mode::RealTime`], each with [`RESIDUALS`](crate::solver::bounded::RESIDUALS).
+    /// Work of a millisecond of [`Mode::RealTime`]: so many times 15.5 residuals with their corrections.
     pub effort: i32,
     /// Relative tolerance of the error control.
     pub tolerance: f64,
@@ -176,39 +174,6 @@ pub struct Solver {
     /// Time over which a held input ramps to a new value, s, at most the communication step; 0: it jumps,
     /// −1: the whole communication step.
     pub input_ramp: f64,
-}
-
-/// Laws that real-time mode regularises more strongly after a tick that was not solved, so that the next ticks converge better.
-pub struct Rounded;
-
-impl Rounded {
-    /// Least regularisation speed of friction, m/s: slip of a belt at 10 m/s grows by 2e-4 or less.
-    pub const VELOCITY: f64 = 2.0e-3;
-
-    /// Least roughness of the flanks, m: as large as their penetration, so that the edges of contact move by a share of their
-    /// width in a tick. With 1e-6, ticks in which a torque reverses diverge at the ratios 2.2 and 0.5.
-    pub const ROUGHNESS: f64 = 2.0e-6;
-
-    /// Share of the stack's stiffness that resists a change of density within a tick. With less, closing elements overshoot
-    /// into contact. After a torque reversal, the play moves to the other strand within some five ticks.
-    const SETTLING: f64 = 0.2;
-
-    /// A regularisation width between the user's `own` and the `least` one, at `share` of the logarithm of their ratio.
-    #[must_use]
-    pub fn width(own: f64, least: f64, share: f64) -> f64 {
-        if share == 0.0 || own >= least {
-            own
-        } else {
-            own * (least / own).powf(share)
-        }
-    }
-
-    /// Damping, N·s, that settles a stack of elements of this stiffness, N: a change of density within a tick takes a fifth of
-    /// the force of the stack in contact.
-    #[must_use]
-    pub fn settling(push_stiffness: f64, share: f64) -> f64 {
-        share * Self::SETTLING * push_stiffness * TICK
-    }
 }
 
 /// State that a run starts from.

@@ -240,8 +240,8 @@ impl System for Loaded<'_> {
         self.system.jacobian(time, view, alpha, beta, out);
     }
 
-    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.system.renew_jacobian(time, view, alpha, beta, out);
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
+        self.system.renew_jacobian(time, view, alpha, beta, out)
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {

@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, GeometryUpdate, Interval, Quadrature};
+use crate::solver::sdirk::{Evolution, Interval};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::belt_survey::{BeltSums, Survey};
@@ -47,8 +47,8 @@ impl System for Running<'_> {
         self.system.jacobian(time, view, alpha, beta, out);
     }
 
-    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.system.renew_jacobian(time, view, alpha, beta, out);
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
+        self.system.renew_jacobian(time, view, alpha, beta, out)
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
@@ -102,22 +102,8 @@ impl Evolution for Running<'_> {
         belt.ring.longest_drift(belt) / view.y[belt.layout.drift()].abs()
     }
 
-    fn jacobian_with(
-        &mut self,
-        geometry: GeometryUpdate,
-        time: f64,
-        view: View<'_>,
-        slopes: [f64; 2],
-        out: &mut Arrow,
-    ) {
-        self.system.form_jacobian(Some(geometry), time, view, slopes, out);
-    }
-
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
-        let Interval { end, length: h, rule } = interval;
-        if rule == Quadrature::End {
-            return self.accumulate_at_end(before, after, interval);
-        }
+        let Interval { end, length: h } = interval;
         let loads = self.system.loads;
         let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| loads.at(time));
         let first = Powers::of(self.system, &at_start, before, &self.energy.last.sums);
@@ -148,47 +134,6 @@ struct SheaveWork {
 }
 
 impl Running<'_> {
-    /// Energies since the start, J: supplied, lost, moved.
-    pub fn energies(&self) -> [f64; 3] {
-        let EnergyBalance {
-            supplied, lost, moved, ..
-        } = *self.energy;
-        [supplied, lost, moved]
-    }
-
-    /// Energy residual, J, up to a state at which the belt was surveyed last, but for a constant.
-    pub fn energy_residual(&self, view: View<'_>) -> f64 {
-        let EnergyBalance {
-            supplied, lost, last, ..
-        } = &*self.energy;
-        supplied - lost - last.belt_energy(&self.system.belt) - self.system.pulleys.energy(view)
-    }
-
-    /// Rolls back to a state and the energies there.
-    pub fn roll_back(&mut self, energies: [f64; 3], view: View<'_>) {
-        let energy = &mut self.energy;
-        [energy.supplied, energy.lost, energy.moved] = energies;
-        energy.last.update(self.system, view);
-    }
-
-    /// The energies of a step by the powers at its end.
-    fn accumulate_at_end(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
-        let Interval { end, length: h, .. } = interval;
-        let boundary = self.system.loads.at(end);
-        self.energy.last.update(self.system, after);
-        let powers = Powers::of(self.system, &boundary, after, &self.energy.last.sums);
-        let forces = boundary.clamping_forces();
-        let (mut supplied, mut moved) = (h * powers.supplied, h * powers.moved);
-        for pulley in Pulley::BOTH {
-            let work = h * forces[pulley] * after.y[self.system.belt.layout.sheave(pulley)];
-            supplied += work + self.work_on_set_point(pulley, &boundary, before, after);
-            moved += work.abs();
-        }
-        self.energy.supplied += supplied;
-        self.energy.lost += h * powers.lost;
-        self.energy.moved += moved;
-    }
-
     /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
     /// known. Else zero.
     fn work_on_set_point(&self, pulley: Pulley, boundary: &Boundary, before: View<'_>, after: View<'_>) -> f64 {

@@ -6,7 +6,6 @@ use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _};
 use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::GeometryUpdate;
 use crate::travelling::evaluation::{
     Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
@@ -14,7 +13,8 @@ use crate::travelling::order::Order;
 use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler, Transport, Transports,
+    Assembly, Belt, GeometryUpdate, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler,
+    Transport, Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.

@@ -1,82 +1,54 @@
-//! Steps of bounded work: order, the same work in each, and going on where the work ended.
+//! Steps of bounded work: order, the bound, and going on where the work was used up.
 
-use super::super::bounded::{Bounded, Budget, RESIDUALS, Scheme, Tick};
+use super::super::newton::{Unsolved, WorkBound};
+use super::super::sdirk::Sdirk;
 use super::super::{State, System};
-
-use super::super::newton::Counts;
-use super::problems::{Decay, ProtheroRobinson, Quadrature, Solved, Test, VanDerPol};
+use super::problems::{Decay, Equations, Quadrature, Real, Solved, Test, VanDerPol};
 use pushbelt_tape::Tape;
 
-/// Numbers of ticks of a ladder over 1 s.
+/// Numbers of steps of a ladder over 1 s.
 const LADDER: [u32; 4] = [20, 40, 80, 160];
-/// Jacobians in a tick.
-const JACOBIANS: usize = 3;
 
-/// Largest errors of y and q at 1 s after so many ticks with a scheme, and the work.
-fn run<E: Solved<N>, const N: usize>(equations: E, scheme: Scheme, ticks: u32) -> ([f64; 2], Counts) {
-    let mut system = Test::new(equations);
-    let mut state = system.state(0.0);
-    let mut bounded = Bounded::new(&system);
-    let length = 1.0 / f64::from(ticks);
-    for k in 1..=ticks {
-        let span = [k - 1, k].map(|k| f64::from(k) * length);
-        let mut outcome = None;
-        for mut part in Budget::millisecond(JACOBIANS) {
-            assert!(outcome.is_none(), "{scheme:?} {k} leaves work");
-            outcome = bounded.tick(&mut system, &mut state, &task(span, scheme), &mut part);
+fn bounded(system: &impl System, bound: WorkBound) -> Sdirk {
+    let mut sdirk = Sdirk::new(system, 1.0, 1.0);
+    sdirk.newton.bound = bound;
+    sdirk
+}
+
+/// So much work; a Jacobian takes that of 3 residuals, and 2 more where its geometry is new.
+fn work(left: f64) -> WorkBound {
+    WorkBound {
+        left,
+        jacobian: [3.0, 2.0],
+        overdraft: 8.0,
+        ..WorkBound::NONE
+    }
+}
+
+fn assert_order<E: Solved<N>, const N: usize>(equations: impl Fn() -> E, of: usize) {
+    let errors = LADDER.map(|steps| {
+        let mut system = Test::new(equations());
+        let mut state = system.state(0.0);
+        let mut sdirk = bounded(&system, work(1e6));
+        let length = 1.0 / f64::from(steps);
+        for k in 0..steps {
+            sdirk
+                .fixed_step(&mut system, &mut state, f64::from(k) * length, length)
+                .expect("solved");
         }
-        assert!(outcome.is_some(), "{scheme:?} {k} is open");
-    }
-    (system.error(&state, 1.0), bounded.counts)
-}
-
-fn task(span: [f64; 2], scheme: Scheme) -> Tick {
-    Tick {
-        span,
-        scheme,
-        takes: JACOBIANS,
-        is_forced: false,
-    }
-}
-
-const SCHEMES: [Scheme; 2] = [Scheme::Sdirk, Scheme::Euler];
-
-fn assert_order<E: Solved<N>, const N: usize>(expected: f64, equations: impl Fn() -> E, scheme: Scheme, of: usize) {
-    let errors = LADDER.map(|ticks| run(equations(), scheme, ticks).0[of]);
+        assert_eq!(sdirk.newton.counts.steps, u64::from(steps));
+        system.error(&state, 1.0)[of]
+    });
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
-        assert!((order - expected).abs() < 0.1, "{scheme:?}: {errors:?}");
+        assert!((order - 2.0).abs() < 0.1, "{errors:?}");
     }
 }
 
 #[test]
-fn order_is_two_with_sdirk_and_one_with_euler() {
-    for (scheme, order) in [(Scheme::Sdirk, 2.0), (Scheme::Euler, 1.0)] {
-        assert_order(order, || Decay, scheme, 0);
-        assert_order(order, || Quadrature, scheme, 1);
-    }
-}
-
-#[test]
-fn a_stiff_solution_is_followed() {
-    for scheme in SCHEMES {
-        let (errors, _) = run(ProtheroRobinson { rate: 1e6 }, scheme, 20);
-        assert!(errors[0] < 1e-6, "{scheme:?}: {errors:?}");
-    }
-}
-
-#[test]
-fn each_step_takes_the_same_work() {
-    for scheme in SCHEMES {
-        let (_, counts) = run(Decay, scheme, 20);
-        let expected = Counts {
-            steps: 20,
-            residuals: 20 * (JACOBIANS * RESIDUALS) as u64,
-            factorizations: 20 * JACOBIANS as u64,
-            ..Counts::default()
-        };
-        assert_eq!(counts, expected, "{scheme:?}");
-    }
+fn order_is_two_without_error_control() {
+    assert_order(|| Decay, 0);
+    assert_order(|| Quadrature, 1);
 }
 
 /// An oscillator that is far from its limit cycle.
@@ -89,60 +61,82 @@ fn oscillator() -> (Test<VanDerPol, 1>, State) {
     (system, state)
 }
 
-/// Where a step of an oscillator leads with so many residuals at a time, how often it was open, and the work.
-fn in_parts(scheme: Scheme, residuals: usize, stored: bool) -> (f64, u32, Counts) {
+/// Where a step of the oscillator leads with so much more work at a time, and how often it was open.
+fn in_parts(more: f64, stored: bool) -> (State, u32) {
     let (mut system, mut state) = oscillator();
-    let mut bounded = Bounded::new(&system);
+    let mut sdirk = bounded(&system, work(0.0));
     let start = state.clone();
     for open in 0..100 {
-        let mut budget = Budget::of(residuals);
-        while !budget.is_used_up() {
-            let outcome = bounded.tick(&mut system, &mut state, &task([0.0, 0.05], scheme), &mut budget);
-            if outcome.is_some() {
-                assert!(!bounded.is_open());
-                return (system.values(&state.y)[0], open, bounded.counts);
-            }
-            assert!(bounded.is_open());
-            assert_eq!(state, start, "an open step leaves the state");
+        sdirk.newton.bound.left += more;
+        let solved = sdirk.fixed_step(&mut system, &mut state, 0.0, 0.2);
+        // The geometry of a Jacobian may exceed the bound too.
+        assert!(sdirk.newton.bound.left >= -8.0 - 2.0, "{}", sdirk.newton.bound.left);
+        match solved {
+            Ok(()) => return (state, open),
+            Err(unsolved) => assert_eq!(unsolved, Unsolved::OutOfWork),
         }
+        assert_eq!(state, start, "an open step leaves the state");
         if stored {
             let mut tape = Tape::writer();
-            bounded.serialize(&mut tape);
-            bounded = Bounded::new(&system);
-            bounded.serialize(&mut Tape::reader(&tape.into_bytes()));
+            sdirk.serialize(&mut tape);
+            sdirk = bounded(&system, work(0.0));
+            let bytes = tape.into_bytes();
+            let mut tape = Tape::reader(&bytes);
+            sdirk.serialize(&mut tape);
+            assert_eq!(tape.finish(), Ok(()));
         }
     }
-    panic!("{scheme:?}: never over");
+    panic!("never over");
 }
 
-/// With one residual at a time the result is that of eight at a time, also if the state is stored and read in between.
+/// A step that was open several times ends where one ends that was not, also if it is stored and read in between.
 #[test]
-fn a_step_goes_on_where_its_work_ended() {
-    for scheme in SCHEMES {
-        let (whole, ..) = in_parts(scheme, 8, false);
-        let (parts, open, counts) = in_parts(scheme, 1, false);
-        assert!(open > 0, "{scheme:?}");
-        assert_eq!(counts.residuals, u64::from(open) + 1, "{scheme:?}");
-        assert_eq!(
-            counts.factorizations, counts.residuals,
-            "{scheme:?}: a Jacobian each time"
-        );
-        assert!(
-            (parts - whole).abs() < 1e-3 * whole.abs(),
-            "{scheme:?}: {parts}, {whole}"
-        );
-        assert_eq!(in_parts(scheme, 1, true).0, parts, "{scheme:?}");
+fn a_step_continues_where_its_work_was_used_up() {
+    let (whole, once) = in_parts(1e3, false);
+    assert_eq!(once, 0);
+    for more in [2.0, 6.0] {
+        let (parts, open) = in_parts(more, false);
+        assert!(open > 0, "{more}");
+        let [found, expected] = [&parts, &whole].map(|state| state.y[state.y.len() - 1]);
+        assert!((found - expected).abs() < 1e-4 * expected.abs(), "{found}, {expected}");
+        assert_eq!(in_parts(more, true), (parts, open), "{more}");
     }
 }
 
+/// y² = −1: no solution.
+struct Nowhere;
+
+impl Equations<1> for Nowhere {
+    const HAS_POSITION: [bool; 1] = [false];
+
+    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], _: [T; 1], _: [T; 1]) -> [T; 1] {
+        [y * y + 1.0]
+    }
+}
+
+/// The number of Jacobians of a stage is bounded, however often it was open.
 #[test]
-fn a_forced_step_ends_with_its_work() {
-    let (mut system, mut state) = oscillator();
-    let forced = Tick {
-        is_forced: true,
-        ..task([0.0, 0.05], Scheme::Euler)
+fn a_step_without_a_solution_is_abandoned() {
+    let mut system = Test::new(Nowhere);
+    let mut state = State::zero(system.shape().len());
+    state.y = system.unknowns([3.0]);
+    let start = state.clone();
+    let bound = WorkBound {
+        jacobians: 4,
+        ..work(0.0)
     };
-    let mut bounded = Bounded::new(&system);
-    let outcome = bounded.tick(&mut system, &mut state, &forced, &mut Budget::of(1));
-    assert!(outcome.is_some());
+    let mut sdirk = bounded(&system, bound);
+    for _ in 0..100 {
+        sdirk.newton.bound.left += 2.0;
+        match sdirk.fixed_step(&mut system, &mut state, 0.0, 0.2) {
+            Err(Unsolved::OutOfWork) => {}
+            outcome => {
+                assert_eq!(outcome, Err(Unsolved::NoSolution));
+                assert!(sdirk.newton.counts.factorizations <= 4);
+                assert_eq!(state, start);
+                return;
+            }
+        }
+    }
+    panic!("never abandoned");
 }

@@ -1,6 +1,6 @@
 //! Newton's method on hard problems of one or two unknowns, with the work it takes.
 
-use super::super::newton::{Newton, NotConverged};
+use super::super::newton::{Newton, Unsolved};
 use super::super::stage::{Stage, slopes};
 use super::super::{State, System};
 use super::assert_work;
@@ -15,7 +15,7 @@ fn solve<E: Equations<N>, const N: usize>(
     system: &mut Test<E, N>,
     guess: [f64; N],
     reuse: bool,
-) -> Result<[f64; N], NotConverged> {
+) -> Result<[f64; N], Unsolved> {
     let n = system.shape().len();
     let zeros = vec![0.0; n];
     let mut state = State::zero(n);
@@ -33,7 +33,7 @@ fn solve<E: Equations<N>, const N: usize>(
 }
 
 /// Solves anew; the solution, residual evaluations and factorizations.
-fn fresh<E: Equations<N>, const N: usize>(equations: E, guess: [f64; N]) -> (Result<[f64; N], NotConverged>, [u64; 2]) {
+fn fresh<E: Equations<N>, const N: usize>(equations: E, guess: [f64; N]) -> (Result<[f64; N], Unsolved>, [u64; 2]) {
     let mut system = Test::new(equations);
     let mut newton = Newton::new(&system);
     let found = solve(&mut newton, &mut system, guess, false);
@@ -108,7 +108,7 @@ fn a_stiff_wall_is_met_and_left() {
     assert_solves(soft, -1.0, 5.0 / 6.0, [6, 2]);
     // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter step, must do.
     let (found, done) = fresh(wall(5.0), [-1.0]);
-    assert_eq!(found, Err(NotConverged));
+    assert_eq!(found, Err(Unsolved::NoSolution));
     assert_work(done, [17, 3], "");
 }
 
@@ -138,7 +138,7 @@ fn friction_that_saturates() {
     assert_work(done, [21, 4], "sliding");
     // With next to no mass every step overshoots where it sticks: a shorter time step must give it weight.
     let (found, done) = fresh(friction(1e-3, 0.5), [10.0]);
-    assert_eq!(found, Err(NotConverged));
+    assert_eq!(found, Err(Unsolved::NoSolution));
     assert_work(done, [5, 1], "without mass");
 }
 
@@ -165,10 +165,13 @@ fn a_step_into_what_is_not_a_number_is_shortened() {
 #[test]
 fn what_has_no_solution_is_an_error() {
     // Not a number from the start, a singular Jacobian, no root.
-    assert_eq!(fresh(Logarithm {}, [-1.0]), (Err(NotConverged), [1, 1]));
-    assert_eq!(fresh(Parabola { constant: 1.0 }, [0.0]), (Err(NotConverged), [1, 1]));
+    assert_eq!(fresh(Logarithm {}, [-1.0]), (Err(Unsolved::NoSolution), [1, 1]));
+    assert_eq!(
+        fresh(Parabola { constant: 1.0 }, [0.0]),
+        (Err(Unsolved::NoSolution), [1, 1])
+    );
     let (found, [_, factorizations]) = fresh(Parabola { constant: 1.0 }, [2.0]);
-    assert_eq!(found, Err(NotConverged));
+    assert_eq!(found, Err(Unsolved::NoSolution));
     assert!(factorizations <= 15);
 }
 

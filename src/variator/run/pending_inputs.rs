@@ -1,5 +1,5 @@
-//! Inputs between the time of the state and that of the clock: a run is behind the clock while a step stays open, or after a rollback. No
-//! impulse of them is lost.
+//! Inputs between the time of the state and that of the clock: a run is behind the clock while a step stays open. No impulse of them is
+//! lost.
 
 use crate::tape::Tape;
 use crate::variator::run::inputs::{InputProfile, InputSegment, SHORTEST_STEP};
