@@ -181,7 +181,6 @@ pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>
         law.chain.damping *= 3.0;
         law.chain.film_damping *= 3.0;
         law.contact.damping *= 3.0;
-        law.settling += 1.0e3;
         system.friction_velocity *= 2.0;
     };
     assert_updated(&mut system, [&state, &state], of_rates, 1e-9);

@@ -21,9 +21,8 @@ use num_traits::Zero;
 pub(crate) const RING_ARGUMENTS: usize = 2;
 /// Forces in a stack: push force, collision force.
 pub(crate) const STACK_FORCES: usize = 2;
-/// Arguments of a stack's laws: density, its material rate, flow, difference of V, rate of the density at fixed mesh
-/// points.
-pub(crate) const STACK_ARGUMENTS: usize = 5;
+/// Arguments of a stack's laws: density, its material rate, flow, difference of V.
+pub(crate) const STACK_ARGUMENTS: usize = 4;
 
 /// Arguments of the laws, or their variations in a direction.
 #[derive(Clone, Copy, Debug)]
@@ -164,13 +163,12 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
             let arguments = at.cell.stack_arguments();
             let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
             let law = given.law;
-            let (Stack { push, collision, lag }, settling) = if law.is_chain() {
-                (Stack::none(), 0.0)
+            let Stack { push, collision, lag } = if law.is_chain() {
+                Stack::none()
             } else {
-                (Stack::new(&law.chain, seeded), law.settling)
+                Stack::new(&law.chain, seeded)
             };
             self.0.stack = [push.force.eps, collision.eps];
-            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(settling);
             self.0.lag = lag.eps;
         }
     }
@@ -185,7 +183,6 @@ impl<T: Real, const D: usize> StationObserver<T, D> for ArgumentRecorder<'_, T> 
         let to = &mut self.0.stations[at.index];
         to.flanks = at.forces.flanks.motions.each_ref().map(of_flank);
         to.ring = [at.forces.pressing, at.forces.sliding];
-        let [nu, nu_rate, flow, difference] = at.cell.stack_arguments();
-        self.0.stack = [nu, nu_rate, flow, difference, at.cell.density_rate];
+        self.0.stack = at.cell.stack_arguments();
     }
 }

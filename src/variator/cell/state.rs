@@ -88,8 +88,6 @@ pub struct CellState<T: Real> {
     pub inverse_length: T,
     /// Density ν.
     pub density: T,
-    /// ∂ν/∂t at fixed mesh points without the ring's stretch, 1/s.
-    pub density_rate: T,
     /// Difference of V across the cell, m/s.
     pub difference: T,
     /// Rate of the stack's lengthening, m/s.
@@ -149,18 +147,11 @@ impl<T: Real> CellState<T> {
         // The pins of a chain are on it as they were mounted: one per dξ.
         let amount = if law.is_chain() { cell_length } else { motion.amount };
         let density = amount * inverse_pitch_length;
-        // Avoids a division: a cell has the gradient of its element.
-        let lengthened: T = place
-            .stations
-            .iter()
-            .fold(T::zero(), |sum, s| sum + place.length.d * s.weight);
-        let widening = lengthened * theta_dot * inverse_length;
         let flow = through * inverse_length;
         Self {
             inverse_pitch_length,
             inverse_length,
             density,
-            density_rate: motion.amount_rate * inverse_pitch_length - density * widening,
             difference,
             lengthening: difference - carried,
             flow,
@@ -181,17 +172,7 @@ impl<T: Real> CellState<T> {
         if law.is_chain() {
             return Stack::none();
         }
-        let mut stack = Stack::new(&law.chain, self.stack_arguments());
-        let settling = self.settling(law);
-        stack.push.force += settling;
-        stack.push.viscous += settling;
-        stack
-    }
-
-    /// Part of the push force that damps the stack at fixed mesh points, N.
-    #[inline(always)]
-    pub fn settling(&self, law: &CellLaw) -> T {
-        self.density_rate * law.settling
+        Stack::new(&law.chain, self.stack_arguments())
     }
 
     /// ∂V/∂ξ, 1/s.

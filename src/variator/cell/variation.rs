@@ -285,9 +285,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             - density * self.cell.lengthening
             - self.cell.density * lengthening)
             * inverse;
-        let rate = (amount * self.slopes[0] - self.cell.density_rate * by.pitch_length) * inverse;
         let through = by.through * self.cell.inverse_length;
-        let arguments = [density, thinning, through, by.difference, rate];
+        let arguments = [density, thinning, through, by.difference];
         let [push, collision, lag] = self.stack.each_ref().map(|slopes| along(slopes, &arguments));
         StackVariation {
             arguments,

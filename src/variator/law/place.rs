@@ -36,10 +36,6 @@ pub struct CellLaw {
     pub axes: PerPulley<f64>,
     /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
-    /// Force between elements per rate of the density at fixed mesh points, N·s. It damps the stack over some rounded
-    /// ticks of
-    /// [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Otherwise zero.
-    pub settling: f64,
     /// Whether fluxes include the [`lag`](chain::lag). Not with one cell per element, because its derivatives would be
     /// outside the band of the matrix.
     pub has_lag: bool,
@@ -153,8 +149,6 @@ pub struct CellMotion<T: Real> {
     pub speed_dot: [T; 2],
     /// Amount N of elements, m.
     pub amount: T,
-    /// Ṅ, m/s.
-    pub amount_rate: T,
     /// Motion of the reference curve and drift of the ring.
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
@@ -176,7 +170,6 @@ impl<T: Real> CellMotion<T> {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
             amount: value(own + 2),
-            amount_rate: rate(own + 2),
             reference: ReferenceMotion {
                 theta: Motion {
                     value: position(theta),
