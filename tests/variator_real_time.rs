@@ -1,10 +1,11 @@
-//! Real time: bounded work in each tick, closeness to the accurate run, no allocation, stored states.
+//! Real time: bounded work in each millisecond, closeness to the accurate run, no allocation, stored states.
 
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_lab::meter::{ABOVE, EFFORT, Meter};
 use pushbelt_lab::noise;
 use pushbelt_lab::tracking::{Trace, trace};
 use pushbelt_lab::variators::{MODELS, coarse, inputs, one_cell, variator};
@@ -23,46 +24,10 @@ fn meshes() -> [Parameters; 3] {
     ]
 }
 
-/// Rollbacks of the last communication step; `before` is their number until then.
+/// Steps begun again in the last communication step; `before` is their number until then.
 fn new_rollbacks(variator: &mut Variator, before: &mut i32) -> i32 {
     let now = variator.outputs().work.rollbacks;
     now - std::mem::replace(before, now)
-}
-
-/// Work of a residual with its correction is 1, that of a Jacobian with its factors 6, and of all its geometry 14 more.
-const JACOBIAN: [f64; 2] = [6.0, 14.0];
-/// Work of a millisecond for each `solver.effort`, and how far a millisecond may be above it.
-const EFFORT: f64 = 15.5;
-const ABOVE: f64 = 32.0;
-
-/// Counts the work of a run from one communication step to the next.
-#[derive(Default)]
-struct Meter {
-    before: [f64; 3],
-    sum: f64,
-}
-
-impl Meter {
-    /// Work since the last call.
-    fn read(&mut self, variator: &Variator) -> f64 {
-        let counts = variator.counts();
-        let system = variator.system();
-        let geometry = system.differentiations()[0] as f64 / system.belt.mesh.groups.len() as f64;
-        let now = [counts.residuals as f64, counts.factorizations as f64, geometry];
-        let [residuals, jacobians, geometry] = std::array::from_fn(|k| now[k] - self.before[k]);
-        self.before = now;
-        let work = residuals + JACOBIAN[0] * jacobians + JACOBIAN[1] * geometry;
-        self.sum += work;
-        work
-    }
-}
-
-/// A meter of a run that begins with this variator.
-fn meter(variator: &Variator) -> Meter {
-    let mut meter = Meter::default();
-    meter.read(variator);
-    meter.sum = 0.0;
-    meter
 }
 
 /// Every load at every ratio: work within the bound in each communication step, its mean as well; no step fails, all outputs are finite,
@@ -72,7 +37,7 @@ fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
         for &ratio in load.ratios() {
             let mut parameters = in_real_time(one_cell(model));
             parameters.solver.effort = effort;
-            let mut of_run = meter(&Driven::new(load, parameters.clone(), ratio).variator);
+            let mut of_run = Meter::new(&Driven::new(load, parameters.clone(), ratio).variator);
             let found = trace(load, &parameters, ratio, seconds, |driven| {
                 let bound = EFFORT * f64::from(effort) * (load.step() / 1e-3);
                 let work = of_run.read(&driven.variator);
@@ -312,7 +277,7 @@ fn the_bound_is_in_proportion_to_time() {
     let mut variator = Variator::new(in_real_time(coarse(RingModel::Ale0))).expect("valid parameters");
     let given = inputs((50.0, 13e3), (-49.0, 10e3));
     variator.initialise(0.0, &given).expect("a start");
-    let mut of_run = meter(&variator);
+    let mut of_run = Meter::new(&variator);
     let mut time = 0.0;
     for step in [1e-5, 0.4e-3, 1e-3, 1.0000001e-3, 2.5e-3, 10e-3] {
         time += step;
@@ -386,7 +351,7 @@ fn few_steps_are_begun_again() {
             variator.advance(1e-3 * f64::from(k), &given).expect("a step");
         }
         let rollbacks = variator.outputs().work.rollbacks;
-        println!("{rollbacks} rollbacks in 500 ticks");
+        println!("{rollbacks} steps begun again in 500 ms");
         assert!(rollbacks <= 3, "{rollbacks}");
     }
 }
@@ -457,7 +422,7 @@ fn a_run_continues_under_random_jumps() {
             let mut parameters = parameters.clone();
             parameters.solver.effort = effort;
             let mut jumps = Jumps::new(&parameters, seed);
-            let mut of_run = meter(&jumps.variator);
+            let mut of_run = Meter::new(&jumps.variator);
             let (mut before, mut still, mut longest) = (f64::NAN, 0, 0);
             let (mut latest, mut behind) = (0.0_f64, 0.0);
             for _ in 1..=500 {
@@ -561,7 +526,7 @@ fn states_after_a_step_without_a_solution_continue_alike() {
 
 /// Also after a state was stored, read or copied, and with an open step. Steps with a remark for the log allocate its text.
 #[test]
-fn a_tick_allocates_nothing() {
+fn a_step_allocates_nothing() {
     for model in MODELS {
         let mut parameters = in_real_time(variator(model));
         parameters.solver.effort = 2;

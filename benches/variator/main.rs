@@ -72,9 +72,9 @@ struct Options {
     /// These loads in real time, beside accurate runs
     #[arg(long)]
     real_time: bool,
-    /// Its effort: Jacobians in a millisecond
-    #[arg(long, default_value_t = 4)]
-    effort: i32,
+    /// Values of solver.effort for it
+    #[arg(long, value_delimiter = ',', default_value = "4,8,13,16")]
+    effort: Vec<i32>,
     /// How long each of these loads is run, s
     #[arg(long, default_value_t = 20.0)]
     seconds: f64,
@@ -121,7 +121,7 @@ fn main() {
         tracked::measure(&mut table, &options.only, options.seconds);
     }
     if options.real_time {
-        real_time::measure(&mut table, &options.only, options.effort, options.seconds);
+        real_time::measure(&mut table, &options.only, &options.effort, options.seconds);
     }
     if options.proposals {
         proposals::measure(&mut table, &trace);

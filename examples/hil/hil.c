@@ -237,7 +237,7 @@ int main(int count, char **arguments) {
         const fmi2ValueReference count[] = {ROLLBACKS};
         int rollbacks = 0;
         check(fmi2.GetInteger(unit, count, 1, &rollbacks), "fmi2GetInteger");
-        printf("%s: mean %.3f ms, longest %.3f ms, %ld misses of %ld, largest defect %.1e, %d rollbacks, "
+        printf("%s: mean %.3f ms, longest %.3f ms, %ld misses of %ld, largest defect %.1e, %d steps begun again, "
                "%ld steps behind, by %.1f ms at most\n",
                load->name, 1e3 * sum / (double)steps, 1e3 * longest, misses, steps, worst, rollbacks, late, 1e3 * latest);
         for (int bin = 0; bin < BINS; bin++)

@@ -12,6 +12,7 @@ pub mod laws;
 pub mod load_cases;
 pub mod loads;
 pub mod manoeuvre;
+pub mod meter;
 mod noise;
 pub mod run;
 pub mod shared_library;

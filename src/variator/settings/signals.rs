@@ -241,7 +241,7 @@ pub struct Work {
     pub defect: f64,
     /// Delay of the outputs behind the communication point, s; 0 in accurate steps.
     pub behind: f64,
-    /// Rollbacks in real time: rejected ticks, after each of which the run returned to the last solved state.
+    /// Steps in real time that had no solution and were begun again with half the length.
     pub rollbacks: i32,
 }
 
