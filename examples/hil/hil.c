@@ -5,7 +5,7 @@
  *
  * docs/real-time.md has the whole of it. --free runs without waiting for the clock. The program asks for SCHED_FIFO and says
  * whether it got it. It prints the histogram of step times, the misses (steps that ended after their millisecond), the
- * largest defect that the unit reports, how often the run went back, and how far it was behind. Needs Linux and a C11
+ * largest defect that the unit reports, how many steps were begun again, and how far it was behind. Needs Linux and a C11
  * compiler; it has its own declarations of the few fmi2 functions it calls.
  */
 #define _GNU_SOURCE
