@@ -32,7 +32,8 @@ def test_the_program_runs_the_library_and_counts(fmu: Path, tmp_path: Path) -> N
     )
     rows = re.findall(r"^([\w-]+): mean [\d.]+ ms, .*, 0 misses of 300, largest defect .*, (\d+) steps begun again, .* at most", run.stdout, re.M)
     assert [name for name, _ in rows] == LOADS, run.stdout
-    assert sum(int(rollbacks) for _, rollbacks in rows) <= 5, run.stdout
+    # Of 15 000 steps.
+    assert sum(int(again) for _, again in rows) <= 30, run.stdout
     counted = [int(count) for count in re.findall(r"up to .* ms: (\d+)", run.stdout)]
     assert sum(counted) == 300 * len(rows)
     unknown = subprocess.run([program, library, guid[1], "--sideways"], capture_output=True, text=True)
