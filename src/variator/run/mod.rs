@@ -6,6 +6,7 @@
 //! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
 //! | `stepper` | the trait behind a communication step, and the accurate integrator |
 //! | `real_time` | the same trait with bounded work |
+//! | `checkpoint` | the state before a communication step, for one that can't be done |
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
 //! | `inputs` | inputs as functions of time |
@@ -13,6 +14,7 @@
 //! | `pace` | the warning of a run that takes too much work |
 
 mod at_rest;
+mod checkpoint;
 mod communication_step;
 mod initial;
 mod inputs;
