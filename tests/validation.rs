@@ -253,7 +253,7 @@ fn inputs_must_be_finite_and_close_the_pulleys() {
     let error = refused(|i| i.primary.clamping_force = -1.0);
     assert_eq!(
         error.to_string(),
-        "primary.clampingForce = -1 is out of range: 0 to 10000000"
+        "primary.clampingForce = -1 is out of range: 0 to 500000"
     );
     assert_eq!(
         refused(|i| i.secondary.clamping_force = f64::NAN).variable,

@@ -99,11 +99,11 @@ impl<R: Rings> Unit for UnitWith<R> {
     }
 
     fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings<R>) -> Result<(), StepFailure> {
-        self.tune(settings)?;
         let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
         let begun = run::CommunicationStep::begin(&mut self.variator, step.to, &settings.inputs, &rates);
         step.progress = Some(begun.map_err(failure)?);
-        Ok(())
+        // After the beginning, so that a step that can't be done goes back to the friction of before.
+        self.tune(settings)
     }
 
     fn advance(
@@ -181,8 +181,8 @@ fn ring_of<R: Rings>(rings: &R, parameters: &Parameters) -> Result<Arc<dyn BeltR
 fn failure(error: StepError) -> StepFailure {
     match error {
         StepError::Input(error) => StepFailure::Setting(error.to_string()),
-        partial @ (StepError::Stalled { .. } | StepError::Exhausted { .. }) => {
-            StepFailure::Discarded(partial.to_string())
+        failed @ (StepError::Stalled { .. } | StepError::Exhausted { .. }) => {
+            StepFailure::Discarded(failed.to_string())
         }
     }
 }

@@ -105,8 +105,8 @@ impl Call {
             Self::Always => state != IntermediateUpdate,
             Self::Get => state.is_running() || matches!(state, Initialisation | Terminated | Error),
             Self::GetOutputDerivatives => state.is_running() || matches!(state, Terminated | Error),
-            // After a discarded step the standard allows only rollback and the end. This slave is at its last successful time,
-            // so the master may also change inputs and continue from there.
+            // After a discarded step FMI 2.0 allows only rollback and the end. This slave is in the state before the step, as in FMI 3.0,
+            // so the master may also change inputs and repeat it.
             Self::Set => state.is_running() || matches!(state, Instantiated | Initialisation),
             Self::DoStep | Self::EnterEventMode => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),

@@ -80,13 +80,14 @@ pub struct Remark {
     pub text: String,
 }
 
-/// The reason why a step was not completed.
+/// The reason why a communication step was not completed. The unit is then in the state before [`Unit::begin`], as FMI 3.0 requires and FMI
+/// 2.0 permits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StepFailure {
-    /// A setting is out of its range; nothing was changed.
+    /// A setting is out of its range.
     #[error("{0}")]
     Setting(String),
-    /// The step was completed in part. It ended at [`Unit::time`], and a shorter step may continue from there.
+    /// The step is not possible. A shorter one, or one with other inputs, may be.
     #[error("{0}")]
     Discarded(String),
 }
@@ -184,7 +185,7 @@ pub trait Unit: Clone + Sized {
     /// previous call take effect here.
     ///
     /// # Errors
-    /// See [`StepFailure`]; the communication step ends there.
+    /// See [`StepFailure`]; the communication step has ended, and the unit is in the state before [`Unit::begin`].
     fn advance(
         &mut self,
         step: &mut CommunicationStep<Self>,

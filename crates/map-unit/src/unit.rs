@@ -305,6 +305,41 @@ impl MapUnit {
         Ok(())
     }
 
+    /// Advances over a communication step.
+    fn advance_to(&mut self, step: &CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
+        let wanted = settings.inputs.array();
+        let duration = step.to - self.time;
+        let rates = step.rates.as_ref().map_or([0.0; 6], |rates| rates.inputs.array());
+        let ramp = if settings.ramp < 0.0 {
+            duration
+        } else {
+            settings.ramp.min(duration)
+        };
+        // An input with a rate starts at its value; the others reach theirs at the end of the ramp.
+        for n in 0..6 {
+            if rates[n] != 0.0 || ramp <= INSTANT {
+                self.acting[n] = wanted[n];
+            }
+        }
+        let at = |since: f64| -> [f64; 6] {
+            std::array::from_fn(|n| {
+                let value = wanted[n] + rates[n] * since;
+                if n % 3 == 1 { value.max(0.0) } else { value }
+            })
+        };
+        let from = self.time;
+        if self.acting != wanted && ramp > INSTANT && ramp < duration {
+            self.run_to(from + ramp, at(ramp))?;
+        }
+        self.run_to(step.to, at(duration))?;
+        // After the step an input has the value that was set last.
+        self.acting = wanted;
+        if rates != [0.0; 6] {
+            self.acting = at(duration);
+        }
+        Ok(())
+    }
+
     /// Logs once that the state is beyond the tables.
     fn log_outside(&mut self, remarks: &mut Vec<Remark>) {
         if self.logged {
@@ -486,48 +521,32 @@ impl Unit for MapUnit {
         &self.readings
     }
 
-    fn begin(&mut self, _: &mut CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
-        self.settings.friction = settings.friction;
-        Ok(())
-    }
-
     fn advance(
         &mut self,
         step: &mut CommunicationStep<Self>,
         settings: &Settings,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        let wanted = settings.inputs.array();
-        let duration = step.to - self.time;
-        let rates = step.rates.as_ref().map_or([0.0; 6], |rates| rates.inputs.array());
-        let ramp = if settings.ramp < 0.0 {
-            duration
-        } else {
-            settings.ramp.min(duration)
-        };
-        // An input with a rate starts at its value; the others reach theirs at the end of the ramp.
-        for n in 0..6 {
-            if rates[n] != 0.0 || ramp <= INSTANT {
-                self.acting[n] = wanted[n];
-            }
+        let before = (
+            self.state,
+            self.time,
+            self.acting,
+            self.thrust_ratio,
+            self.settings.friction,
+        );
+        self.settings.friction = settings.friction;
+        let advanced = self.advance_to(step, settings);
+        if advanced.is_err() {
+            (
+                self.state,
+                self.time,
+                self.acting,
+                self.thrust_ratio,
+                self.settings.friction,
+            ) = before;
         }
-        let at = |since: f64| -> [f64; 6] {
-            std::array::from_fn(|n| {
-                let value = wanted[n] + rates[n] * since;
-                if n % 3 == 1 { value.max(0.0) } else { value }
-            })
-        };
-        let from = self.time;
-        if self.acting != wanted && ramp > INSTANT && ramp < duration {
-            self.run_to(from + ramp, at(ramp))?;
-        }
-        self.run_to(step.to, at(duration))?;
+        advanced?;
         self.log_outside(remarks);
-        // After the step an input has the value that was set last.
-        self.acting = wanted;
-        if rates != [0.0; 6] {
-            self.acting = at(duration);
-        }
         Ok(())
     }
 

@@ -168,8 +168,8 @@ macro_rules! pulley {
             let name = format!("{}.{name}", stringify!($pulley));
             $list.push(real(($base + reference, &name, causality, unit, limits), &text(what), access));
         };
-        add(1, "torque", (Input, "N.m", between(-1e6, 1e6)), "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", setting!(inputs.$pulley.torque));
-        add(2, "clampingForce", (Input, "N", between(0.0, 1e7)), "Clamping force that closes the {} sheaves", setting!(inputs.$pulley.clamping_force));
+        add(1, "torque", (Input, "N.m", between(-1e4, 1e4)), "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", setting!(inputs.$pulley.torque));
+        add(2, "clampingForce", (Input, "N", between(0.0, 5e5)), "Clamping force that closes the {} sheaves", setting!(inputs.$pulley.clamping_force));
         add(3, "speedSetpoint", (Input, "rad/s", between(-1e4, 1e4)), "Speed set point of the {} shaft; used only with {}.drive = Speed", setting!(inputs.$pulley.speed_setpoint));
         add(11, "speed", (Output, "rad/s", typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
         add(12, "radius", (Output, "m", typical(0.06)), "Running radius on the {} pulley: pitch radius of the arc", read!($pulley.radius));

@@ -54,7 +54,7 @@ impl Variator {
     /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
     ///
     /// # Errors
-    /// Inputs out of range, or a step that can't be done.
+    /// Inputs out of range, or a step that can't be done. The variator is then in the state of before.
     pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
         self.advance_along(to, inputs, &Inputs::ZERO)
     }
@@ -63,7 +63,7 @@ impl Variator {
     /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
     ///
     /// # Errors
-    /// Inputs out of range, or a step that can't be done.
+    /// Inputs out of range, or a step that can't be done. The variator is then in the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {
@@ -74,7 +74,7 @@ impl Variator {
     }
 }
 
-/// Residuals that a communication step may take, and more for each second of it: twenty times what loads that jump take.
+/// Residuals that an accurate communication step may take, and more for each second of it: twenty times what loads that jump take.
 const MOST_RESIDUALS: f64 = 1.0e4;
 const MOST_RESIDUALS_PER_SECOND: f64 = 5.0e5;
 
@@ -99,6 +99,7 @@ impl CommunicationStep {
     /// Inputs out of range.
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
+        variator.save_checkpoint();
         let plant = &variator.plant;
         let from = plant.time;
         let ramp = plant.system.parameters.solver.input_ramp;
@@ -125,29 +126,42 @@ impl CommunicationStep {
     /// One own step of a communication step that is not over.
     ///
     /// # Errors
-    /// A step that can't be done: the communication step ends there.
+    /// The communication step can't be done: the variator is in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
         let stepped = variator.stepper.step(&mut variator.plant, &self.profile, self.to);
-        self.is_over = stepped.map_err(|stalled| {
-            self.count_work(variator);
-            StepError::Stalled {
+        let failed = match stepped {
+            Ok(is_over) => {
+                self.is_over = is_over;
+                self.exhausted(variator)
+            }
+            Err(stalled) => Some(StepError::Stalled {
                 from: self.from,
                 reached: stalled.time,
                 reason: stalled.to_string(),
-            }
-        })?;
+            }),
+        };
+        let Some(error) = failed else {
+            return Ok(());
+        };
+        self.count_work(variator, 0.0);
+        variator.roll_back();
+        Err(error)
+    }
+
+    /// The error of a communication step that takes too much work. In real time the work of each millisecond is bounded.
+    fn exhausted(&self, variator: &Variator) -> Option<StepError> {
+        let solver = &variator.parameters().solver;
         let residuals = (variator.counts() - self.before).residuals;
-        if !self.is_over && residuals > most_residuals(&variator.parameters().solver, self.to - self.from) {
-            self.count_work(variator);
-            return Err(StepError::Exhausted {
-                from: self.from,
-                to: self.to,
-                reached: variator.plant.time,
-                residuals,
-            });
+        if self.is_over || solver.mode == Mode::RealTime || residuals <= most_residuals(solver, self.to - self.from) {
+            return None;
         }
-        Ok(())
+        Some(StepError::Exhausted {
+            from: self.from,
+            to: self.to,
+            reached: variator.plant.time,
+            residuals,
+        })
     }
 
     /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once.
@@ -195,21 +209,21 @@ impl CommunicationStep {
         if variator.plant.time == self.from {
             return;
         }
-        self.count_work(variator);
+        self.count_work(variator, self.to - self.from);
         variator.work = variator.stepper.finish(&mut variator.plant, &self.profile);
         variator.report_slip();
         variator.report_buckling();
         variator.update_outputs();
     }
 
-    /// Counts its work, and warns where that is too much. In real time it is bounded.
-    fn count_work(&self, variator: &mut Variator) {
+    /// Counts its work for so many seconds of simulation, and warns where that is too much. In real time it is bounded.
+    fn count_work(&self, variator: &mut Variator, simulated: f64) {
         if variator.parameters().solver.mode == Mode::RealTime {
             return;
         }
         let work = variator.counts() - self.before;
         let unknowns = variator.plant.state.y.len();
-        let remark = variator.pace.count(&self.given, self.to - self.from, work, unknowns);
+        let remark = variator.pace.count(&self.given, simulated, work, unknowns);
         remark.into_iter().for_each(|text| variator.log(true, text));
     }
 }

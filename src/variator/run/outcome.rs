@@ -23,7 +23,8 @@ pub enum InitialisationError {
     NoState(String),
 }
 
-/// Why a step could not be done. The state stays at the last successful time.
+/// Why a communication step could not be done. The variator is in the state of before: a shorter step, or one with other inputs, may be
+/// possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// An input is out of its range; nothing was changed.
@@ -34,7 +35,7 @@ pub enum StepError {
     Stalled {
         /// Start of the step, s.
         from: f64,
-        /// Last successful time, s.
+        /// How far it came, s.
         reached: f64,
         /// Cause, as the solver reports it.
         reason: String,
@@ -49,7 +50,7 @@ pub enum StepError {
         from: f64,
         /// Its end, s.
         to: f64,
-        /// Last successful time, s.
+        /// How far it came, s.
         reached: f64,
         /// Residuals that it took.
         residuals: u64,

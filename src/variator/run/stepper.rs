@@ -51,6 +51,10 @@ pub(super) trait Stepper: Debug + Send + Sync {
         0.0
     }
 
+    /// Starts again from the plant's state, where a communication step began that can't be done: with the step size of then, without
+    /// anything else from earlier steps. The counts remain. A stepper that can do each step needs nothing.
+    fn start_again(&mut self, _plant: &Plant) {}
+
     /// Takes note that the laws have changed.
     fn change_laws(&mut self) {}
 
@@ -83,6 +87,8 @@ pub(super) struct Accurate {
     sdirk: Sdirk,
     /// Time over which loads change alike, in steps; none before the first of them.
     span: Option<Span>,
+    /// Preferred step where the communication step began, s.
+    first_step: f64,
 }
 
 impl Accurate {
@@ -92,7 +98,11 @@ impl Accurate {
         let share = solver.tolerance / 1.0e-4;
         sdirk.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(0.05, 100.0);
         sdirk.newton_widening = NEWTON_WIDENING * share.min(1.0);
-        Self { sdirk, span: None }
+        Self {
+            sdirk,
+            span: None,
+            first_step,
+        }
     }
 }
 
@@ -103,6 +113,7 @@ impl Stepper for Accurate {
 
     fn begin(&mut self, span: [f64; 2]) {
         self.sdirk.newton.left = 0.0;
+        self.first_step = self.sdirk.step;
         self.restart(span);
     }
 
@@ -144,6 +155,12 @@ impl Stepper for Accurate {
 
     fn slope_rate(&self, unknown: usize) -> f64 {
         self.sdirk.slope_rate(unknown)
+    }
+
+    fn start_again(&mut self, plant: &Plant) {
+        let counts = self.counts();
+        *self = Self::new(&plant.system, self.first_step);
+        self.sdirk.newton.counts = counts;
     }
 
     fn change_laws(&mut self) {

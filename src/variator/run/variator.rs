@@ -5,6 +5,7 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::run::checkpoint::Checkpoint;
 use crate::variator::run::initial::find_start;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::outcome::{InitialisationError, Message, Moment};
@@ -55,9 +56,10 @@ pub struct Variator {
     /// Last time at which the belt began or ceased to slip through, s.
     slipped: f64,
     initial_energy: f64,
-    external_torque: PerPulley<f64>,
+    pub(super) external_torque: PerPulley<f64>,
     pub(super) work: Work,
     pub(super) pace: Pace,
+    pub(super) checkpoint: Checkpoint,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
@@ -101,6 +103,7 @@ impl Variator {
         let plant = Plant::new(&parameters, ring);
         Ok(Self {
             stepper: stepper(&plant, COLD_STEP),
+            checkpoint: Checkpoint::new(&plant),
             plant,
             start_state: StartState::Unloaded,
             macro_slip: false,

@@ -2,7 +2,7 @@
 //!
 //! A call is [done](crate::log::Status), or it ends with a [`CallError`]: *refused* (wrong state, unknown value reference, not
 //! supported), and nothing has changed; *failed* (no initial state, a panic), and only [`Slave::reset`], a stored state or the
-//! end of the instance follow; *discarded* (a value out of range, a step that was completed in part only), and the master decides.
+//! end of the instance follow; *discarded* (a value out of range, a step that was not completed): all is as before, and the master decides.
 //!
 //! Methods have the names of the C functions. [`Slave::call`] makes a call: it logs errors and contains panics.
 //!

@@ -88,7 +88,7 @@ impl<U: Unit> Slave<U> {
             progress: U::Progress::default(),
         };
         if let Err(failure) = unit.begin(&mut step, settings) {
-            return self.fail_step(failure);
+            return self.fail_step(step, failure);
         }
         let over = unit.is_over(&step);
         let step = StepInProgress {
@@ -113,7 +113,7 @@ impl<U: Unit> Slave<U> {
         let advanced = unit.advance(&mut step.step, &self.now.settings, &mut remarks);
         self.log_remarks(&remarks);
         if let Err(failure) = advanced {
-            return self.fail_step(failure);
+            return self.fail_step(step.step, failure);
         }
         let Some((function, environment)) = self.master.update else {
             return self.after_internal_step(step);
@@ -194,10 +194,10 @@ impl<U: Unit> Slave<U> {
         }))
     }
 
-    /// Ends a communication step that was completed in part.
-    fn fail_step(&mut self, failure: StepFailure) -> Result<Next, CallError> {
-        let reached = started(&mut self.now.unit)?.time();
-        (self.now.state, self.now.point) = (State::StepFailed, reached);
+    /// Ends a communication step that was not completed: all is as before, and the next step begins where this one did.
+    fn fail_step(&mut self, step: CommunicationStep<U>, failure: StepFailure) -> Result<Next, CallError> {
+        self.now.rates = step.rates;
+        self.now.state = State::StepFailed;
         Err(CallError::Discarded(failure.to_string()))
     }
 

@@ -283,12 +283,13 @@ fn late_times_keep_small_steps_apart() {
 }
 
 #[test]
-fn a_discarded_step_reports_the_time_reached_and_continues_from_there() {
+fn after_a_discarded_step_all_is_as_before_and_the_step_can_be_repeated() {
     let (mut slave, messages) = running();
     slave.set_real(&[BRIM], &[2.0]);
     assert_eq!(slave.do_step(0.0, 1.0), Status::Discard);
     assert_eq!(messages.borrow().last().map(|m| m.1), Some(Category::Discard));
-    assert_eq!(slave.last_successful_time(), (Status::Ok, Some(0.5)));
+    assert_eq!(slave.last_successful_time(), (Status::Ok, Some(0.0)));
+    assert_eq!(level(&mut slave), 1.0);
     let step = slave.result(|slave| slave.step_status(StatusKind::DoStep as i32));
     assert_eq!(step, (Status::Ok, Some(Status::Discard)));
     let ended = slave.result(|slave| slave.requests_termination(StatusKind::Terminated as i32));
@@ -296,7 +297,7 @@ fn a_discarded_step_reports_the_time_reached_and_continues_from_there() {
     let pending = slave.result(|slave| slave.no_status(StatusKind::Pending as i32));
     assert_eq!(pending.0, Status::Discard);
     assert_eq!(slave.set_real(&[BRIM], &[100.0]), Status::Ok);
-    assert_eq!(slave.do_step(0.5, 0.5), Status::Ok);
+    assert_eq!(slave.do_step(0.0, 1.0), Status::Ok);
     assert_eq!(level(&mut slave), 3.0);
 }
 

@@ -61,6 +61,14 @@ pub struct Gauges {
     depths: [f64; DEPTHS],
 }
 
+/// The tank where the communication step began, and the mark.
+#[derive(Default)]
+pub struct Progress {
+    level: f64,
+    flow: [f64; 2],
+    mark: f64,
+}
+
 #[derive(Clone)]
 pub struct Tank {
     time: f64,
@@ -96,8 +104,7 @@ static SHAPES: Enumeration = Enumeration {
 impl Unit for Tank {
     type Settings = Valves;
     type Readings = Gauges;
-    /// Level at the beginning of the communication step, and the mark.
-    type Progress = [f64; 2];
+    type Progress = Progress;
 
     const INTERPOLATES_INPUTS: bool = true;
     const OUTPUT_DERIVATIVES: bool = true;
@@ -216,7 +223,11 @@ impl Unit for Tank {
         if valves.mark < 0.0 {
             return Err(StepFailure::Setting("mark is below 0".into()));
         }
-        step.progress = [self.level, valves.mark];
+        step.progress = Progress {
+            level: self.level,
+            flow: self.flow,
+            mark: valves.mark,
+        };
         Ok(())
     }
 
@@ -233,8 +244,7 @@ impl Unit for Tank {
         self.flow = [valves.gain * after, valves.gain * growth];
         let rate = valves.gain * 0.5 * (before + after);
         if self.level + rate * (to - self.time) > valves.brim {
-            self.time += (valves.brim - self.level) / rate;
-            self.level = valves.brim;
+            (self.time, self.level, self.flow) = (step.from, step.progress.level, step.progress.flow);
             return Err(StepFailure::Discarded("full".into()));
         }
         self.level += rate * (to - self.time);
@@ -243,7 +253,9 @@ impl Unit for Tank {
     }
 
     fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
-        let [before, mark] = step.progress;
+        let Progress {
+            level: before, mark, ..
+        } = step.progress;
         (before < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 
