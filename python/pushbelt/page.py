@@ -1,13 +1,12 @@
-"""Common parts of the reports: number formats, templates, the embedded library of the figures, tables as CSV."""
+"""Common parts of the reports: number formats, templates, the embedded library of the figures."""
 
 from __future__ import annotations
 
 import base64
-import csv
 import functools
 import gzip
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -75,12 +74,3 @@ def plotly_notices() -> str:
     script = _plotly()
     parts = script[script.rindex("/*! Bundled license information:") :]
     return script[: script.index("*/")].strip("/* \n") + "\n\n" + parts[3 : parts.index("\n*/")]
-
-
-def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 9) -> None:
-    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        for row in rows:
-            writer.writerow([f"{value:.{digits}g}" if isinstance(value, float) else value for value in row])

@@ -7,20 +7,22 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
 COMMAND = "PUSHBELT_COMMAND"
 """Environment variable with the command that started the program, if another tool did."""
+OUTPUT = "--output"
+"""Option with the folder of the results."""
 DIGITS = 16
 """Hexadecimal digits of a hash that are shown."""
 
 
 @dataclass(frozen=True)
 class Input:
-    """A file that was read."""
+    """A file or a folder that was read."""
 
     name: str
     sha256: str
@@ -46,7 +48,7 @@ _current: Provenance | None = None
 
 
 def begin(program: str, arguments: Sequence[str] | None, module: str | None = None) -> Provenance:
-    """Records the start of a program; `arguments` is that of its `main`. Files among the arguments are the inputs.
+    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the inputs.
 
     `module` is its module inside this package if the command `pushbelt` does not start it.
     """
@@ -67,18 +69,42 @@ def current(program: str) -> Provenance | None:
 
 
 def _inputs(words: Sequence[str]) -> list[Input]:
-    found = {}
+    found: dict[str, Input] = {}
+    output = _output(words)
     for word in words:
         # `--fmu=FILE`, `name=FILE` and lists.
         for part in (word, *re.split(r"[=,]", word)):
             path = Path(part)
-            if part and part not in found and _is_file(path):
+            if part and part not in found and _is(path, Path.is_file):
                 found[part] = Input(path.name, hashlib.sha256(path.read_bytes()).hexdigest())
+        if not word.startswith("-") and word not in found and _is(path := Path(word), Path.is_dir) and path.resolve() != output:
+            found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, output))
     return list({one.sha256: one for one in found.values()}.values())
 
 
-def _is_file(path: Path) -> bool:
+def _output(words: Sequence[str]) -> Path | None:
+    """Folder of the results, which is no input."""
+    for k, word in enumerate(words):
+        option, separator, value = word.partition("=")
+        if option == OUTPUT and (separator or k + 1 < len(words)):
+            return Path(value if separator else words[k + 1]).resolve()
+    return None
+
+
+def hash_of_folder(folder: Path, without: Path | None = None) -> str:
+    """Hash of names and contents of all files in a folder, in the order of their names; `without` is a folder that is left out.
+
+    `find . -type f | LC_ALL=C sort | xargs -d '\\n' sha256sum | sha256sum` in the folder prints it.
+    """
+    found = hashlib.sha256()
+    files = [path for path in folder.rglob("*") if path.is_file() and (without is None or without not in path.resolve().parents)]
+    for name, path in sorted((path.relative_to(folder).as_posix(), path) for path in files):
+        found.update(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  ./{name}\n".encode())
+    return found.hexdigest()
+
+
+def _is(path: Path, kind: Callable[[Path], bool]) -> bool:
     try:
-        return path.is_file()
+        return kind(path)
     except OSError:
         return False

@@ -11,15 +11,16 @@ import reports
 
 from pushbelt.compare import __main__, belts, runs
 from pushbelt.fmu.data import parameter_set
-from pushbelt.page import write_table
+from pushbelt.tables import titles
+from pushbelt.tables import write as write_table
 
 
-def write(path: Path, step: float = 0.01, shift: float = 0.0, end: float = 1.0) -> Path:
+def write(path: Path, step: float = 0.01, shift: float = 0.0, end: float = 1.0, unit: str = "rad/s") -> Path:
     """A run of a sine that is shifted, a constant, and a column that is equal in all."""
     time = np.arange(0.0, end + 0.5 * step, step)
     table = np.column_stack([time, np.sin(6.0 * time) + shift * (time > 0.5), np.full_like(time, 2.0), time])
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_table(path, ["time", "slip", "primary.torque", "secondary.speed"], table.tolist())
+    write_table(path, ["time [s]", "slip [1]", "primary.torque [N.m]", f"secondary.speed [{unit}]"], table.tolist())
     return path
 
 
@@ -75,6 +76,20 @@ def test_a_missing_file_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "does not exist" in said and "two files or two folders" in said and "sloop" in said
 
 
+def test_units_are_those_in_the_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file without units, as of other tools, has the units of the other one."""
+    a, b = write(tmp_path / "a.csv", unit="rpm"), tmp_path / "b.csv"
+    bare = write(tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()
+    b.write_text("\n".join(["time,slip,primary.torque,secondary.speed", *bare[1:]]), encoding="utf-8")
+    assert __main__.main([str(a), str(b), "--output", str(tmp_path / "out")]) == 0
+    (pair,) = runs.pairs(a, b)
+    assert pair.units == {"time": "s", "slip": "1", "primary.torque": "N.m", "secondary.speed": "rpm"}
+    assert not pair.differing
+    assert "secondary.speed (rpm)" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert __main__.main([str(a), str(tmp_path / "c.csv"), "--output", str(tmp_path / "out")]) == 1
+    assert "secondary.speed is in rpm in" in capsys.readouterr().err
+
+
 def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -> None:
     """Where both files have the fields along the belt."""
     paths = []
@@ -89,7 +104,7 @@ def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -
             rows.append([k * 1e-3, *unit.get_reals(reals)])
             unit.step_to((k + 1) * 1e-3)
         paths.append(tmp_path / f"{name}.csv")
-        write_table(paths[-1], ["time", *names], rows)
+        write_table(paths[-1], ["time [s]", *titles(names, {name: unit.variables[name].unit for name in names})], rows)
     out = tmp_path / "out"
     assert __main__.main([*map(str, paths), "--output", str(out), "--fmu", str(fmu)]) == 0
     text = reports.stands_alone(out / "report.html")
@@ -115,5 +130,6 @@ def test_the_report_shows_both_runs(fmu: Path, tmp_path: Path) -> None:
     with (tmp_path / "out" / "differences.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["column"] for row in rows] == ["slip", "primary.torque", "secondary.speed"]
-    assert float(rows[0]["largest"]) == pytest.approx(0.25)
+    assert float(rows[0]["largest [SI]"]) == pytest.approx(0.25)
+    assert [row["unit"] for row in rows] == ["", "N.m", "rad/s"]
     reports.look_at(tmp_path / "out" / "report.html")

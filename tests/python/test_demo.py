@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import re
@@ -11,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reports
+import tables_of_runs
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.demo import __main__, events
 from pushbelt.demo.results import StrandForces
 from pushbelt.demo.spiral import SHAPE_TOLERANCE, TILT_TOLERANCE, TOLERANCE, spiral_running
@@ -350,11 +350,10 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.
     assert reports.figures(report) == 3 + 7 + 6
     assert report.count('<div class="belt"') == 2
-    with (tmp_path / "results.csv").open(encoding="utf-8", newline="") as file:
-        times = [float(row["time"]) for row in csv.DictReader(file)]
+    times = [float(row["time"]) for row in tables.by_name(tmp_path / "results.csv")]
     assert times == pytest.approx(np.arange(1001) * 1e-3)
-    with (tmp_path / "cases.csv").open(encoding="utf-8", newline="") as file:
-        cases = {row["case"]: row for row in csv.DictReader(file)}
+    cases = {row["case"]: row for row in tables.by_name(tmp_path / "cases.csv")}
+    tables_of_runs.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
     assert list(cases) == ["overdrive-100", "medium-100", "underdrive-100", "belt155-reference"]
     assert float(cases["medium-100"]["primary.shaftTorque"]) == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")

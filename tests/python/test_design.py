@@ -18,7 +18,9 @@ import reports
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.sweep import Design, DesignError, Slurm, Study, cluster, sweep
+from pushbelt.rig import units
+from pushbelt.rig.sheet import Reading
+from pushbelt.sweep import Design, DesignError, Slurm, Study, cluster, plausible, sweep
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import DesignPoint, Varied, crossed, full_values, listed, varied
 from pushbelt.sweep.design_report import correlation
@@ -78,36 +80,83 @@ def test_a_hypercube_fills_each_range_evenly_in_each_combination() -> None:
     assert crossed(columns, samples=20, seed=4) != design
 
 
-def test_a_list_has_units_in_its_header(tmp_path: Path, variables: Mapping[str, Any]) -> None:
+LIST = ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
+TABLES = {
+    "units in the header": "\N{BYTE ORDER MARK}ratio.geometric,primary.speed [rpm],secondary.clampingForce [kN],belt.play [mm],primary.torque\n"
+    "0.5,3000,12.5,0.1,40\n\n2,1500,20,0.3,-20\n",
+    "a decimal comma": "ratio;n_P [1/min];F_S [kN];belt.play [um];T_P [Nm]\n0,5;3000;12,5;100;40\n2;1500;20,0;300;-20\n",
+    "units in a row": "Initial.Ratio\tspeed\tforce\tbelt.play\tprimary.torque\n[-]\t[rpm]\t[daN]\t[m]\t[kNm]\n"
+    "0.5\t3000\t1250\t1e-4\t0.04\n2\t1500\t2000\t3e-4\t-0.02\n",
+    "SI": "ratio,speed,force,belt.play,primary.torque\n0.5,314.15926536,12500,1e-4,40\n2,157.07963268,20000,3e-4,-20\n",
+}
+
+
+@pytest.mark.parametrize("kind", TABLES)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "xlsx"])
+def test_a_list_is_read_as_tables_of_rigs_are(tmp_path: Path, variables: Mapping[str, Any], kind: str, encoding: str) -> None:
     path = tmp_path / "points.csv"
-    path.write_text(
-        "\N{BYTE ORDER MARK}ratio.geometric,primary.speed [rpm],secondary.clampingForce [kN],belt.play [mm],primary.torque\n"
-        "0.5,3000,12.5,0.1,40\n\n2,1500,20,0.3,-20\n",
-        encoding="utf-8",
-    )
-    design = listed(path, variables)
-    assert design.kind == "list"
-    assert design.columns == ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
+    if encoding == "xlsx":
+        openpyxl = pytest.importorskip("openpyxl")
+        path = path.with_suffix(".xlsx")
+        book, lines = openpyxl.Workbook(), TABLES[kind].lstrip("\N{BYTE ORDER MARK}").splitlines()
+        for line in lines:
+            book.active.append(re.split("[\t;]" if kind != "SI" and "," not in lines[0] else ",", line))
+        book.save(path)
+    else:
+        path.write_text(TABLES[kind], encoding=encoding)
+    design, remarks = listed(path, variables)
+    assert (design.kind, design.columns, remarks) == ("list", LIST, [])
     assert design.rows[0] == pytest.approx((0.5, 314.159, 12500.0, 1e-4, 40.0), rel=1e-5)
     assert design.rows[1] == pytest.approx((2.0, 157.080, 20000.0, 3e-4, -20.0), rel=1e-5)
 
 
+def test_every_variable_has_a_unit_that_tables_may_have(variables: Mapping[str, Any]) -> None:
+    for name, variable in variables.items():
+        if variable.type == "Real":
+            found = units.find(variable.unit or "1", units.OF_FMU[variable.unit or "1"])
+            assert found == units.Unit(1.0), name
+
+
+def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[str, Any]) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text("no,ratio,thrustRatio,tester,belt.play [mm]\n1,1,1.2,NN,0.1\n2,2,0.9,NN,#DIV/0!\n", encoding="utf-8")
+    design, remarks = listed(path, variables)
+    assert (design.columns, design.rows) == (("initial.ratio", "belt.play"), ((1.0, 1e-4),))
+    why = "is no parameter or input of the FMU and is not read"
+    assert f"column tester {why}" in remarks and f"column thrustRatio {why}" in remarks
+    assert any("line 3" in remark and remark.endswith("the row is left out") for remark in remarks)
+
+
+def test_options_of_reading_apply_to_a_list(tmp_path: Path, variables: Mapping[str, Any]) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text("Spiel;ratio\n0,100;1,250\n", encoding="utf-8")
+    reading = Reading(decimal="comma", renamed={"Spiel": "belt.play [mm]"})
+    assert listed(path, variables, reading)[0].rows == ((pytest.approx(1e-4), 1.25),)
+
+
 @pytest.mark.parametrize(
-    ("text", "why"),
+    ("text", "whys"),
     [
-        ("ratio\n", "at least one point"),
-        ("ratio,belt.play\n1,2,3\n", "line 2: 1,2,3 is not 2 numbers"),
-        ("ratio\n1\nx\n", "line 3: x is not 1 numbers"),
-        ("belt.play [furlong]\n1\n", "the unit furlong of belt.play is unknown"),
-        ("ratio,initial.ratio\n1,1\n", "twice"),
-        ("ratio\ninf\n", "not complete"),
+        ("ratio\n", ["there are no points below the header"]),
+        ("ratio,belt.play\n1,2,3\n", ["line 2: 3 cells, but the header has 2"]),
+        ("ratio\n1\nx\n", ["line 3, column ratio: 'x' is not a number"]),
+        ("ratio,belt.play\n1,\n", ["line 2, column belt.play: the cell has no value"]),
+        ("belt.play [furlong]\n1\n", ["the unit of belt.play is m or mm, not furlong"]),
+        ("ratio,initial.ratio\n1,1\n", ["appears 2 times"]),
+        ("ratio\ninf\n", ["column ratio: the cell has no value"]),
+        ("ratio,belt.paly\n1,1e-4\n", ["column belt.paly: there is no such column; belt.play is meant?"]),
+        ("a,b\n1,2\n", ["no column is a parameter or an input"]),
+        ("belt.paly,initial.ratio [N],belt.play\n1,1,z\n", ["belt.play is meant?", "not N", "'z' is not a number"]),
     ],
 )
-def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], text: str, why: str) -> None:
+def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], text: str, whys: list[str]) -> None:
+    """All faults of a file are in one answer."""
     path = tmp_path / "points.csv"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(DesignError, match=re.escape(why)):
+    with pytest.raises(DesignError) as caught:
         listed(path, variables)
+    for why in whys:
+        assert why in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -228,6 +277,39 @@ def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
 def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], why: str) -> None:
     assert run(fmu, tmp_path, *options) == 1
     assert why in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "hint"),
+    [
+        (["--force", "12", "--ratio", "1", "--utilisation", "0.3,0.6"], "Is the force in kN? 12 kN are 12000 N"),
+        (["--vary", "primary.torque=20:90:4", "--force", "9"], "Is the force in kN? 9 kN are 9000 N"),
+        (["--vary", "primary.torque=40000,90000", "--force", "12e3"], "Is the torque in N·mm? 40000 N·mm are 40 N·m"),
+    ],
+)
+def test_a_slip_of_units_is_answered_before_the_first_point(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], hint: str
+) -> None:
+    assert run(fmu, tmp_path, *options) == 1
+    said = capsys.readouterr().err
+    assert "the capacity is" in said and hint in said
+    assert not list(tmp_path.rglob("points-*.parquet"))
+
+
+def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
+    def warned(**columns: tuple[float, ...]) -> list[str]:
+        design = crossed([Varied(name.replace("_", "."), values) for name, values in columns.items()])
+        return list(plausible.check(Study(fmu, variator("bench168", varied=design.columns), design)))
+
+    (text,) = warned(secondary_clampingForce=(15.0, 15e3, 20e3), primary_torque=(30.0, 60.0))
+    assert "Is the force in kN? 15 kN are 15000 N" in text and "1 more of 6 points" in text
+    (text,) = warned(initial_primarySpeed=(200.0, 2500.0))
+    assert "above 60 m/s. Is the speed in rpm? 2500 rpm are 261.8 rad/s" in text
+    # A torque beyond the capacity that no unit explains, an open pulley, and a fast belt of a car.
+    assert not warned(primary_torque=(30.0, 400.0), secondary_clampingForce=(9e3,))
+    assert not warned(secondary_clampingForce=(0.0, 12e3))
+    assert not warned(initial_primarySpeed=(600.0,), initial_ratio=(0.8, 2.0))
+    assert not list(plausible.check(Study(fmu, variator("bench168"))))
 
 
 # Slurm

@@ -15,9 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reports
+import tables_of_runs
 
 import pushbelt
 from pushbelt import map_unit
+from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.car import Powertrain, demo_car
 from pushbelt.drive.control import (
@@ -763,7 +765,8 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
     ends = {"fixed-safety-factor": 14.0, "slip-control": 14.0, "close-up": 20.0}
     ends |= {"low-friction-safety": 20.0, "low-friction-slip": 20.0}
     for name, end in ends.items():
-        rows = np.genfromtxt(drive_folder / f"{name}.csv", delimiter=",", names=True)
-        assert rows["time"] == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
-        assert all(np.isfinite(rows[column]).all() for column in rows.dtype.names)
+        (pair,) = compared(*[drive_folder / f"{name}.csv"] * 2)
+        assert pair.runs[0].time == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
+        assert all(np.isfinite(column).all() for column in pair.runs[0].columns.values())
+        tables_of_runs.units_are_those_of(fmu, drive_folder / f"{name}.csv")
     reports.look_at(drive_folder / "report.html")

@@ -18,7 +18,6 @@ from pushbelt.durability.fatigue import Material
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
-from pushbelt.page import write_table
 
 BENCH = parameter_set("bench168")
 LENGTH = BENCH["geometry.beltLength"]
@@ -39,7 +38,7 @@ def run(end: float = 10.0, amplitude: float = 5e8, mean: float = 0.0) -> dict[st
 
 def write(path: Path, columns: Mapping[str, Array]) -> Path:
     """The table as CSV."""
-    write_table(path, columns, np.column_stack(list(columns.values())).tolist(), digits=12)
+    np.savetxt(path, np.column_stack(list(columns.values())), "%.12g", ",", header=",".join(columns), comments="", encoding="utf-8")
     return path
 
 

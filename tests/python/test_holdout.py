@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +89,39 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     assert provenance.current("calibrate") is found
     assert provenance.current("validate") is None
     assert provenance.begin("paper", [], "paper").command == "python -m pushbelt.paper"
+
+
+def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance, "_current", None)
+    folders = [tmp_path / name for name in ("one", "two")]
+    for folder, names in zip(folders, (("b.csv", "a/z.csv", "B.csv"), ("B.csv", "b.csv", "a/z.csv")), strict=True):
+        for name in names:
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(name, encoding="utf-8")
+    output = folders[0] / "out"
+    output.mkdir()
+    (output / "report.html").write_text("of the last run", encoding="utf-8")
+
+    def inputs(*words: object) -> list[tuple[str, str]]:
+        return [(one.name, one.sha256) for one in provenance.begin("compare", [*map(str, words), f"--output={output}"]).inputs]
+
+    text = "".join(f"{hashlib.sha256(name.encode()).hexdigest()}  ./{name}\n" for name in ("B.csv", "a/z.csv", "b.csv"))
+    same = hashlib.sha256(text.encode()).hexdigest()
+    # Neither the order in which files were made nor the results count.
+    assert inputs(folders[0]) == [("one/", same)]
+    assert inputs(folders[1], "--output", output) == [("two/", same)]
+    (folders[1] / "b.csv").write_text("changed", encoding="utf-8")
+    assert inputs(folders[1])[0][1] != same
+    (folders[1] / "b.csv").write_text("b.csv", encoding="utf-8")
+    (folders[1] / "b.csv").rename(folders[1] / "c.csv")
+    assert inputs(folders[1])[0][1] != same
+    # A folder is no input because an option has its name.
+    monkeypatch.chdir(tmp_path)
+    assert inputs("--one") == []
+    if shutil.which("sha256sum") and shutil.which("find"):
+        command = "find . -type f | LC_ALL=C sort | xargs -d '\\n' sha256sum | sha256sum"
+        done = subprocess.run(["bash", "-c", command], cwd=folders[1], capture_output=True, text=True, check=True)
+        assert done.stdout.split()[0] == provenance.hash_of_folder(folders[1])
 
 
 def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +20,7 @@ from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
 from pushbelt.paper import __main__, cases, report, tracer
 from pushbelt.paper.results import Times, Window
+from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
 CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
@@ -158,6 +161,13 @@ def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path
         assert f'<h2 id="{section}">' in page
     for table in ("8ab", "8c", "8d", "9"):
         assert len((tmp_path / f"figure-{table}.csv").read_text(encoding="utf-8").splitlines()) > 1
+    for path in (tmp_path / "rings").glob("*.csv"):
+        # Numbers of the program in Rust have an exponent.
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+        for place, title in enumerate(header):
+            fractions = [row[place] for row in rows if "." in row[place] and re.fullmatch(r"[-\d.]+e-?\d+", row[place])]
+            assert not fractions or split(title)[1] is not None, f"{path.name}: {title}"
     from pushbelt.paper import rings
 
     found = rings.read(tmp_path / "rings")

@@ -16,6 +16,8 @@ from markupsafe import escape
 from pushbelt.fmu import shift
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
+from pushbelt.rig.units import dimensions
+from pushbelt.tables import split
 from pushbelt.validate import __main__, measured, report
 from pushbelt.validate.bench import Bench, Plan
 from pushbelt.validate.outcome import PERCENT, Check, Column, Section, Source, Unit, Verdict, table, within
@@ -229,6 +231,8 @@ def test_tables_are_there_as_csv_and_markdown(short_validation: Path) -> None:
         with (short_validation / f"{name}.csv").open(encoding="utf-8", newline="") as file:
             header, *rows = csv.reader(file)
         assert rows and all(len(row) == len(header) for row in rows), name
+        units = {unit for _, unit in map(split, header)} - {None}
+        assert units and all(dimensions(unit) for unit in units), name
     assert text.count("\n## ") + text.startswith("## ") == len(SECTIONS)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import tables
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.rig import worker
@@ -55,7 +55,7 @@ def write_table(fmu: Path, path: Path) -> int:
                     thrust = found.values["thrustRatio"] * (1.0 + NOISE["thrustRatio"] * random.standard_normal())
                     efficiency = found.values["efficiency"] + NOISE["efficiency"] * random.standard_normal()
                     rows.append((ratio / (1.0 - found.values["slip"]), SPEED, torque, force, thrust, efficiency))
-    page.write_table(path, HEADER, rows)
+    tables.write(path, HEADER, rows)
     return len(rows)
 
 

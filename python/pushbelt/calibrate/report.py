@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pushbelt import tables
 from pushbelt.page import write_html as write_page
-from pushbelt.page import write_table
 
 from pushbelt.rig import model, worker
 
@@ -75,7 +75,7 @@ def write_residuals(results: Results, path: Path) -> None:
         "secondary.clampingForce [N]", "primary.clampingForce [N]", "quantity", "unit", "measured [SI]", "sd [SI]", "before [SI]",
         "after [SI]", "residual [SI]", "residual/sd [1]", "reason",
     ]  # fmt: skip
-    write_table(path, header, map(_cells, results.rows))
+    tables.write(path, header, map(_cells, results.rows))
 
 
 def _cells(row: Row) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.belt_view import belt_view
 from pushbelt.charts import Chart, Panel, Series
 from pushbelt.style import BLUE, ORANGE, in_figures
@@ -31,11 +31,11 @@ def write(
     files have the fields along the belt.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    page.write_table(
+    tables.write(
         folder / "differences.csv",
-        ["run", "column", "unit", "range", "rootMeanSquare", "largest", "time", "largestShare"],
+        ["run", "column", "unit", *(f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest")), "time [s]", "largestShare [1]"],
         (
-            [pair.name, d.name, units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
+            [pair.name, d.name, _units_of(pair, units).get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
             for pair in pairs
             for d in pair.differences
         ),
@@ -50,13 +50,17 @@ def _context(
 ) -> dict[str, Any]:
     return {
         "pairs": [
-            (key, pair, overlay(pair, units, wanted, key), _belts(pair, key, parameters))
+            (key, pair, _units_of(pair, units), overlay(pair, _units_of(pair, units), wanted, key), _belts(pair, key, parameters))
             for key, pair in ((f"run-{k}", pair) for k, pair in enumerate(pairs, start=1))
         ],
-        "units": units,
         "most": MOST,
         "chosen": bool(wanted),
     }
+
+
+def _units_of(pair: Pair, units: Mapping[str, str]) -> dict[str, str]:
+    """Units of the columns that have one other than 1. Those in the files count before those of the FMU."""
+    return {name: unit for name, unit in {**units, **pair.units}.items() if unit != "1"}
 
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> list[tuple[str, Markup]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
+from pushbelt.tables import split
 
 TIME = "time"
 SAME = 1e-9
@@ -47,6 +48,8 @@ class Pair:
     name: str
     paths: tuple[Path, Path]
     runs: tuple[Trace, Trace]
+    units: Mapping[str, str]
+    """Units of columns as the files have them."""
 
     @cached_property
     def names(self) -> list[str]:
@@ -93,7 +96,17 @@ def pairs(a: Path, b: Path) -> list[Pair]:
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
         raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
-    return [Pair(name, paths, (read(paths[0]), read(paths[1]))) for name, paths in both.items()]
+    return [Pair(name, paths, (read(paths[0]), read(paths[1])), _units(*paths)) for name, paths in both.items()]
+
+
+def _units(*paths: Path) -> dict[str, str]:
+    """Units in the headers by name. Raises CompareError if the files have different ones."""
+    found: dict[str, str] = {}
+    for path in paths:
+        for name, unit in map(split, _titles(path)):
+            if unit is not None and found.setdefault(name, unit) != unit:
+                raise CompareError(f"{name} is in {found[name]} in {paths[0]}, and in {unit} in {path}")
+    return found
 
 
 def _files(path: Path) -> Mapping[str, Path]:
@@ -105,9 +118,14 @@ def _files(path: Path) -> Mapping[str, Path]:
     return {path.stem: path}
 
 
-def _header(path: Path) -> list[str]:
+def _titles(path: Path) -> list[str]:
     with path.open(encoding="utf-8", newline="") as file:
         return next(csv.reader(file), [])
+
+
+def _header(path: Path) -> list[str]:
+    """Names of the columns, without units."""
+    return [split(text)[0] for text in _titles(path)]
 
 
 def read(path: Path) -> Trace:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.belt_view import belt_view, steady
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
@@ -149,7 +149,7 @@ def write_trace(results: DemoResults, path: Path) -> None:
     """Writes the manoeuvre's outputs over time, one column per FMU variable."""
     trace = results.manoeuvre.trace
     table = np.column_stack([trace.time, *trace.columns.values()])
-    page.write_table(path, ["time", *trace.columns], table.tolist())
+    tables.write(path, ["time [s]", *tables.titles(trace.columns, results.units)], table.tolist())
 
 
 def write_cases(results: DemoResults, path: Path) -> None:
@@ -158,4 +158,4 @@ def write_cases(results: DemoResults, path: Path) -> None:
     states.append(("belt155-reference", results.reference.steady))
     names = list(states[0][1].outputs)
     rows = ([name, state.load_torque, *(state[output] for output in names)] for name, state in states)
-    page.write_table(path, ["case", "secondary.torque", *names], rows)
+    tables.write(path, ["case", *tables.titles(["secondary.torque", *names], results.units)], rows)

@@ -92,5 +92,7 @@ class DemoResults:
     manoeuvre: ManoeuvreResult
     parameters: Mapping[str, float]
     """Parameters of the variator in the load cases and the manoeuvre."""
+    units: Mapping[str, str]
+    """Units of the FMU's variables by name."""
     variator: str
     """Name or file of the parameter set of the load cases and the manoeuvre."""

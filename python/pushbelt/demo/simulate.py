@@ -89,5 +89,6 @@ def _run_all(archive: Archive, plan: Plan, variator: str) -> DemoResults:
         reference=reference,
         manoeuvre=run,
         parameters=parameters,
+        units=archive.units,
         variator=variator,
     )

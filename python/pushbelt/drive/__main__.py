@@ -79,7 +79,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
-        report.write_trace(run, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
+        report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
     path = options.output / "report.html"
     report.write_html(results, path)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.belt_view import belt_view
 from pushbelt.fmu.data import parameter_set
 
@@ -48,11 +49,11 @@ def balance_gap(run: Run) -> float:
     return energies["engine, driving"] - energies["engine, braking"] - spent - float(stored[-1] - stored[0])
 
 
-def write_trace(run: Run, path: Path) -> None:
+def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables."""
     every = round(CSV_STEP / STEP)
     table = np.column_stack([run.time, *run.columns.values()])[::every]
-    page.write_table(path, ["time", *run.columns], table.tolist(), digits=7)
+    tables.write(path, ["time [s]", *tables.titles(run.columns, units)], table.tolist(), digits=7)
 
 
 def write_html(results: Results, path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -86,6 +87,8 @@ class Results:
 
     plan: Plan
     version: str
+    units: Mapping[str, str]
+    """Units of the columns of the runs by name."""
     thrust_map: ThrustMap
     fixed: Run
     slip: Run
@@ -125,4 +128,4 @@ def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
         title="driving",
         workers=len(setups),
     )
-    return Results(plan, archive.version, maps[plan.ring], *done)
+    return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], *done)

@@ -60,6 +60,24 @@ OUTPUTS = (
 )
 """FMU variables that are recorded."""
 
+SIGNALS: Mapping[str, str] = {
+    "speed.target": "m/s",
+    "speed.car": "m/s",
+    "ratio.target": "1",
+    "engine.speed": "rad/s",
+    "engine.torque": "N.m",
+    "clutch.torque": "N.m",
+    "clutch.locked": "1",
+    "force.brake": "N",
+    "force.road": "N",
+    "intervening": "1",
+    "work.engine": "J",
+    "loss.clutch": "J",
+    "utilisation.signed": "1",
+    "distance": "m",
+}
+"""Units of the recorded signals that are no variables of the FMU. Work and loss are those of a step."""
+
 INPUTS = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Inputs of the FMU."""
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pushbelt import tables
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError, Variator
@@ -162,18 +163,18 @@ class ThrustMap:
     def write(self, path: Path, key: str) -> None:
         """Writes the map as CSV without loss of digits: a comment with key and shift rates, then one row per point."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", encoding="utf-8", newline="") as file:
-            shifting = {
-                "excesses": self.excesses.tolist(),
-                "shiftRates": self.shift_rates.tolist(),
-                "clearanceForce": self.clearance_force,
-            }
-            file.write("# " + json.dumps({"key": key, **shifting}) + "\n")
-            writer = csv.writer(file)
-            writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
-            for m, ratio in enumerate(self.ratios):
-                for n, utilisation in enumerate(self.utilisations):
-                    writer.writerow([repr(float(x)) for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
+        shifting = {
+            "excesses": self.excesses.tolist(),
+            "shiftRates": self.shift_rates.tolist(),
+            "clearanceForce": self.clearance_force,
+        }
+        rows = (
+            (ratio, utilisation, self.thrust[m, n], self.slips[m, n])
+            for m, ratio in enumerate(self.ratios)
+            for n, utilisation in enumerate(self.utilisations)
+        )
+        header = [tables.title(name, "1") for name in ("ratio", "utilisation", "thrustRatio", "slip")]
+        tables.write(path, header, rows, digits=None, remark=json.dumps({"key": key, **shifting}))
 
     @classmethod
     def of_maps(cls, maps: Maps) -> ThrustMap:

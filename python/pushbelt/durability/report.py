@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt._version import __version__
 
 from . import figures
@@ -39,7 +39,7 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
     names = list(dict.fromkeys(name for result in results for name in result.parts))
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
-    page.write_table(folder / "durability.csv", header, _rows(results, names), digits=7)
+    tables.write(folder / "durability.csv", header, _rows(results, names), digits=7)
     path = folder / "report.html"
     context = {
         "runs": [_shown(key, result) for key, result in enumerate(results, start=1)],

@@ -13,6 +13,7 @@ import numpy as np
 from pushbelt.fmu.geometry import Array
 from pushbelt.rig import sheet as sheets
 from pushbelt.rig.sheet import Column, Sheet, TableError
+from pushbelt.tables import split
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
@@ -97,7 +98,7 @@ def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
     """
     try:
         sheet = sheets.read(path, COLUMNS, misspelled=False)
-        field = [name for name in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", name)]
+        field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
         places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)]
         counted = profile or (bool(field) and not any(name in sheet.taken for name in STRESSES))
         required = ["time", "ring.speed", *((places or [f"{FIELD}[1]"]) if counted else STRESSES)]

@@ -70,9 +70,19 @@ class Archive:
         """Version in the model description."""
         return self.description.version or ""
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of all variables by name."""
+        return units_of(self.description)
+
     def remove(self) -> None:
         """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
+
+
+def units_of(description: Any) -> dict[str, str]:
+    """Units of all variables of a model description by name; 1 for those without one."""
+    return {variable.name: variable.unit or "1" for variable in description.modelVariables}
 
 
 class Reals:

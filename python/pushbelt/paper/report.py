@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.fmu.data import load_case_speed
 from pushbelt.fmu.results import LoadCase
 
@@ -182,10 +182,10 @@ def write_tables(results: PaperResults, folder: Path) -> None:
 
 
 def _write_cases(results: PaperResults, folder: Path) -> None:
-    page.write_table(
+    tables.write(
         folder / "figure-8ab.csv",
-        ["case", "model", "loadTorque", "thrustRatio", "efficiency", "loss", "thrustRatioDifference",
-         "efficiencyDifference", "spiral.primary", "spiral.secondary", "slips", "steady", "change"],
+        ["case", "model", "loadTorque [N.m]", "thrustRatio [1]", "efficiency [1]", "loss [W]", "thrustRatioDifference [1]",
+         "efficiencyDifference [1]", "spiral.primary [m]", "spiral.secondary [m]", "slips", "steady", "change [1]"],
         (
             [
                 run.case.name,
@@ -210,9 +210,9 @@ def _write_cases(results: PaperResults, folder: Path) -> None:
 def _write_elements(results: PaperResults, folder: Path) -> None:
     run_of = chosen_runs(results)
     elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, MODELS)]
-    page.write_table(
+    tables.write(
         folder / "figure-8c.csv",
-        ["case", "model", "time", "xi", "pushForce"],
+        ["case", "model", "time [s]", "xi [m]", "pushForce [N]"],
         (
             [run.case.name, run.model, *map(float, row)]
             for run, path, force in elements
@@ -223,9 +223,9 @@ def _write_elements(results: PaperResults, folder: Path) -> None:
 
 
 def _write_arcs(results: PaperResults, folder: Path) -> None:
-    page.write_table(
+    tables.write(
         folder / "figure-8d.csv",
-        ["case", "model", "pulley", "fractionOfArc", "radialDeviation"],
+        ["case", "model", "pulley", "fractionOfArc [1]", "radialDeviation [m]"],
         (
             [run.case.name, run.model, pulley, *map(float, row)]
             for run in results.runs
@@ -237,10 +237,10 @@ def _write_arcs(results: PaperResults, folder: Path) -> None:
 
 
 def _write_meshes(results: PaperResults, folder: Path) -> None:
-    columns = ("thrustRatio", "efficiency.belt", "ring.tensionMin", "ring.tensionMax")
-    page.write_table(
+    columns = {"thrustRatio": "1", "efficiency.belt": "1", "ring.tensionMin": "N", "ring.tensionMax": "N"}
+    tables.write(
         folder / "meshes.csv",
-        ["case", "mesh", *columns],
+        ["case", "mesh", *tables.titles(columns, columns)],
         (
             [case, mesh, *(state[name] for name in columns)]
             for case, states in results.meshes.items()
@@ -250,9 +250,9 @@ def _write_meshes(results: PaperResults, folder: Path) -> None:
 
 
 def _write_times(results: PaperResults, folder: Path) -> None:
-    page.write_table(
+    tables.write(
         folder / "figure-9.csv",
-        ["case", "model", "load", "repetition", "simulated", "stepping", "starting"],
+        ["case", "model", "load", "repetition", "simulated [s]", "stepping [s]", "starting [s]"],
         (
             [run.case.name, run.model, load, number, times.simulated, *pair]
             for run in results.runs
@@ -265,7 +265,7 @@ def _write_times(results: PaperResults, folder: Path) -> None:
 
 
 def _write_statements(results: PaperResults, folder: Path) -> None:
-    page.write_table(
+    tables.write(
         folder / "statements.csv",
         ["source", "claim", "verdict", "found", "reason"],
         ([s.source, s.claim, s.verdict.value, s.found, s.reason] for s in statements.evaluate(results)),

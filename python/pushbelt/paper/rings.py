@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from statistics import median
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
+from pushbelt.tables import by_name
 
 Row = dict[str, str]
 
@@ -144,11 +144,6 @@ def run(program: Path, output: Path, short: bool, progress: Callable[[float, str
     return read(output)
 
 
-def _rows(path: Path) -> list[Row]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def _optional(text: str) -> float | None:
     return float(text) if text else None
 
@@ -176,13 +171,13 @@ def read(folder: Path) -> Rings:
             *(_optional(row[name]) for name in ("reference", "low", "high")),
             judged[row["passed"]],
         )
-        for row in _rows(folder / "checks.csv")
+        for row in by_name(folder / "checks.csv")
     )
     frequencies = tuple(
         Frequency(
             row["case"], row["model"], round(float(row["elements"])), float(row["frequency"]), float(row["reference"])
         )
-        for row in _rows(folder / "frequencies.csv")
+        for row in by_name(folder / "frequencies.csv")
     )
     orders = tuple(
         Order(
@@ -193,15 +188,15 @@ def read(folder: Path) -> Rings:
             float(row["error"]),
             _optional(row["order"]),
         )
-        for row in _rows(folder / "orders.csv")
+        for row in by_name(folder / "orders.csv")
     )
     fields = ("time", "theta", "drift", "kinetic", "membrane", "bending", "bulge", "ovality")
     motions = {
         (figure, model): Motion(**_columns(rows, fields))
-        for (figure, model), rows in _grouped(_rows(folder / "motions.csv"), "figure", "model").items()
+        for (figure, model), rows in _grouped(by_name(folder / "motions.csv"), "figure", "model").items()
     }
     shapes: dict[tuple[str, str], dict[float, Array]] = {}
-    for (figure, model, time), rows in _grouped(_rows(folder / "shapes.csv"), "figure", "model", "time").items():
+    for (figure, model, time), rows in _grouped(by_name(folder / "shapes.csv"), "figure", "model", "time").items():
         points = _columns(rows, ("x", "y"))
         shapes.setdefault((figure, model), {})[float(time)] = np.column_stack([points["x"], points["y"]])
     work = tuple(
@@ -212,6 +207,6 @@ def read(folder: Path) -> Rings:
             tuple(float(row["cpu"]) for row in rows),
             *(round(float(rows[0][name])) for name in ("steps", "factorizations", "residuals")),
         )
-        for (case, model), rows in _grouped(_rows(folder / "work.csv"), "case", "model").items()
+        for (case, model), rows in _grouped(by_name(folder / "work.csv"), "case", "model").items()
     )
     return Rings(checks, frequencies, orders, motions, shapes, work)

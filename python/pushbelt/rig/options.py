@@ -57,8 +57,8 @@ def _both(found: list[float], text: str) -> tuple[float, float]:
     return found[0], found[-1]
 
 
-def add(parser: argparse.ArgumentParser) -> None:
-    """Adds the options."""
+def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Adds those of any table; returns their group."""
     group = parser.add_argument_group("how the table is read")
     group.add_argument(
         "--map",
@@ -71,6 +71,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--decimal", type=decimal, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
+    return group
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Adds all options."""
+    group = add_reading(parser)
     group.add_argument(
         "--piston-area",
         type=areas,

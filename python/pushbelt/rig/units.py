@@ -82,13 +82,25 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1.0 / 3.6, "km/h kmh kph km/hr kmh-1"),
         **_all(0.44704, "mph mi/h"),
     },
-    "length": {**_all(1.0, "m"), **_all(1e-3, "mm"), **_all(1e3, "km"), **_all(1609.344, "mi miles")},
+    "length": {**_all(1.0, "m"), **_all(1e-3, "mm"), **_all(1e-6, "um μm"), **_all(1e3, "km"), **_all(1609.344, "mi miles")},
     "stress": {**_all(1.0, "Pa N/m2 N/m^2"), **_all(1e6, "MPa N/mm2 N/mm^2"), **_all(1e9, "GPa"), **_all(1e3, "kPa")},
     "area": {**_all(1.0, "m2 m^2"), **_all(1e-4, "cm2 cm^2"), **_all(1e-6, "mm2 mm^2")},
     "temperature": {**_all(1.0, "k kelvin"), **_all(1.0, "°c c degc celsius gradc grdc deg.c", 273.15)},
     "power": {**_all(1.0, "W watt"), **_all(1e3, "kW"), **_all(735.49875, "ps hp")},
+    "energy": {**_all(1.0, "J joule"), **_all(1e3, "kJ")},
+    "angle": {**_all(1.0, "rad"), **_all(1e-3, "mrad"), **_all(math.pi / 180.0, "deg ° degree degrees")},
+    "mass": {**_all(1.0, "kg"), **_all(1e-3, "g")},
+    "inertia": {**_all(1.0, "kgm2 kgm^2")},
+    "line density": {**_all(1.0, "kg/m"), **_all(1e-3, "g/m")},
+    "curvature": {**_all(1.0, "1/m m-1 m^-1"), **_all(1e3, "1/mm mm-1 mm^-1")},
+    "stiffness": {**_all(1.0, "N/m"), **_all(1e3, "N/mm kN/m"), **_all(1e6, "kN/mm")},
+    "bending stiffness": {**_all(1.0, "Nm2 Nm^2"), **_all(1e-6, "Nmm2 Nmm^2")},
+    "angular stiffness": {**_all(1.0, "Nm/rad"), **_all(1e3, "kNm/rad Nm/mrad")},
+    "angular damping": {**_all(1.0, "Nms/rad")},
+    "damping": {**_all(1.0, "Ns/m"), **_all(1e3, "kNs/m Ns/mm")},
+    "impulse": {**_all(1.0, "Ns"), **_all(1e3, "kNs")},
     "other": {
-        **_all(1.0, "l/min l/h lpm cst mm2/s A mA V mV Hz kHz g kg J kJ Wh kWh °f degf f dB °ca rad deg ° yyyy-mm-dd hh:mm:ss"),
+        **_all(1.0, "l/min l/h lpm cst mm2/s A mA V mV Hz kHz Wh kWh °f degf f dB °ca yyyy-mm-dd hh:mm:ss"),
     },
 }
 """Units by dimension. `other` has units that no column here has, so that a row of units is recognised."""
@@ -104,8 +116,26 @@ PREFERRED: Mapping[str, tuple[str, ...]] = {
     "length": ("m", "mm"),
     "stress": ("Pa", "MPa"),
     "area": ("m2",),
+    "power": ("W", "kW"),
+    "energy": ("J", "kJ"),
+    "angle": ("rad", "deg"),
+    "mass": ("kg", "g"),
+    "inertia": ("kg.m2",),
+    "line density": ("kg/m", "g/m"),
+    "curvature": ("1/m", "1/mm"),
+    "stiffness": ("N/m", "N/mm"),
+    "bending stiffness": ("N.m2",),
+    "angular stiffness": ("N.m/rad",),
+    "angular damping": ("N.m.s/rad",),
+    "damping": ("N.s/m",),
+    "impulse": ("N.s",),
 }
-"""Units that messages and templates name."""
+"""Units that messages and templates name; the first one is the SI unit as the FMU spells it."""
+OF_FMU: Mapping[str, str] = {
+    **{units[0]: dimension for dimension, units in PREFERRED.items() if dimension != "pressure"},
+    "N/m2": "stress",
+}
+"""Dimension by the unit of a variable of the FMU."""
 
 SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-", "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°"})  # fmt: skip
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})

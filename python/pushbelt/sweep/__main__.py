@@ -14,9 +14,10 @@ from pushbelt.arguments import add_cluster, numbers
 from pushbelt.cluster import ClusterError
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
+from pushbelt.rig.options import add_reading, reading
 from pushbelt.slurm import HELP, Slurm
 
-from . import measure
+from . import measure, plausible
 from .design import AXIS_OF, Design, Varied, crossed, listed, varied
 from .run import Progress, sweep
 from .store import Store, write_parquet
@@ -45,7 +46,8 @@ def parser() -> argparse.ArgumentParser:
     )
     design.add_argument("--samples", type=int, metavar="N", help="points of a Latin hypercube over the ranges")
     design.add_argument("--seed", type=int, default=0, metavar="N", help="of the Latin hypercube [default: 0]")
-    design.add_argument("--points", type=Path, metavar="FILE.csv", help="list of points; names and units in the header")
+    design.add_argument("--points", type=Path, metavar="FILE", help="list of points, text or .xlsx; names and units in the header")
+    add_reading(found)
     found.add_argument("--slurm", metavar="OPTIONS", help=f"jobs of Slurm as workers: {HELP}".replace("%", "%%"))
     found.add_argument("--print-job", action="store_true", help="with --slurm: print the job script and end")
     found.add_argument("--chunk", type=int, metavar="N", help="points per task of a worker")
@@ -97,13 +99,17 @@ def _design_study(options: argparse.Namespace) -> Study:
     if options.points:
         if options.vary or options.samples or axes:
             raise ValueError("--points has all columns: it excludes --vary, --samples and the axes")
-        design = listed(options.points, variables)
+        design, remarks = listed(options.points, variables, reading(options))
+        for remark in remarks:
+            print(f"  {options.points}: {remark}")
     else:
         design = crossed([*axes, *map(varied, options.vary)], options.samples, options.seed)
     return Study(options.fmu, variator(options.variator, options.model, dict(options.set), design.columns), design)
 
 
 def _run(study: Study, options: argparse.Namespace, slurm: Slurm | None = None) -> int:
+    for warning in plausible.check(study):
+        print(f"  warning: {warning}", file=sys.stderr)
     # Imported here, because processes of a local cluster import this module and do not need matplotlib.
     from . import design_report, report
 

@@ -5,7 +5,6 @@ Columns that are not varied have these values: ratio 1, utilisation 0.6, 2000 rp
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import re
@@ -14,12 +13,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
+from pushbelt.rig import sheet as sheets
+from pushbelt.rig import units
+from pushbelt.rig.points import CONDITIONS
+from pushbelt.rig.sheet import Column, Fault, Reading, TableError
 
 from .point import Point, start_values
 
+UTILISATION = "utilisation"
 STANDARD = {
     "initial.ratio": 1.0,
     "utilisation": 0.6,
@@ -36,29 +42,14 @@ AXIS_OF = {
     "primary.speed": "initial.primarySpeed",
 }
 """Short names of columns, by which a point is defined."""
-CONDITIONS: Mapping[str, Mapping[str, float]] = {
+OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce")
+"""Columns that may have the names of a rig's table, such as F_S. Its secondary torque has no sign, so it is not among them."""
+ACTING: Mapping[str, Mapping[str, float]] = {
     "primary.clampingForce": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True},
     "primary.speedSetpoint": {"primary.drive": Drive.SPEED.value},
     "secondary.torque": {"secondary.drive": Drive.TORQUE.value},
 }
 """Boundary conditions under which an input acts: a varied primary force determines the ratio, for example."""
-UNITS = {
-    "rpm": math.pi / 30.0,
-    "1/min": math.pi / 30.0,
-    "kN": 1e3,
-    "N": 1.0,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "MPa": 1e6,
-    "GPa": 1e9,
-    "%": 1e-2,
-    "deg": math.pi / 180.0,
-    "kNm": 1e3,
-    "Nm": 1.0,
-    "N·m": 1.0,
-}
-"""Units of columns besides those of the FMU, in SI units."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a design."""
 
@@ -137,7 +128,7 @@ def full_values(parameters: Mapping[str, float], point: DesignPoint) -> dict[str
         force=axes["secondary.clampingForce"],
     )
     values = {**own, **start_values(own, law)}
-    for name, condition in CONDITIONS.items():
+    for name, condition in ACTING.items():
         if name in given:
             values |= condition
     return values | {name: given[name] for name in given if name not in defined}
@@ -207,29 +198,52 @@ def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[
     return [tuple(float(value) for value in row) for row in qmc.scale(unit, low, high)]
 
 
-def listed(path: Path, variables: Mapping[str, Any]) -> Design:
-    """A list of points from a CSV file with the FMU's names in its header; a unit may follow: `primary.speed [rpm]`. Default: SI."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
-    if len(lines) < 2:
-        raise DesignError(f"{path} needs a header and at least one point")
-    columns, scales = zip(*(_header(path, cell, variables) for cell in lines[0]), strict=True)
-    rows = []
-    for number, line in enumerate(lines[1:], 2):
-        try:
-            rows.append(tuple(scale * float(cell) for scale, cell in zip(scales, line, strict=True)))
-        except ValueError:
-            raise DesignError(f"{path}, line {number}: {','.join(line)} is not {len(columns)} numbers") from None
-    return Design("list", columns, tuple(rows))
+def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = None) -> tuple[Design, list[str]]:
+    """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit a column is in SI.
+
+    Raises DesignError with all faults of the table, OSError if it cannot be read.
+    """
+    try:
+        sheet = sheets.read(path, _known(variables), reading)
+        names = [name for name in sheet.taken if _settable(variables, name)]
+        sheet.check()
+        if not names:
+            raise TableError("no column is a parameter or an input of the FMU", path)
+        sheet.faults += [
+            Fault("the cell has no value", int(sheet.lines[row]), sheet.title(name))
+            for name in names
+            for row in np.flatnonzero(np.isnan(sheet.values[name]))
+        ]
+        sheet.check()
+        if not len(sheet):
+            raise TableError(sheet.left_out or "there are no points below the header", path)
+    except TableError as error:
+        raise DesignError(str(error)) from error
+    rows = tuple(tuple(map(float, row)) for row in np.column_stack([sheet.values[name] for name in names]))
+    outputs = [one.title for name, one in sheet.taken.items() if name not in names]
+    remarks = [
+        *sheet.remarks,
+        *(f"column {title} is no parameter or input of the FMU and is not read" for title in [*sheet.ignored, *outputs]),
+        *(f"{fault}: the row is left out" for fault in sheet.left_out),
+    ]
+    return Design("list", tuple(names), rows), remarks
 
 
-def _header(path: Path, cell: str, variables: Mapping[str, Any]) -> tuple[str, float]:
-    name, _, unit = cell.strip().rstrip("]").partition("[")
-    name, unit = name.strip(), unit.strip()
-    name = AXIS_OF.get(name, name)
-    own = variables[name].unit if name in variables else "1"
-    if unit in ("", own) or (unit in ("1", "-") and own in (None, "1")):
-        return name, 1.0
-    if unit not in UNITS:
-        raise DesignError(f"{path}: the unit {unit} of {name} is unknown; known are {own}, {', '.join(UNITS)}")
-    return name, UNITS[unit]
+def _settable(variables: Mapping[str, Any], name: str) -> bool:
+    return name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)
+
+
+def _known(variables: Mapping[str, Any]) -> dict[str, Column]:
+    """Columns that a list of points may have: variables of the FMU and the torque utilisation."""
+    aliases: dict[str, list[str]] = {}
+    for alias, name in AXIS_OF.items():
+        aliases.setdefault(name, []).append(alias)
+    for name in OF_RIGS:
+        aliases.setdefault(AXIS_OF.get(name, name), []).extend(CONDITIONS[name].aliases)
+    found = {UTILISATION: Column("ratio", -math.inf, math.inf, "primary torque over the torque of full slip")}
+    for name, variable in variables.items():
+        if name not in AXIS_OF and variable.type in ("Real", "Integer", "Boolean", "Enumeration"):
+            unit = variable.unit or "1"
+            names = tuple(aliases.get(name, ()))
+            found[name] = Column(units.OF_FMU[unit], -math.inf, math.inf, variable.description or "", names, unit)
+    return found

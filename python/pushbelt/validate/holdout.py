@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt import page
+from pushbelt import page, tables
 from pushbelt.charts import Chart, Panel, Series
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
@@ -108,11 +108,11 @@ def write(held: HoldOut, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     scores = held.scores()
     rows = [(s.quantity, s.variator, s.count, s.lost, s.rms, s.bias, s.relative, s.explained) for s in scores]
-    page.write_table(folder / "holdout.csv", SCORES, rows)
+    tables.write(folder / "holdout.csv", SCORES, rows)
     document = [{**s.__dict__, **{k: None for k, v in s.__dict__.items() if v != v}} for s in scores]
     (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in held.variators)]
-    page.write_table(folder / "residuals.csv", header, map(list, _residual_rows(held)))
+    tables.write(folder / "residuals.csv", header, map(list, _residual_rows(held)))
     path = folder / "report.html"
     context = {
         "held": held,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from pushbelt.page import MINUS, number
+from pushbelt.tables import title
 
 Value = float | str | None
 
@@ -122,6 +123,14 @@ def _limits(low: float | None, high: float | None, unit: Unit) -> str:
     return unit.text(low, high)
 
 
+SPELLED = {"N·m": "N.m", "points": "1", "of 4": "1", "1e-6": "1"}
+"""Spelling in files of the units of columns whose values are in that unit."""
+UNSCALED = {
+    "": "1", "%": "1", "points": "1", "1e-6": "1", "kN": "N", "MPa": "Pa", "mm": "m", "mrad": "rad", "°": "rad",
+}  # fmt: skip
+"""Units of the values of columns that are shown with a factor."""
+
+
 @dataclass(frozen=True)
 class Column:
     """A column of a table."""
@@ -141,6 +150,11 @@ class Column:
             return "–"
         shown = number(self.scale * value, self.digits)
         return f"+{shown}" if self.signed and not shown.startswith(MINUS) else shown
+
+    @property
+    def written(self) -> str:
+        """Unit of the values themselves, which CSV files have."""
+        return UNSCALED[self.unit] if self.scale != 1.0 else SPELLED.get(self.unit, self.unit)
 
     @property
     def heading(self) -> str:
@@ -163,6 +177,15 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[Value, ...], ...]
     note: str = ""
+
+    @property
+    def titles(self) -> list[str]:
+        """Titles of the columns in the CSV file."""
+        numeric = [any(isinstance(row[place], float) for row in self.rows) for place in range(len(self.columns))]
+        return [
+            title(column.name, column.written) if number else column.name
+            for column, number in zip(self.columns, numeric, strict=True)
+        ]
 
     def shown(self) -> list[list[str]]:
         """All rows as text."""

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from pushbelt import page
+from pushbelt import page, tables
 
 from . import figures
 from .outcome import Check, Section, Table, Verdict
@@ -20,7 +20,7 @@ def write(results: Results, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     _write_checks(results, folder / CHECKS)
     for table in (table for section in results.sections for table in section.tables):
-        page.write_table(folder / f"{table.key}.csv", [column.name for column in table.columns], table.rows)
+        tables.write(folder / f"{table.key}.csv", table.titles, table.rows)
     (folder / "tables.md").write_text(markdown(results), encoding="utf-8")
     path = folder / "report.html"
     context = {
@@ -68,7 +68,7 @@ def _write_checks(results: Results, path: Path) -> None:
         for section in results.sections
         for c in section.checks
     ]
-    page.write_table(path, header, rows)
+    tables.write(path, header, rows)
 
 
 # Markdown for the docs

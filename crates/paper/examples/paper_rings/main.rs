@@ -88,17 +88,23 @@ struct Tables {
 impl Tables {
     fn new() -> Self {
         Self {
-            checks: Table::new("checks.csv", "check,statement,model,value,reference,low,high,passed"),
-            frequencies: Table::new("frequencies.csv", "case,model,elements,frequency,reference"),
-            orders: Table::new("orders.csv", "model,quantity,expected,resolution,error,order"),
+            checks: Table::new(
+                "checks.csv",
+                "check,statement,model,value [SI],reference [SI],low [SI],high [SI],passed",
+            ),
+            frequencies: Table::new("frequencies.csv", "case,model,elements,frequency [Hz],reference [Hz]"),
+            orders: Table::new(
+                "orders.csv",
+                "model,quantity,expected [1],resolution [SI],error [SI],order [1]",
+            ),
             motions: Table::new(
                 "motions.csv",
-                "figure,model,time,theta,drift,kinetic,membrane,bending,bulge,ovality",
+                "figure,model,time [s],theta [1],drift [m],kinetic [J],membrane [J],bending [J],bulge [m],ovality [m2]",
             ),
-            shapes: Table::new("shapes.csv", "figure,model,time,x,y"),
+            shapes: Table::new("shapes.csv", "figure,model,time [s],x [m],y [m]"),
             work: Table::new(
                 "work.csv",
-                "case,model,elements,run,cpu,steps,rejected,residuals,factorizations",
+                "case,model,elements,run,cpu [s],steps,rejected,residuals,factorizations",
             ),
         }
     }

@@ -1,0 +1,68 @@
+"""CSV files: every program writes them by `write`, with name and unit of each column in the one spelling `primary.speed [rad/s]`.
+
+`pushbelt.rig.sheet` reads these titles, and those of other tools.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
+OF_A_VARIABLE = "[SI]"
+"""End of the title of a column whose rows are values of different variables."""
+
+
+class TitleError(ValueError):
+    """A column of numbers has no unit."""
+
+
+def title(name: str, unit: str | None) -> str:
+    """The title of a column of numbers; no unit is the unit 1, as in the FMU."""
+    return f"{name} [{unit or '1'}]"
+
+
+def titles(names: Iterable[str], units: Mapping[str, str | None]) -> list[str]:
+    """Titles of columns of numbers. Raises KeyError for a name whose unit is unknown."""
+    return [title(name, units[name]) for name in names]
+
+
+def split(text: str) -> tuple[str, str | None]:
+    """Name and unit of a title; the unit is None for a title without one. The index of `profile.pushForce[1]` is no unit."""
+    found = SPELLING.fullmatch(text.strip())
+    return (found["name"], found["unit"]) if found else (text.strip(), None)
+
+
+def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int | None = 9, remark: str | None = None) -> None:
+    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers; None writes all. A `remark` is the
+    first line, after `#`.
+
+    Raises TitleError if a column with floating-point numbers has no unit in its title.
+    """
+    header = list(header)
+    without = {place: text for place, text in enumerate(header) if split(text)[1] is None}
+    with path.open("w", encoding="utf-8", newline="") as file:
+        if remark is not None:
+            file.write(f"# {remark}\n")
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for row in rows:
+            cells = list(row)
+            for place, text in without.items():
+                if place < len(cells) and isinstance(cells[place], float):
+                    raise TitleError(f"{path.name}: the column {text} has no unit")
+            writer.writerow([_number(value, digits) if isinstance(value, float) else value for value in cells])
+
+
+def _number(value: float, digits: int | None) -> str:
+    return repr(float(value)) if digits is None else f"{value:.{digits}g}"
+
+
+def by_name(path: Path) -> list[dict[str, str]]:
+    """Rows of a file of `write`, by the names of the columns without their units."""
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(line for line in file if not line.startswith("#"))
+    return [dict(zip((split(text)[0] for text in header), row, strict=True)) for row in rows]

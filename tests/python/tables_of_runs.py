@@ -1,0 +1,28 @@
+"""What the tests check of the CSV files of runs."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from pushbelt.fmu.unit import units_of
+from pushbelt.fmu.untrusted import described
+from pushbelt.rig import sheet, units
+from pushbelt.tables import split
+
+
+def units_are_those_of(fmu: Path, *paths: Path) -> None:
+    """Every column of numbers has a unit, and that of a variable is the FMU's. Readers of tables take all titles."""
+    known = units_of(described(fmu))
+    for path in paths:
+        with path.open(encoding="utf-8", newline="") as file:
+            titles = next(csv.reader(file))
+        found = [split(title) for title in titles]
+        texts = {"case", "run", "name"}
+        assert all(unit is not None for name, unit in found if name not in texts), titles
+        assert {name: unit for name, unit in found if name in known} == {name: known[name] for name, _ in found if name in known}
+        columns = {
+            name: sheet.Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None
+        }
+        read = sheet.read(path, columns, misspelled=False)
+        assert set(read.taken) == set(columns), path
