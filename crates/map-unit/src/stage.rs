@@ -65,12 +65,7 @@ impl Stage<'_> {
         let frame = law.frame(state, self.force);
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
         let utilisation = law.traction(&frame, sliding).value;
-        let power_utilisation = if frame.forward >= 0.5 {
-            utilisation
-        } else {
-            -utilisation
-        };
-        let load = law.tables.bearing_load(&frame.place, power_utilisation);
+        let load = law.mean(&frame, sliding, |u| law.tables.bearing_load(&frame.place, u));
         let lost = law.mean(&frame, sliding, |u| law.tables.torque_loss(&frame.place, u));
         let lost = (state.primary / FADING_SPEED).tanh() * lost;
 
