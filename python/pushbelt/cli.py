@@ -70,8 +70,12 @@ def parser() -> argparse.ArgumentParser:
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
     maps.add_argument(
-        "--variator", metavar="NAME", help="solve for the maps of a parameter set: bench168, belt155 or a file ….json (minutes)"
+        "--variator",
+        metavar="NAME",
+        help="solve for the maps of a parameter set: bench168, belt155 or a file ….json; "
+        "84 lines of steady states take 4 minutes of processor time",
     )
+    maps.add_argument("--short", action="store_true", help="with --variator: solve for 12 lines only")
     maps.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="start value, in SI units; can be repeated"
     )
@@ -200,8 +204,10 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         raise ValueError(f"{options.copy} does not end in .fmu: importers would not accept it")
     if options.maps and options.variator:
         raise ValueError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
+    if options.short and not options.variator:
+        raise ValueError("--short is for maps that are solved for: it needs --variator")
     if options.variator:
-        maps: Maps | bytes = _solved_maps(options.variator, options.copy.parent)
+        maps: Maps | bytes = _solved_maps(options.variator, options.copy.parent, short=options.short)
     else:
         maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     map_unit.write_fmu(options.copy, maps, options.fmu, _assignments(options.set))
@@ -218,14 +224,14 @@ def write_map_fmu(options: argparse.Namespace) -> int:
     return 0
 
 
-def _solved_maps(variator: str, folder: Path) -> Maps:
-    """The default maps of a parameter set. Finished lines remain in a folder beside the FMU."""
+def _solved_maps(variator: str, folder: Path, *, short: bool) -> Maps:
+    """The default maps of a parameter set, or a few lines of them. Finished lines remain in a folder beside the FMU."""
     from .fmu.files import default_fmu
     from .map_data import Maps
 
     output = folder / "pushbelt-maps"
     program = importlib.import_module(f"{__package__}.maps.__main__")
-    words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator]
+    words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator, *["--short"] * short]
     if program.main(words) != 0:
         raise ValueError("there are no maps")
     return Maps.read(output / "maps.nc")

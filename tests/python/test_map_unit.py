@@ -324,6 +324,28 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     assert "wedgeAngle" in capsys.readouterr().err
 
 
+@pytest.mark.slow
+def test_the_command_solves_for_the_maps(
+    map_fmu: Path, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The FMU of another variator's maps runs in fmpy."""
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    copy = tmp_path / "belt155.fmu"
+    assert cli.main(["map-fmu", str(copy), "--variator", "belt155", "--short", "--fmu", str(map_fmu)]) == 0
+    assert validate_fmu(str(copy)) == []
+    outputs = ["ratio.geometric", "slip", "primary.speed"]
+    found = fmpy.simulate_fmu(str(copy), stop_time=1.0, output_interval=1e-2, output=outputs)
+    assert all(np.isfinite(found[name]).all() for name in outputs)
+    assert 0.0 < found["slip"][0] < 0.01
+    with zipfile.ZipFile(copy) as archive:
+        tables = json.loads(archive.read(map_unit.TABLES_FILE))
+    distance = "geometry.centerDistance"
+    assert tables["parameters"][distance] == parameter_set("belt155")[distance] != parameter_set("bench168")[distance]
+    capsys.readouterr()
+    assert cli.main(["map-fmu", str(copy), "--short", "--fmu", str(map_fmu)]) == 1
+    assert "--variator" in capsys.readouterr().err
+
+
 def made_up() -> Maps:
     """Maps with a straight traction."""
     axes = {

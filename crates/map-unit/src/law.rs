@@ -14,7 +14,7 @@
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
 use crate::settings::{Inputs, PulleyParameters, Settings};
-use crate::tables::{Geometry, Place, Tables};
+use crate::tables::{Belt, Geometry, Place, Tables};
 
 /// Regularisation speed v_0 of the slip, m/s.
 pub const SLIP_SPEED: f64 = 0.1;
@@ -155,6 +155,54 @@ pub struct Traction {
     pub slope: f64,
     /// Whether the slip is beyond that at capacity.
     pub macro_slip: bool,
+    /// Sliding speeds between which the slope holds, m/s; the same speed twice where it does not hold around the present one.
+    pub between: [f64; 2],
+}
+
+/// What the tables give at a sliding speed in one direction of running.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    traction: Traction,
+    belt: Belt,
+}
+
+/// What the tables give at a sliding speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// The traction.
+    pub traction: Traction,
+    /// The direction with the larger share.
+    main: Way,
+    /// Near standstill: the share of the other direction, and the other direction.
+    other: Option<(f64, Way)>,
+}
+
+impl Point {
+    fn mean(&self, of: impl Fn(&Way) -> f64) -> f64 {
+        let main = of(&self.main);
+        match &self.other {
+            None => main,
+            Some((share, other)) => (1.0 - share) * main + share * of(other),
+        }
+    }
+
+    /// Thrust ratio κ.
+    #[must_use]
+    pub fn thrust_ratio(&self) -> f64 {
+        self.mean(|way| way.belt.thrust_ratio)
+    }
+
+    /// Torque loss of the belt at the primary pulley, N·m, without its sign.
+    #[must_use]
+    pub fn torque_loss(&self) -> f64 {
+        self.mean(|way| way.belt.torque_loss)
+    }
+
+    /// Resultant of the belt's contact forces on a pulley, N.
+    #[must_use]
+    pub fn bearing_load(&self) -> f64 {
+        self.mean(|way| way.belt.bearing_load)
+    }
 }
 
 /// The place of a state in the tables, and what the traction needs there.
@@ -205,11 +253,12 @@ impl Law<'_> {
         let limit = frame.capacity_slip[driving].abs() * frame.speed;
         let share = sliding / limit;
         if share.abs() <= 1.0 {
-            let (value, slope) = self.tables.traction(&frame.place, share);
+            let line = self.tables.traction(&frame.place, share);
             return Traction {
-                value,
-                slope: slope / limit,
+                value: line.value,
+                slope: line.slope / limit,
                 macro_slip: false,
+                between: line.between.map(|share| share * limit),
             };
         }
         let Geometry { fall, fall_speed, .. } = self.tables.geometry;
@@ -219,6 +268,7 @@ impl Law<'_> {
             value: capacity * (1.0 - fall * (1.0 - decay)),
             slope: -capacity * fall * decay / fall_speed * sliding.signum(),
             macro_slip: true,
+            between: [sliding; 2],
         }
     }
 
@@ -229,32 +279,49 @@ impl Law<'_> {
         if b == 1.0 {
             return self.one_way(frame, sliding);
         }
-        let mut mirrored = self.one_way(frame, -sliding);
-        mirrored.value = -mirrored.value;
+        let mirrored = self.one_way(frame, -sliding);
         if b == 0.0 {
-            return mirrored;
+            return mirror_image(mirrored);
         }
-        let ahead = self.one_way(frame, sliding);
-        let main = if b >= 0.5 { ahead } else { mirrored };
-        Traction {
-            value: b * ahead.value + (1.0 - b) * mirrored.value,
-            slope: b * ahead.slope + (1.0 - b) * mirrored.slope,
-            macro_slip: main.macro_slip,
-        }
+        between(b, sliding, self.one_way(frame, sliding), mirrored)
     }
 
-    /// A quantity of a table at a sliding speed: `of` is its value at a utilisation.
+    /// All that the tables give at a sliding speed v, m/s.
     #[must_use]
-    pub fn mean(&self, frame: &Frame, sliding: f64, of: impl Fn(f64) -> f64) -> f64 {
+    pub fn point(&self, frame: &Frame, sliding: f64) -> Point {
+        let way = |sliding: f64| {
+            let traction = self.one_way(frame, sliding);
+            Way {
+                traction,
+                belt: self.tables.belt(&frame.place, traction.value),
+            }
+        };
         let b = frame.forward;
         if b == 1.0 {
-            return of(self.one_way(frame, sliding).value);
+            let main = way(sliding);
+            let (traction, other) = (main.traction, None);
+            return Point { traction, main, other };
         }
-        let mirrored = of(self.one_way(frame, -sliding).value);
+        let mirrored = way(-sliding);
         if b == 0.0 {
-            return mirrored;
+            return Point {
+                traction: mirror_image(mirrored.traction),
+                main: mirrored,
+                other: None,
+            };
         }
-        b * of(self.one_way(frame, sliding).value) + (1.0 - b) * mirrored
+        let ahead = way(sliding);
+        let traction = between(b, sliding, ahead.traction, mirrored.traction);
+        let (main, share, other) = if b >= 0.5 {
+            (ahead, 1.0 - b, mirrored)
+        } else {
+            (mirrored, b, ahead)
+        };
+        Point {
+            traction,
+            main,
+            other: Some((share, other)),
+        }
     }
 
     /// Drag torque of a shaft, N·m, and its slope over the speed.
@@ -271,18 +338,46 @@ impl Law<'_> {
     /// ℓ' at a primary speed (rad/s) and with the clamping forces of the inputs, 1/s, and its slope over the utilisation by way of the
     /// thrust ratio.
     #[must_use]
-    pub fn shift(&self, frame: &Frame, sliding: f64, primary: f64, inputs: &Inputs) -> (f64, f64) {
+    pub fn shift(&self, frame: &Frame, point: &Point, primary: f64, inputs: &Inputs) -> (f64, f64) {
         let [closing, other] = [inputs.primary.clamping_force, inputs.secondary.clamping_force];
-        let at = |utilisation: f64| {
-            let (thrust_ratio, slope) = self.tables.thrust_ratio_and_slope(&frame.place, utilisation);
+        let at = |way: &Way| {
+            let Belt {
+                thrust_ratio,
+                thrust_slope,
+                ..
+            } = way.belt;
             let holding = thrust_ratio * other;
             let excess = (closing.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
-            let (rate, gain) = self.tables.shift_rate(&frame.place, utilisation, excess);
-            (rate, -gain * slope / thrust_ratio)
+            let (rate, gain) = self.tables.shift_rate(&frame.place, way.traction.value, excess);
+            (rate, -gain * thrust_slope / thrust_ratio)
         };
-        let rate = self.mean(frame, sliding, |utilisation| at(utilisation).0);
-        let main = self.one_way(frame, if frame.forward >= 0.5 { sliding } else { -sliding });
-        let (direction, (_, slope)) = (2.0 * frame.forward - 1.0, at(main.value));
+        let (main, slope) = at(&point.main);
+        let rate = match &point.other {
+            None => main,
+            Some((share, other)) => (1.0 - share) * main + share * at(other).0,
+        };
+        let direction = 2.0 * frame.forward - 1.0;
         (-primary.abs() * rate, -primary.abs() * slope * direction)
+    }
+}
+
+/// The traction of reverse running, from that at the mirrored sliding speed.
+fn mirror_image(mirrored: Traction) -> Traction {
+    let [low, high] = mirrored.between;
+    Traction {
+        value: -mirrored.value,
+        between: [-high, -low],
+        ..mirrored
+    }
+}
+
+/// The traction near standstill, from those of both directions; `b` is the share of forward running.
+fn between(b: f64, sliding: f64, ahead: Traction, mirrored: Traction) -> Traction {
+    let main = if b >= 0.5 { ahead } else { mirrored };
+    Traction {
+        value: b * ahead.value - (1.0 - b) * mirrored.value,
+        slope: b * ahead.slope + (1.0 - b) * mirrored.slope,
+        macro_slip: main.macro_slip,
+        between: [sliding; 2],
     }
 }

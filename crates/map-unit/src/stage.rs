@@ -4,7 +4,7 @@
 //! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
 //! outer iteration.
 
-use crate::law::{FADING_SPEED, Frame, Law, State};
+use crate::law::{FADING_SPEED, Frame, Law, State, Traction};
 use crate::settings::{Axial, Drive, Inputs, PulleyParameters};
 
 /// Lag of a shaft behind its set point, s: as in the detailed unit.
@@ -64,15 +64,10 @@ impl Stage<'_> {
         let settings = law.settings;
         let frame = law.frame(state, self.force);
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
-        let utilisation = law.traction(&frame, sliding).value;
-        let power_utilisation = if frame.forward >= 0.5 {
-            utilisation
-        } else {
-            -utilisation
-        };
-        let load = law.tables.bearing_load(&frame.place, power_utilisation);
-        let lost = law.mean(&frame, sliding, |u| law.tables.torque_loss(&frame.place, u));
-        let lost = (state.primary / FADING_SPEED).tanh() * lost;
+        let point = law.point(&frame, sliding);
+        let utilisation = point.traction.value;
+        let load = point.bearing_load();
+        let lost = (state.primary / FADING_SPEED).tanh() * point.torque_loss();
 
         let torque = self.inputs.primary.torque;
         let shaft = (&settings.primary, base.primary, state.primary);
@@ -95,7 +90,7 @@ impl Stage<'_> {
         let (rate, slope) = if held {
             (0.0, 0.0)
         } else {
-            law.shift(&frame, sliding, state.primary, &self.inputs)
+            law.shift(&frame, &point, state.primary, &self.inputs)
         };
         let around = frame.radius * frame.ratio * state.secondary;
         let behind = if held {
@@ -108,13 +103,12 @@ impl Stage<'_> {
         let coupled = around * k * slope;
         let per_utilisation = per_torque * frame.torque;
         let coupled = coupled.clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
-        let sliding = self.sliding(
+        let found = self.utilisation(
             &frame,
             free - around * behind + coupled * utilisation,
             per_utilisation + coupled,
-            sliding,
+            (sliding, point.traction),
         )?;
-        let found = law.traction(&frame, sliding).value;
         let torque = frame.torque * found;
         let log_ratio = if held {
             base.log_ratio
@@ -159,17 +153,20 @@ impl Stage<'_> {
         }
     }
 
-    /// The root of v − `free` + `per_utilisation` u(v), from a guess.
-    fn sliding(&self, frame: &Frame, free: f64, per_utilisation: f64, guess: f64) -> Option<f64> {
+    /// The utilisation at the root of v − `free` + `per_utilisation` u(v), from a guess with its traction.
+    fn utilisation(&self, frame: &Frame, free: f64, per_utilisation: f64, guess: (f64, Traction)) -> Option<f64> {
         if per_utilisation == 0.0 {
-            return Some(free);
+            return Some(self.law.traction(frame, free).value);
         }
         let reach = MOST * per_utilisation;
         let (mut low, mut high) = (free - reach, free + reach);
-        let mut v = guess.clamp(low, high);
+        let (mut v, mut traction) = guess;
+        if v < low || v > high {
+            v = v.clamp(low, high);
+            traction = self.law.traction(frame, v);
+        }
         let tolerance = 1e-11 + 1e-13 * (free.abs() + reach);
         for _ in 0..INNER {
-            let traction = self.law.traction(frame, v);
             let excess = v - free + per_utilisation * traction.value;
             if excess > 0.0 {
                 high = v;
@@ -178,18 +175,21 @@ impl Stage<'_> {
             }
             let slope = 1.0 + per_utilisation * traction.slope;
             let newton = v - excess / slope;
-            if slope > 0.0 && (newton - v).abs() <= tolerance {
-                return Some(newton);
+            let [from, to] = traction.between;
+            // The traction is piecewise linear: the root within a piece is exact.
+            if slope > 0.0 && (newton >= from && newton <= to || (newton - v).abs() <= tolerance) {
+                return Some(traction.value + traction.slope * (newton - v));
             }
             let next = if slope > 0.0 && newton > low && newton < high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            if high - low <= tolerance {
-                return Some(next);
-            }
             v = next;
+            traction = self.law.traction(frame, v);
+            if high - low <= tolerance {
+                return Some(traction.value);
+            }
         }
         None
     }

@@ -83,55 +83,84 @@ pub struct Place {
     pub outside: bool,
 }
 
-/// A refined table.
+/// Refined tables with the same axes. The values of a place are together, so that one look-up reads them all.
 #[derive(Clone, Debug)]
-struct Sheet {
+struct Sheet<const N: usize> {
     along: Even,
-    values: Vec<f64>,
+    values: Vec<[f64; N]>,
 }
 
-impl Sheet {
-    /// The table with each row made to rise: the refinement along the ratio keeps rising rows only nearly so.
-    fn rising(mut self) -> Self {
-        for row in self.values.chunks_mut(self.along.count) {
-            let mut most = f64::NEG_INFINITY;
-            for value in row {
-                most = most.max(*value);
-                *value = most;
-            }
-        }
-        self
+impl<const N: usize> Sheet<N> {
+    fn of(along: Even, tables: [Vec<f64>; N]) -> Self {
+        let count = tables[0].len();
+        let values = (0..count).map(|k| std::array::from_fn(|n| tables[n][k])).collect();
+        Self { along, values }
     }
 
-    /// The value, and its slope along the last axis.
-    fn at(&self, place: &Place, x: f64) -> (f64, f64) {
+    /// Values and slopes along the last axis, and the interval in which the slopes hold.
+    fn at(&self, place: &Place, x: f64) -> Found<N> {
         let (k, t) = self.along.find(x);
         let next = usize::from(self.along.count > 1);
-        let (mut value, mut rise) = (0.0, 0.0);
+        let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
         for (line, weight) in place.lines {
             let row = line * self.along.count + k;
-            let (low, high) = (self.values[row], self.values[row + next]);
-            value += weight * (low + t * (high - low));
-            rise += weight * (high - low);
+            let pair = &self.values[row..=row + next];
+            let (low, high) = (&pair[0], &pair[next]);
+            for n in 0..N {
+                values[n] += weight * (low[n] + t * (high[n] - low[n]));
+                slopes[n] += weight * (high[n] - low[n]);
+            }
         }
-        (value, rise * self.along.per_step)
+        Found {
+            values,
+            slopes: slopes.map(|rise| rise * self.along.per_step),
+            interval: k,
+        }
     }
 }
 
-/// Values that belong to the two directions of the torque: secondary drives, primary drives.
-#[derive(Clone, Debug)]
-struct Pair(Vec<[f64; 2]>);
+/// What a look-up finds.
+struct Found<const N: usize> {
+    values: [f64; N],
+    slopes: [f64; N],
+    /// Index of the interval along the last axis.
+    interval: usize,
+}
 
-impl Pair {
-    fn at(&self, place: &Place) -> [f64; 2] {
-        let mut found = [0.0; 2];
-        for (line, weight) in place.lines {
-            let [low, high] = self.0[line];
-            found[0] += weight * low;
-            found[1] += weight * high;
+/// Each row made to rise: the refinement along the ratio keeps rising rows only nearly so.
+fn rising(mut values: Vec<f64>, width: usize) -> Vec<f64> {
+    for row in values.chunks_mut(width) {
+        let mut most = f64::NEG_INFINITY;
+        for value in row {
+            most = most.max(*value);
+            *value = most;
         }
-        found
     }
+    values
+}
+
+/// What the tables give for the belt at a utilisation.
+#[derive(Clone, Copy, Debug)]
+pub struct Belt {
+    /// Thrust ratio κ.
+    pub thrust_ratio: f64,
+    /// Its slope over the utilisation.
+    pub thrust_slope: f64,
+    /// Torque loss of the belt at the primary pulley, N·m.
+    pub torque_loss: f64,
+    /// Resultant of the belt's contact forces on a pulley, N.
+    pub bearing_load: f64,
+}
+
+/// Utilisation at a slip.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Utilisation.
+    pub value: f64,
+    /// Its slope.
+    pub slope: f64,
+    /// Slips between which the slope holds.
+    pub between: [f64; 2],
 }
 
 /// Constants of the variator whose maps these are.
@@ -163,13 +192,13 @@ pub struct Tables {
     speeds: Vec<f64>,
     ratios: Even,
     shift_utilisations: Vec<f64>,
-    thrust_ratio: Sheet,
-    torque_loss: Sheet,
-    bearing_load: Sheet,
-    traction: Sheet,
-    shift_rates: Vec<Sheet>,
-    capacity: Pair,
-    capacity_slip: Pair,
+    /// Thrust ratio, torque loss, bearing load.
+    belt: Sheet<3>,
+    traction: Sheet<1>,
+    /// Shift rates at each utilisation and the next one.
+    shift_rates: Vec<Sheet<2>>,
+    /// Utilisations and slips at capacity; of each, where the secondary and where the primary pulley drives.
+    limits: Vec<[f64; 4]>,
 }
 
 impl Tables {
@@ -206,11 +235,13 @@ impl Tables {
     /// What the equations rely on.
     fn check(&self) -> Result<(), String> {
         let wrong = |what: &str| Err(format!("it is damaged: {what}"));
-        if self.thrust_ratio.values.iter().any(|value| *value <= 0.0) {
+        if self.belt.values.iter().any(|[thrust_ratio, ..]| *thrust_ratio <= 0.0) {
             return wrong("a thrust ratio is not positive");
         }
-        let signs = |pair: &[f64; 2]| pair[0] < 0.0 && pair[1] > 0.0;
-        if !self.capacity.0.iter().all(signs) || !self.capacity_slip.0.iter().all(signs) {
+        let signs = |[back, ahead, back_slip, ahead_slip]: &[f64; 4]| {
+            *back < 0.0 && *ahead > 0.0 && *back_slip < 0.0 && *ahead_slip > 0.0
+        };
+        if !self.limits.iter().all(signs) {
             return wrong("a capacity has the wrong sign");
         }
         let Geometry {
@@ -265,49 +296,52 @@ impl Tables {
     /// Capacity in both directions: utilisations and slips.
     #[must_use]
     pub fn limits(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
-        (self.capacity.at(place), self.capacity_slip.at(place))
+        let mut found = [0.0; 4];
+        for (line, weight) in place.lines {
+            for (sum, value) in found.iter_mut().zip(&self.limits[line]) {
+                *sum += weight * value;
+            }
+        }
+        let [back, ahead, back_slip, ahead_slip] = found;
+        ([back, ahead], [back_slip, ahead_slip])
     }
 
-    /// Utilisation at a slip, as a share of the slip at capacity from −1 to 1, and its slope.
+    /// Utilisation at a slip, as a share of the slip at capacity from −1 to 1.
     #[must_use]
-    pub fn traction(&self, place: &Place, share: f64) -> (f64, f64) {
-        self.traction.at(place, share)
+    pub fn traction(&self, place: &Place, share: f64) -> Line {
+        let found = self.traction.at(place, share);
+        let along = &self.traction.along;
+        let border = |k: usize| along.first + k as f64 / along.per_step;
+        Line {
+            value: found.values[0],
+            slope: found.slopes[0],
+            between: [border(found.interval), border(found.interval + 1)],
+        }
     }
 
-    /// Thrust ratio κ at a utilisation.
+    /// The belt at a utilisation.
     #[must_use]
-    pub fn thrust_ratio(&self, place: &Place, utilisation: f64) -> f64 {
-        self.thrust_ratio.at(place, utilisation).0
-    }
-
-    /// Thrust ratio κ at a utilisation, and its slope.
-    #[must_use]
-    pub fn thrust_ratio_and_slope(&self, place: &Place, utilisation: f64) -> (f64, f64) {
-        self.thrust_ratio.at(place, utilisation)
-    }
-
-    /// Torque loss of the belt at the primary pulley, N·m.
-    #[must_use]
-    pub fn torque_loss(&self, place: &Place, utilisation: f64) -> f64 {
-        self.torque_loss.at(place, utilisation).0
-    }
-
-    /// Resultant of the belt's contact forces on a pulley, N.
-    #[must_use]
-    pub fn bearing_load(&self, place: &Place, utilisation: f64) -> f64 {
-        self.bearing_load.at(place, utilisation).0
+    pub fn belt(&self, place: &Place, utilisation: f64) -> Belt {
+        let found = self.belt.at(place, utilisation);
+        let [thrust_ratio, torque_loss, bearing_load] = found.values;
+        Belt {
+            thrust_ratio,
+            thrust_slope: found.slopes[0],
+            torque_loss,
+            bearing_load,
+        }
     }
 
     /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.
     #[must_use]
     pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> (f64, f64) {
         let (k, t) = interval(&self.shift_utilisations, utilisation);
-        let low = self.shift_rates[k].at(place, excess);
-        if t == 0.0 {
-            return low;
-        }
-        let high = self.shift_rates[k + 1].at(place, excess);
-        (low.0 + t * (high.0 - low.0), low.1 + t * (high.1 - low.1))
+        let Found {
+            values: [low, high],
+            slopes: [low_slope, high_slope],
+            ..
+        } = self.shift_rates[k].at(place, excess);
+        (low + t * (high - low), low_slope + t * (high_slope - low_slope))
     }
 }
 
@@ -354,14 +388,13 @@ impl File<'_> {
                 Err(format!("it is damaged: the table {name} falls along its last axis"))
             }
         };
-        let refined = |name: &str, along: &[f64], count: usize| -> Result<Sheet, String> {
+        let refined = |name: &str, along: &[f64], count: usize| -> Result<(Even, Vec<f64>), String> {
             let values = self.numbers(name, grid.lines * logs.len() * along.len())?;
-            Ok(grid.sheet(&values, along, count))
+            Ok(grid.refined(&values, along, count))
         };
-        let pairs = |name: &str| -> Result<Pair, String> {
+        let pairs = |name: &str| -> Result<Vec<f64>, String> {
             let values = self.numbers(name, grid.lines * logs.len() * 2)?;
-            let rows = grid.along_ratio(&values, 2);
-            Ok(Pair(rows.as_chunks::<2>().0.to_vec()))
+            Ok(grid.along_ratio(&values, 2))
         };
         let count = shift_utilisations.len();
         let rates = self.numbers("shiftRate", grid.lines * logs.len() * count * excess.len())?;
@@ -371,22 +404,29 @@ impl File<'_> {
             &self.numbers("traction", grid.lines * logs.len() * share.len())?,
             share.len(),
         )?;
-        let shift_rates = (0..count).map(|k| {
+        let shift_rates = |k: usize| {
             let rows = rates.chunks(excess.len()).skip(k).step_by(count);
-            grid.sheet(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES)
-                .rising()
+            let (even, values) = grid.refined(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES);
+            (even, rising(values, even.count))
+        };
+        let shift_rates = (0..count.max(2) - 1).map(|k| {
+            let ((even, low), (_, high)) = (shift_rates(k), shift_rates((k + 1).min(count - 1)));
+            Sheet::of(even, [low, high])
         });
+        let (utilisations, thrust_ratio) = refined("thrustRatio", &utilisation, UTILISATIONS)?;
+        let (_, torque_loss) = refined("beltTorqueLoss", &utilisation, UTILISATIONS)?;
+        let (_, bearing_load) = refined("bearingLoad", &utilisation, UTILISATIONS)?;
+        let (shares, traction) = refined("traction", &share, SHARES)?;
+        let (capacity, capacity_slip) = (pairs("capacity")?, pairs("capacitySlip")?);
+        let limits = capacity.chunks(2).zip(capacity_slip.chunks(2));
         Ok(Tables {
             geometry: self.geometry()?,
             hash,
             ratios,
-            thrust_ratio: refined("thrustRatio", &utilisation, UTILISATIONS)?,
-            torque_loss: refined("beltTorqueLoss", &utilisation, UTILISATIONS)?,
-            bearing_load: refined("bearingLoad", &utilisation, UTILISATIONS)?,
-            traction: refined("traction", &share, SHARES)?.rising(),
+            belt: Sheet::of(utilisations, [thrust_ratio, torque_loss, bearing_load]),
+            traction: Sheet::of(shares, [rising(traction, shares.count)]),
             shift_rates: shift_rates.collect(),
-            capacity: pairs("capacity")?,
-            capacity_slip: pairs("capacitySlip")?,
+            limits: limits.map(|(of, at)| [of[0], of[1], at[0], at[1]]).collect(),
             forces,
             speeds: speeds.iter().map(|speed| speed * speed).collect(),
             shift_utilisations,
@@ -448,15 +488,13 @@ struct Refinement<'a> {
 }
 
 impl Refinement<'_> {
-    fn sheet(&self, values: &[f64], along: &[f64], count: usize) -> Sheet {
+    /// The refined last axis, and the values refined along it and along the ratio.
+    fn refined(&self, values: &[f64], along: &[f64], count: usize) -> (Even, Vec<f64>) {
         let even = Even::between(along[0], along[along.len() - 1], count);
         let places = even.places();
         let rows = values.chunks(along.len());
         let fine: Vec<f64> = rows.flat_map(|row| resampled(along, row, &places)).collect();
-        Sheet {
-            along: even,
-            values: self.along_ratio(&fine, even.count),
-        }
+        (even, self.along_ratio(&fine, even.count))
     }
 
     /// Refines along the ratio; rows have `width` values.

@@ -90,7 +90,7 @@ impl MapUnit {
             Drive::Speed => self.acting[2],
             Drive::Torque => self.settings.primary_speed,
         };
-        self.thrust_ratio = self.law().tables.thrust_ratio(&self.frame().place, 0.0);
+        self.thrust_ratio = self.tables.belt(&self.frame().place, 0.0).thrust_ratio;
         self.settle(drive, &mut warn);
         if self.settings.steady && self.settings.equilibrium && !self.is_held() {
             self.balance(drive, &mut warn);
@@ -146,9 +146,9 @@ impl MapUnit {
         let law = self.law();
         let State { primary, secondary, .. } = self.state;
         let sliding = frame.radius * (primary - frame.ratio * secondary);
-        let load = law.mean(frame, sliding, |u| self.tables.bearing_load(&frame.place, u));
-        let lost = law.mean(frame, sliding, |u| self.tables.torque_loss(&frame.place, u));
-        let lost = (primary / FADING_SPEED).tanh() * lost;
+        let point = law.point(frame, sliding);
+        let load = point.bearing_load();
+        let lost = (primary / FADING_SPEED).tanh() * point.torque_loss();
         let (on_primary, _) = law.drag(&self.settings.primary, primary, load);
         let (on_secondary, _) = law.drag(&self.settings.secondary, secondary, load);
         let (into, out) = (self.acting[0] - on_primary, self.acting[3] - on_secondary);
@@ -226,10 +226,7 @@ impl MapUnit {
 
     fn update_thrust_ratio(&mut self) {
         let frame = self.frame();
-        let sliding = self.sliding(&frame);
-        let law = self.law();
-        let found = law.mean(&frame, sliding, |u| self.tables.thrust_ratio(&frame.place, u));
-        self.thrust_ratio = found;
+        self.thrust_ratio = self.law().point(&frame, self.sliding(&frame)).thrust_ratio();
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
@@ -367,12 +364,13 @@ impl MapUnit {
         let force = self.force(&self.acting);
         let State { primary, secondary, .. } = self.state;
         let sliding = self.sliding(&frame);
-        let traction = law.traction(&frame, sliding);
+        let point = law.point(&frame, sliding);
+        let traction = point.traction;
         let torque = frame.torque * traction.value;
-        let load = law.mean(&frame, sliding, |u| self.tables.bearing_load(&frame.place, u));
-        let lost = law.mean(&frame, sliding, |u| self.tables.torque_loss(&frame.place, u));
+        let load = point.bearing_load();
+        let lost = point.torque_loss();
         let on_secondary = frame.ratio * (torque - (primary / FADING_SPEED).tanh() * lost);
-        let holding = law.mean(&frame, sliding, |u| self.tables.thrust_ratio(&frame.place, u));
+        let holding = point.thrust_ratio();
         let drag = [(&self.settings.primary, primary), (&self.settings.secondary, secondary)]
             .map(|(pulley, speed)| law.drag(pulley, speed, load).0);
         let axial = match self.settings.primary.axial {

@@ -173,9 +173,10 @@ impl Bench {
         };
         let frame = law.frame(&state, settings.inputs.secondary.clamping_force);
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
-        let torque = frame.torque * law.traction(&frame, sliding).value;
-        let lost = (state.primary / 2.0).tanh() * law.mean(&frame, sliding, |u| tables.torque_loss(&frame.place, u));
-        let (shift, _) = law.shift(&frame, sliding, state.primary, &settings.inputs);
+        let point = law.point(&frame, sliding);
+        let torque = frame.torque * point.traction.value;
+        let lost = (state.primary / 2.0).tanh() * point.torque_loss();
+        let (shift, _) = law.shift(&frame, &point, state.primary, &settings.inputs);
         ([torque, frame.ratio * (torque - lost)], shift)
     }
 
