@@ -6,7 +6,6 @@
 //! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
 //! | `stepper` | the trait behind a communication step, and the accurate integrator |
 //! | `checkpoint` | the state before a communication step, for one that can't be done |
-//! | `real_time` | the same trait with bounded work |
 //! | `real_time`, `pending_inputs` | the same integrator with bounded work, and the inputs that wait for it |
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
