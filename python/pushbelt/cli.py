@@ -62,13 +62,18 @@ def parser() -> argparse.ArgumentParser:
         "--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json"
     )
     fmu.add_argument(
-        "--ssv", type=Path, metavar="SET.ssv", help="parameter set that is applied next, System Structure Parameter Values 1.0"
+        "--ssv",
+        type=Path,
+        metavar="SET.ssv",
+        help="parameter set that is applied next, System Structure Parameter Values 1.0",
     )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     text = "write an FMU of a variator from maps"
     maps = commands.add_parser("map-fmu", help=text, description=f"{text.capitalize()}, without a compiler.")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
-    maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
+    maps.add_argument(
+        "--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json"
+    )
     maps.add_argument(
         "--variator",
         metavar="NAME",
@@ -103,7 +108,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_program(arguments[0], arguments[1:])
     options = parser().parse_args(arguments)
     try:
-        commands = {"fmu": write_fmu, "map-fmu": write_map_fmu, "cache": show_cache, "variables": show_variables, "docs": show_docs}
+        commands = {
+            "fmu": write_fmu,
+            "map-fmu": write_map_fmu,
+            "cache": show_cache,
+            "variables": show_variables,
+            "docs": show_docs,
+        }
         return commands[options.command](options)
     except BrokenPipeError:
         # The reader of the output, such as `head`, has enough.

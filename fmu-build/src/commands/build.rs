@@ -20,6 +20,9 @@ const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 /// Folder of the licences in both versions of the standard (2.0.4, section 2.3); `license.txt` is the entry.
 const LICENSES: &str = "documentation/licenses";
 const LICENSE: &str = include_str!("../../templates/license.txt");
+/// Files of the layered standard for related files, FMI-LS-REF, and the page about them.
+const REFERENCE: &str = "extra/org.fmi-standard.fmi-ls-ref";
+const REFERENCE_PAGE: &str = include_str!("../../templates/fmi-ls-ref.html");
 /// Supported features of each version of FMI, as a section of the documentation.
 const FMI2: &str = include_str!("../../templates/fmi2.html");
 const FMI3: &str = include_str!("../../templates/fmi3.html");
@@ -243,6 +246,13 @@ fn collect(
     let description = read(&workspace.model_description())?;
     let description = Description::parse(std::str::from_utf8(&description)?)?;
     archive.add("documentation/index.html", documentation(&description, interface))?;
+    archive.add("documentation/fmi-ls-ref.html", REFERENCE_PAGE.as_bytes().to_vec())?;
+    let reference = workspace.root().join("resources/reference");
+    for extension in ["xml", "exp", "ssv", "csv"] {
+        for (name, content) in files(&reference, extension)? {
+            archive.add(format!("{REFERENCE}/{name}"), content)?;
+        }
+    }
     let header = read(&workspace.root().join("resources/pushbelt.h"))?;
     archive.add("documentation/pushbelt.h", header)?;
 
