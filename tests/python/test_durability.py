@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt import Variator
+from pushbelt import Variator, tables
 from pushbelt.durability import __main__, fatigue
 from pushbelt.durability.damage import Damage, damage
 from pushbelt.durability.fatigue import Material
@@ -135,6 +135,26 @@ def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -
     assert read(both).field is None
     chosen = read(both, profile=True).field
     assert chosen is not None and chosen.shape == (101, 72)
+
+
+def test_files_with_units_are_read_as_those_without(tmp_path: Path) -> None:
+    """The titles of the programs of this project, and stress in MPa."""
+    columns = run(amplitude=4e8, mean=5e8)
+    field = {f"{FIELD}[{k}]": np.full(101, value) for k, value in enumerate(loop(9e8, 8e8, -1e8), start=1)}
+    known = {"time": "s", "ring.speed": "m/s", "distance": "m"}
+    path = tmp_path / "units.csv"
+    for names in ([*columns], [*known, *field]):
+        both = columns | field
+        plain = read(write(tmp_path / "plain.csv", {name: both[name] for name in names}))
+        units = {name: known.get(name, "MPa") for name in names}
+        factors = [1e-6 if units[name] == "MPa" else 1.0 for name in names]
+        tables.write(path, tables.titles(names, units), np.column_stack([both[name] for name in names]) * factors, digits=12)
+        found = read(path)
+        for name, column in plain.columns.items():
+            assert found[name] == pytest.approx(column, rel=1e-9), name
+        assert (found.field is None) == (plain.field is None) == (names == [*columns])
+        if found.field is not None:
+            assert found.field == pytest.approx(plain.field, rel=1e-9)
 
 
 def test_more_clamping_costs_more_and_bending_stays(tmp_path: Path) -> None:
