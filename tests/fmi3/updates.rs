@@ -176,3 +176,48 @@ fn a_bad_input_within_a_step_is_discarded() {
     assert_eq!((ended.status, ended.time), (Ok, 5e-3));
     assert!(importer.real("primary.torque").is_finite());
 }
+
+/// A step that takes too much work is discarded, after updates in it too: all is as before, the last successful time is its start, and it
+/// can be repeated.
+#[test]
+fn a_discarded_step_leaves_all_as_before() {
+    for handles in [Handles::default(), WATCHED] {
+        let watched = handles.early_return;
+        let importer = Importer::new(handles);
+        assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
+        assert_eq!(importer.set_real("inputs.ramp", 0.0), Ok);
+        importer.start(false);
+        let updates = Rc::new(RefCell::new(0));
+        let count = Rc::clone(&updates);
+        importer.answer(move |_| {
+            *count.borrow_mut() += 1;
+            None
+        });
+        assert_eq!(importer.step(0.0, 1e-3).status, Ok, "{}", importer.last());
+        let before = importer.readings();
+        let loads = [
+            "primary.clampingForce",
+            "secondary.clampingForce",
+            "primary.torque",
+            "secondary.torque",
+        ];
+        let gentle = loads.map(|name| importer.real(name));
+        for (name, load) in loads.into_iter().zip([5e5, 5e5, 1e4, -1e4]) {
+            assert_eq!(importer.set_real(name, load), Ok);
+        }
+        *updates.borrow_mut() = 0;
+        let ended = importer.step(1e-3, 2e-3);
+        assert_eq!(
+            (ended.status, ended.event, ended.early, ended.time),
+            (Discard, false, false, 1e-3)
+        );
+        assert!(importer.last().contains("was given up at 0.001"), "{}", importer.last());
+        assert_eq!(*updates.borrow() > 0, watched);
+        assert_eq!((importer.readings(), importer.real("time")), (before, 1e-3));
+        for (name, load) in loads.into_iter().zip(gentle) {
+            assert_eq!(importer.set_real(name, load), Ok);
+        }
+        let ended = importer.step(1e-3, 2e-3);
+        assert_eq!((ended.status, ended.time), (Ok, 3e-3), "{}", importer.last());
+    }
+}
