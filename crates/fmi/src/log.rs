@@ -87,7 +87,7 @@ pub struct Log {
 
 impl Log {
     /// Errors, warnings and discarded steps are logged even when debug logging is off: they are not debug messages, and in FMI
-    /// 2.0.4 (section 2.1.5) `loggingOn` is about these. An importer that does not use them passes no logger.
+    /// 2.0 (section 2.1.5) `loggingOn` is about these. An importer that does not use them passes no logger.
     const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
 
     /// A log into `sink`, if there is one, for FMI 2.0.

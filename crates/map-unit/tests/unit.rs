@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Value;
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Unit};
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
 use pushbelt_map_unit::law::{Law, Radii, State, primary_radius};
 use pushbelt_map_unit::settings::{Axial, Drive, Readings, Settings};
 use pushbelt_map_unit::tables::{FILE, Tables};
@@ -51,6 +51,36 @@ fn run(unit: &mut MapUnit, settings: &Settings, time: f64, duration: f64) -> Rea
         step(unit, settings, begin + time * k as f64);
     }
     *unit.readings(false)
+}
+
+/// A step without a solution leaves state, inputs and friction as they were.
+#[test]
+fn a_discarded_step_leaves_all_as_before() {
+    let mut settings = settings();
+    let mut unit = start(&settings);
+    run(&mut unit, &settings, 1e-3, 0.02);
+    let bytes = |unit: &mut MapUnit| {
+        let mut tape = Tape::writer();
+        unit.serialize(&mut tape);
+        tape.into_bytes()
+    };
+    let (before, readings) = (bytes(&mut unit), *unit.readings(false));
+    let wanted = settings.inputs.secondary.torque;
+    settings.inputs.secondary.torque = f64::INFINITY;
+    settings.friction = 0.08;
+    let mut step = CommunicationStep {
+        from: unit.time(),
+        to: unit.time() + 5e-3,
+        rates: None,
+        progress: (),
+    };
+    unit.begin(&mut step, &settings).expect("a step");
+    let failed = unit.advance(&mut step, &settings, &mut Vec::new());
+    assert!(matches!(failed, Err(StepFailure::Discarded(_))), "{failed:?}");
+    assert_eq!(bytes(&mut unit), before);
+    assert_eq!(*unit.readings(false), readings);
+    settings.inputs.secondary.torque = wanted;
+    self::step(&mut unit, &settings, step.to);
 }
 
 // Variables

@@ -41,7 +41,7 @@ COLUMNS: Mapping[str, Column] = {
     "distance": DISTANCE,
     "ratio.geometric": Column("ratio", 0.01, 100.0, "ratio r_S/r_P"),
     "primary.shaftTorque": Column("torque", -1e6, 1e6, "torque of the belt on the primary pulley", (), "N.m"),
-    "primary.torque": Column("torque", -1e6, 1e6, "torque on the primary shaft", (), "N.m"),
+    "primary.torque": Column("torque", -1e4, 1e4, "torque on the primary shaft", (), "N.m"),
     **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
 }
 """Columns that are read. Those without a unit are in SI units."""

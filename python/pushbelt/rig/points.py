@@ -64,11 +64,11 @@ CONDITIONS: Mapping[str, Column] = {
     "secondary.torque": Column(
         "torque", -5000.0, 5000.0, "torque on the secondary shaft, of any sign; gives the efficiency", _TORQUES["secondary"]
     ),
-    "secondary.clampingForce": Column("force", 100.0, 1e6, "clamping force of the secondary pulley", _FORCES["secondary"]),
+    "secondary.clampingForce": Column("force", 100.0, 5e5, "clamping force of the secondary pulley", _FORCES["secondary"]),
     "primary.clampingForce": Column(
         "force",
         100.0,
-        1e6,
+        5e5,
         "clamping force of the primary pulley; needed for a shift, else it gives the thrust ratio",
         _FORCES["primary"],
     ),

@@ -180,7 +180,7 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
 ];
 
-/// Ten times what the largest belts for cars transmit and are clamped with.
+/// More than ten times what belts for cars transmit and are clamped with.
 const INPUTS: &[Limit<PulleyInputs, 2>] = &[
     pulley_limit!("torque", torque, -1e4, 1e4),
     pulley_limit!("clampingForce", clamping_force, 0.0, 5e5),

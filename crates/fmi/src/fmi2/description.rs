@@ -78,7 +78,7 @@ fn scalar_variable<S, R>(variable: &Variable<S, R>, settings: &S) -> Element {
 }
 
 /// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs depend on
-/// settings, on all of them where there is no list (section 2.2.8 of FMI 2.0.4).
+/// settings, on all of them where there is no list (FMI 2.0, definition of the model structure).
 fn model_structure<S, R>(table: &Table<S, R>) -> Element {
     let unknowns = || {
         let numbered = table.variables().iter().zip(1..);
