@@ -85,7 +85,7 @@ def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift(tmp_path: Pat
         (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
         (
             f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n",
-            "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 1000",
+            "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 500",
         ),
         (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
         (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),

@@ -92,7 +92,7 @@ impl Tables {
                 "checks.csv",
                 "check,statement,model,value [SI],reference [SI],low [SI],high [SI],passed",
             ),
-            frequencies: Table::new("frequencies.csv", "case,model,elements,frequency [Hz],reference [Hz]"),
+            frequencies: Table::new("frequencies.csv", "case,model,elements [1],frequency [Hz],reference [Hz]"),
             orders: Table::new(
                 "orders.csv",
                 "model,quantity,expected [1],resolution [SI],error [SI],order [1]",
@@ -104,7 +104,7 @@ impl Tables {
             shapes: Table::new("shapes.csv", "figure,model,time [s],x [m],y [m]"),
             work: Table::new(
                 "work.csv",
-                "case,model,elements,run,cpu [s],steps,rejected,residuals,factorizations",
+                "case,model,elements [1],run [1],cpu [s],steps [1],rejected [1],residuals [1],factorizations [1]",
             ),
         }
     }
