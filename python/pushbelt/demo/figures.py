@@ -28,7 +28,7 @@ LOSSES = (
     ("loss.shafts", "shafts", VIOLET),
     ("loss.other", "rest", MUTED),
 )
-"""Output, name and colour of each loss."""
+"""Output, name and colour of each loss. Those that a belt does not have are not shown."""
 
 STANDSTILL = 1.0
 """Least secondary speed for quotients of speeds, rad/s."""
@@ -96,6 +96,7 @@ def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) ->
         [
             Series(label, places, [r.steady[part] for r in ordered], colour, "bars", labels=names, bar_width=0.82)
             for part, label, colour in LOSSES
+            if any(r.steady[part] for r in ordered)
         ],
         x_ticks=ticks,
         stacked=True,
@@ -151,7 +152,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         ("Slip (%), linear to 3 %, logarithmic beyond", [line("slip", slip, RED)], _slip_axis(slip[moving])),
         (
             "Losses (kW), linear to 1 kW, logarithmic beyond",
-            [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES],
+            [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])],
             {
                 "scale": "symlog",
                 "linear_to": 1.0,
