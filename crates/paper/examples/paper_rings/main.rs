@@ -92,7 +92,10 @@ impl Tables {
                 "checks.csv",
                 "check,statement,model,value [SI],reference [SI],low [SI],high [SI],passed",
             ),
-            frequencies: Table::new("frequencies.csv", "case,model,elements [1],frequency [Hz],reference [Hz]"),
+            frequencies: Table::new(
+                "frequencies.csv",
+                "case,model,elements [1],frequency [Hz],reference [Hz]",
+            ),
             orders: Table::new(
                 "orders.csv",
                 "model,quantity,expected [1],resolution [SI],error [SI],order [1]",
