@@ -7,8 +7,7 @@ use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::differences::compare;
 use pushbelt::solver::{State, System, View};
-use pushbelt::variator::belt_ring::GeometryUpdate;
-use pushbelt::variator::belt_ring::{BeltRing, InForce};
+use pushbelt::variator::belt_ring::{BeltRing, InForce, ReusePolicy};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
@@ -148,11 +147,11 @@ fn assert_updated(
     let [mut first, mut found, mut exact] = [matrix(), matrix(), matrix()];
     system.jacobian(TIME, states[0].view(), slopes[0], slopes[1], &mut first);
     change(system);
-    let mut form = |geometry, out: &mut Arrow| {
-        system.form_jacobian(Some(geometry), TIME, states[1].view(), slopes, out);
+    let mut form = |policy, out: &mut Arrow| {
+        system.form_jacobian(policy, TIME, states[1].view(), slopes, out);
     };
-    form(GeometryUpdate::None, &mut found);
-    form(GeometryUpdate::All, &mut exact);
+    form(ReusePolicy::Geometry, &mut found);
+    form(ReusePolicy::None, &mut exact);
     let [first, found, exact] = [&first, &found, &exact].map(product);
     let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let (changed, off) = (largest(&first, &exact), largest(&found, &exact));

@@ -7,8 +7,7 @@ use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use crate::tape::Tape;
-use crate::variator::belt::equations::GeometryUpdate;
-use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
@@ -109,7 +108,7 @@ impl VariatorSystem {
     #[doc(hidden)]
     pub fn form_jacobian(
         &mut self,
-        geometry: Option<GeometryUpdate>,
+        policy: ReusePolicy,
         time: f64,
         view: View<'_>,
         factors: [f64; 2],
@@ -122,7 +121,7 @@ impl VariatorSystem {
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
-            .jacobian(InForce { belt, law, friction }, view, factors, geometry, of_belt);
+            .jacobian(InForce { belt, law, friction }, view, factors, policy, of_belt);
         let boundary = self.loads.at(time);
         self.pulleys
             .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
@@ -229,7 +228,7 @@ impl System for VariatorSystem {
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         let [before, _] = self.differentiations();
-        self.form_jacobian(None, time, view, [alpha, beta], out);
+        self.form_jacobian(ReusePolicy::WhereValid, time, view, [alpha, beta], out);
         let [after, _] = self.differentiations();
         (after - before) as f64 / self.belt.mesh.groups.len() as f64
     }

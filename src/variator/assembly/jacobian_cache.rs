@@ -10,6 +10,7 @@ use crate::tape::Tape;
 use crate::variator::assembly::law_part::{LawPart, LawWork, height};
 use crate::variator::assembly::regime::{Regime, TangentScales};
 use crate::variator::assembly::unknowns::Unknowns;
+use crate::variator::belt::equations::ReusePolicy;
 use crate::variator::cell::directions::Directions;
 
 /// Factor by which 1/(hγ) may have changed.
@@ -28,17 +29,6 @@ pub(crate) enum CacheUpdate {
     Tangents,
     /// All derivatives.
     All,
-}
-
-/// Which cached derivatives are reused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ReusePolicy {
-    /// Those that are still valid.
-    WhereValid,
-    /// The geometry, where derivatives for a similar step size exist.
-    Geometry,
-    /// None.
-    None,
 }
 
 /// Where derivatives were evaluated: unknowns, and factors of ẏ and q; NaN where there are none.

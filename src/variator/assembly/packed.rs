@@ -11,13 +11,13 @@ use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::worst_of_pack;
 use crate::variator::assembly::jacobian::{Differentiate, Forward};
-use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache, ReusePolicy};
+use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
-use crate::variator::belt::equations::{Assembly, GeometryUpdate, InForce};
+use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, CellUnknowns};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
@@ -151,16 +151,11 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        geometry: Option<GeometryUpdate>,
+        policy: ReusePolicy,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let policy = match geometry {
-            None => ReusePolicy::WhereValid,
-            Some(GeometryUpdate::All) => ReusePolicy::None,
-            Some(GeometryUpdate::None) => ReusePolicy::Geometry,
-        };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();

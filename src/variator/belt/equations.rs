@@ -14,12 +14,14 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
-/// Part of a Jacobian's geometry that is evaluated. The constitutive tangents are evaluated in any case.
+/// Which cached derivatives a Jacobian reuses. The constitutive tangents are evaluated where the geometry is reused by choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GeometryUpdate {
-    /// Everything.
-    All,
-    /// Nothing: all geometry is reused from a Jacobian of a similar step, if there is one.
+pub enum ReusePolicy {
+    /// Those that are still valid.
+    WhereValid,
+    /// The geometry, where derivatives for a similar step size exist.
+    Geometry,
+    /// None.
     None,
 }
 
@@ -45,13 +47,13 @@ pub trait Assembly: Debug + Send + Sync {
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
     /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier
-    /// call are reused where they are still valid for a simplified Newton method; `geometry` overrides this choice.
+    /// call are reused as `policy` says: by [`ReusePolicy::WhereValid`] where they are valid for a simplified Newton method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        geometry: Option<GeometryUpdate>,
+        policy: ReusePolicy,
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 

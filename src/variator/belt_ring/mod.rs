@@ -21,7 +21,7 @@ pub use crate::variator::assembly::packed::{deflecting_derivative_error, guided_
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
 pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};
-pub use crate::variator::belt::equations::{Assembly, GeometryUpdate, InForce};
+pub use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 pub use crate::variator::belt::ring::BeltRing;
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 pub use crate::variator::belt::{Belt, HOLD};

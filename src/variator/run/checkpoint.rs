@@ -6,7 +6,6 @@ use crate::solver::State;
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::plant::Plant;
-use crate::variator::run::variator::Variator;
 
 /// A plant's state, loads and energies, and the external torques. Its memory is allocated once.
 #[derive(Clone, Debug)]
@@ -39,43 +38,37 @@ impl Checkpoint {
             external_torque: PerPulley::default(),
         }
     }
-}
 
-impl Variator {
-    /// Stores the present state.
-    pub(super) fn save_checkpoint(&mut self) {
-        let Self { plant, checkpoint, .. } = self;
+    /// Stores the state of a plant, and the external torques, N·m.
+    pub fn save(&mut self, plant: &Plant, external_torque: PerPulley<f64>) {
         let Plant {
             system, energy, state, ..
         } = plant;
-        checkpoint.state.copy_from(state);
-        checkpoint.time = plant.time;
-        checkpoint.inputs = plant.inputs;
-        checkpoint.loads = system.loads;
-        checkpoint.friction.clone_from(&system.parameters.friction);
-        checkpoint.friction_velocity = system.friction_velocity;
-        checkpoint.energies = [energy.supplied, energy.lost, energy.moved];
-        checkpoint.external_torque = self.external_torque;
+        self.state.copy_from(state);
+        self.time = plant.time;
+        self.inputs = plant.inputs;
+        self.loads = system.loads;
+        self.friction.clone_from(&system.parameters.friction);
+        self.friction_velocity = system.friction_velocity;
+        self.energies = [energy.supplied, energy.lost, energy.moved];
+        self.external_torque = external_torque;
     }
 
-    /// Goes back to the state that was stored last. Outputs have the same bits as there. What the solver reuses from step to step is left
-    /// out, and the work done since then remains counted.
-    pub(super) fn roll_back(&mut self) {
-        let Self { plant, checkpoint, .. } = self;
+    /// Brings a plant back to the state that was stored last, without what the solver reuses from step to step. Returns the external
+    /// torques, N·m.
+    pub fn restore(&self, plant: &mut Plant) -> PerPulley<f64> {
         let Plant {
             system, energy, state, ..
         } = plant;
-        state.copy_from(&checkpoint.state);
-        plant.time = checkpoint.time;
-        plant.inputs = checkpoint.inputs;
-        system.loads = checkpoint.loads;
-        system.parameters.friction.clone_from(&checkpoint.friction);
-        system.friction_velocity = checkpoint.friction_velocity;
+        state.copy_from(&self.state);
+        system.loads = self.loads;
+        system.parameters.friction.clone_from(&self.friction);
+        system.friction_velocity = self.friction_velocity;
         system.forget_derivatives();
-        [energy.supplied, energy.lost, energy.moved] = checkpoint.energies;
+        [energy.supplied, energy.lost, energy.moved] = self.energies;
         energy.last.update(system, state.view());
-        self.external_torque = checkpoint.external_torque;
-        self.stepper.start_again(&self.plant);
-        self.stale = true;
+        plant.time = self.time;
+        plant.inputs = self.inputs;
+        self.external_torque
     }
 }

@@ -13,8 +13,8 @@ use crate::travelling::order::Order;
 use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, GeometryUpdate, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler,
-    Transport, Transports,
+    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, ReusePolicy, Sample, Sampler, Transport,
+    Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.
@@ -228,7 +228,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        _geometry: Option<GeometryUpdate>,
+        _policy: ReusePolicy,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
