@@ -151,7 +151,6 @@ fn compile(
     }
     // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
     // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
-    // `fat` gives the same, but cargo then links all build scripts like that as well, which takes a minute.
     let is_linux = target.platform.extension == "so";
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
@@ -159,7 +158,7 @@ fn compile(
         .args(["--target", target.zig, "--crate-type", "cdylib"])
         .env("PATH", tools.path()?)
         .env("PUSHBELT_BUILD", build)
-        .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "thin" })
+        .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
         .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
     if is_variant {
         let tool = std::env::current_exe().context("the path of this tool is unknown")?;
