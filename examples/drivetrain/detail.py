@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from pushbelt.drive import report, simulate, thrust_map
+from pushbelt.drive import report, simulate
 from pushbelt.drive.car import demo_car
 from pushbelt.drive.cycle import wltc_class_3b
+from pushbelt.drive.measure import measure
+from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.unit import Archive
 
 LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
@@ -19,7 +21,7 @@ def main() -> None:
     with Archive.unpack(fmu) as archive:
         for ring, mesh in LEVELS:
             parameters = simulate.unit_parameters(car, ring, "coarse")
-            table = thrust_map.load(fmu, archive, parameters, Path(f"target/drive/thrust-ratio-map-{ring}.csv"))
+            table = ThrustMap.of_maps(measure(fmu, parameters, Path("target/drive")))
             run = simulate.run(archive, car, table, simulate.Setup("detail", "safety", cycle, ring, mesh))
             cells = (ring, mesh, f"{1e6 * table.shift_gain(1.0, 0.3):.3f}", f"{run['thrustRatio'][-1]:.2f}",
                      f"{run.variator_loss:.0f}", f"{100 * report.ratio_error(run):.1f}",

@@ -16,6 +16,7 @@ from pushbelt.drive import simulate
 from pushbelt.drive.car import Powertrain, demo_car
 from pushbelt.drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
 from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.data import torque_capacity
 
@@ -104,9 +105,8 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
 
 def main() -> None:
     """Prints the growth rates."""
-    table = ThrustMap.read(Path("target/drive/thrust-ratio-map-ALE.csv"))
-    if table is None:
-        raise SystemExit("run `cargo fmu drive --short` first: it writes the thrust-ratio map")
+    coarse = simulate.unit_parameters(CAR, "ALE", "coarse")
+    table = ThrustMap.of_maps(measure(Path("target/PushbeltVariator.fmu"), coarse, Path("target/drive")))
     print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
     print("|---" * 6 + "|")
     variator = pushbelt.Variator(PARAMETERS)

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from .fmu import cache, capacity
 from .fmu import unit as calls
-from .fmu.data import clamping_force, curve_of, parameter_set, torque_capacity
+from .fmu.data import clamping_force, parameter_set, pitch_radius, torque_capacity
 from .fmu.enumerations import Axial, Drive, RingModel
 from .fmu.files import default_fmu
-from .fmu.geometry import theta_of
 from .fmu.results import Profile, SteadyState, dataframe, item
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.starts import driven_by_torque
@@ -450,8 +449,7 @@ class Variator:
         _check(Point(ratio, torque, speed, 0.0))
         if not (math.isfinite(safety) and safety > 0.0):
             raise ValueError(f"safety = {safety!r} is not a number above 0")
-        pitch_radius = curve_of(values, theta_of(ratio)).primary_radius - values["belt.pitchOffset"]
-        needed = clamping_force(torque, pitch_radius, values["friction.pulley"], values["geometry.wedgeAngle"], safety)
+        needed = clamping_force(torque, pitch_radius(values, ratio), values["friction.pulley"], values["geometry.wedgeAngle"], safety)
         if why := capacity.excessive_force(torque, needed):
             raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
         if thrust_ratio is not None:

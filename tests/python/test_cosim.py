@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 import reports
 from lxml import etree
+from sample_maps import default_maps
 
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.transmission import RATIO_LIMITS
 from pushbelt.fmu.unit import UnitError
 
 pythonfmu = pytest.importorskip("pythonfmu")
@@ -30,21 +32,13 @@ from pushbelt.drive.cosim.unit import MAP_FILE
 
 ROOT = Path(__file__).parents[2]
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
-MAP = ThrustMap(
-    ratios=np.array([0.5, 2.0]),
-    utilisations=np.array([-1.0, 1.0]),
-    thrust=np.array([[1.0, 1.5], [0.6, 1.0]]),
-    slips=np.array([[-0.01, 0.01], [-0.01, 0.01]]),
-    excesses=np.log([0.3, 1.0, 3.0]),
-    shift_rates=np.broadcast_to(8e-7 * np.array([-0.7, 0.0, 2.0]), (2, 2, 3)).copy(),
-)
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]
 
 
 @pytest.fixture(scope="module")
 def ssp(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return study.build(fmu, MAP, study.SHORT, tmp_path_factory.mktemp("package"))
+    return study.build(fmu, default_maps(), study.SHORT, tmp_path_factory.mktemp("package"))
 
 
 def document(ssp: Path, name: str) -> etree._Element:
@@ -122,9 +116,10 @@ def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:
     assert vehicle["engine.speed"][-1] == pytest.approx(84.0, rel=0.05)
     control = fmpy.simulate_fmu(str(found["control"]), **at_rest)
     assert control["primary.clampingForce"][0] == 8000.0
-    # The map's thrust ratio there is 0.8.
+    holding = ThrustMap.of_maps(default_maps()).thrust_ratio(RATIO_LIMITS[1], 0.0)
     assert control["primary.clampingForce"][-1] < 2100.0
-    assert control["secondary.clampingForce"][-1] == pytest.approx(control["primary.clampingForce"][-1] / 0.8, rel=0.05)
+    expected = control["primary.clampingForce"][-1] / holding
+    assert control["secondary.clampingForce"][-1] == pytest.approx(expected, rel=0.05)
 
 
 def test_refusal_is_one_line(
@@ -135,7 +130,7 @@ def test_refusal_is_one_line(
 
     monkeypatch.setattr(ctypes, "CDLL", refuse)
     with pytest.raises(UnitError, match="undefined symbol"):
-        fmus.build(tmp_path, MAP)
+        fmus.build(tmp_path, default_maps())
 
     def fail(*_: object) -> None:
         raise UnitError("this Python can't run FMUs of pythonfmu")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import json
 import math
 import os
 import shutil
@@ -16,9 +15,9 @@ import numpy as np
 import pytest
 import reports
 import tables_of_runs
+from sample_maps import default_maps
 
 import pushbelt
-from pushbelt import map_unit
 from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.car import Powertrain, demo_car
@@ -33,14 +32,16 @@ from pushbelt.drive.control import (
 from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
 from pushbelt.drive.driver import Driver
 from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.durability.table import COLUMNS, MEAN, STRESSES
-from pushbelt.fmu.data import clamping_force
+from pushbelt.fmu.data import clamping_force, torque_capacity
 from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, UnitError, Variator
-from pushbelt.map_data import TABLES, Maps
+from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 600.0
@@ -58,7 +59,6 @@ MAP = ThrustMap(
 """Its belt shifts by 8e-7/(N·rad) times the excess of the primary force at ratio 1 without torque."""
 MEASURED = Measured(primary_speed=200.0, ratio=1.0, slip=0.005, macro_slip=False, pitch_radius=0.0575, torque=50.0)
 STEP = simulate.STEP
-
 
 # Numbers
 
@@ -249,23 +249,6 @@ def test_map_is_bilinear_and_constant_beyond() -> None:
     assert MAP.thrust_ratio(1.0, 0.9) == pytest.approx(1.3)
     assert MAP.thrust_ratio(1.5, 0.45) == pytest.approx((1.0 + 1.3 + 0.7 + 1.0) / 4)
     assert MAP.thrust_ratio(3.0, 2.0) == pytest.approx(1.0)
-
-
-def test_map_survives_its_cache(tmp_path: Path) -> None:
-    path = tmp_path / "map.csv"
-    odd = dataclasses.replace(
-        MAP, thrust=MAP.thrust / 3.0, shift_rates=MAP.shift_rates / 7.0, clearance_force=1e4 / 3.0
-    )
-    odd.write(path, "key")
-    for key in ("key", None):
-        found = ThrustMap.read(path, key)
-        assert found is not None
-        assert np.array_equal(found.thrust, odd.thrust)
-        assert np.array_equal(found.excesses, odd.excesses)
-        assert np.array_equal(found.shift_rates, odd.shift_rates)
-        assert found.clearance_force == odd.clearance_force
-    assert ThrustMap.read(path, "another key") is None
-    assert ThrustMap.read(tmp_path / "none.csv", "key") is None
 
 
 def test_shift_rates_are_inverted() -> None:
@@ -545,24 +528,21 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
 
 
 @pytest.fixture(scope="module")
-def table(fmu: Path, archive: Archive, drive_folder: Path) -> ThrustMap:
-    return thrust_map.load(fmu, archive, PARAMETERS, drive_folder / "thrust-ratio-map-ALE.csv")
+def table(fmu: Path, drive_folder: Path) -> ThrustMap:
+    return ThrustMap.of_maps(measure(fmu, PARAMETERS, drive_folder))
 
 
 def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
     """The controllers' map from the maps of `bench168`, which have another mesh and other points."""
-    document = json.loads(map_unit.default_maps().read_bytes())
-    axes = {name: np.array(entry["values"]) for name, entry in document["axes"].items()}
-    tables = {name: np.zeros([len(axes[axis]) for axis in one.axes]) for name, one in TABLES.items()}
-    tables |= {name: np.array(entry["values"]) for name, entry in document["tables"].items()}
-    found = ThrustMap.of_maps(Maps(axes, tables, document["parameters"]))
+    maps = default_maps()
+    found = ThrustMap.of_maps(maps)
     for ratio in (0.5, 0.8, 1.2, 2.0):
         for utilisation in (-0.3, 0.0, 0.3, 0.6):
             expected = table.thrust_ratio(ratio, utilisation)
             assert found.thrust_ratio(ratio, utilisation) == pytest.approx(expected, rel=0.06)
         assert found.shift_gain(ratio, 0.3) == pytest.approx(table.shift_gain(ratio, 0.3), rel=0.35)
     assert found.clearance_force == pytest.approx(table.clearance_force, rel=0.5)
-    others = dataclasses.replace(Maps(axes, tables, {}), axes={**axes, "shiftUtilisation": np.array([-0.2, 0.3])})
+    others = dataclasses.replace(maps, axes={**maps.axes, "shiftUtilisation": np.array([-0.2, 0.3])})
     with pytest.raises(ValueError, match="shifts"):
         ThrustMap.of_maps(others)
 
@@ -582,7 +562,7 @@ def test_thrust_map_is_in_order(table: ThrustMap) -> None:
 @pytest.mark.parametrize("ratio", [0.7, 1.5])
 def test_forces_of_the_map_hold_its_ratio(archive: Archive, table: ThrustMap, ratio: float) -> None:
     """Between the points of the map; 10 % more primary force shifts into overdrive in the same time."""
-    torque = thrust_map.torque_at(PARAMETERS, ratio, 0.5)
+    torque = 0.5 * torque_capacity(PARAMETERS, ratio, thrust_map.FORCE)
     found = []
     for share in (1.0, 1.1):
         start = {
@@ -607,14 +587,15 @@ def test_forces_of_the_map_hold_its_ratio(archive: Archive, table: ThrustMap, ra
 @pytest.mark.parametrize("force", [6e3, 20e3])
 def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: ThrustMap, force: float) -> None:
     """At forces that the map was not made with; in proportion to force it would be off by half."""
-    shares = (0.75, 1.3)
-    expected = table.acting_force(force) / force
-    for ratio in (0.6, 1.0, 1.7):
-        at_map, found = (
-            thrust_map.measured_shift_rates(archive, PARAMETERS, ratio, 0.3, at, shares)
-            for at in (thrust_map.FORCE, force)
-        )
-        assert found / at_map == pytest.approx(np.full(2, expected), rel=0.25)
+    excesses = np.log([0.75, 1.3])
+    expected = table.acting_force(force) / thrust_map.FORCE
+    with SteadyStates(archive, {**PARAMETERS, **SHAFTS}) as states:
+        for ratio in (0.6, 1.0, 1.7):
+            at_map, found = (
+                np.array(shift_rates(states, Line(at, thrust_map.SPEED, ratio), 0.3, excesses))
+                for at in (thrust_map.FORCE, force)
+            )
+            assert found / at_map == pytest.approx(np.full(2, expected), rel=0.25)
 
 
 def ripple(values: np.ndarray) -> float:

@@ -17,9 +17,11 @@ from fmpy.validation import validate_fmu
 
 from pushbelt import MapVariator, cli, map_unit
 from pushbelt.demo import manoeuvre
-from pushbelt.drive import simulate, thrust_map
+from pushbelt.drive import simulate
 from pushbelt.drive.car import demo_car
 from pushbelt.drive.cycle import CYCLES
+from pushbelt.drive.measure import measure
+from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 from pushbelt.map_data import MapError, Maps
@@ -173,9 +175,7 @@ def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> N
 def drives(archive: Archive, maps_archive: Archive, fmu: Path, folder: Path, start: float, stop: float) -> list[Any]:
     """The same section of the WLTC with slip control, with the detailed unit and with that of maps."""
     car, cycle = demo_car(), CYCLES["wltc"][1]().section(start, stop)
-    table = thrust_map.load(
-        fmu, archive, simulate.unit_parameters(car, "ALE", "coarse"), folder / "thrust-ratio-map-ALE.csv"
-    )
+    table = ThrustMap.of_maps(measure(fmu, simulate.unit_parameters(car, "ALE", "coarse"), folder))
     setup = simulate.Setup("slip control", "slip", cycle)
     return [simulate.run(unpacked, car, table, setup) for unpacked in (archive, maps_archive)]
 

@@ -17,10 +17,11 @@ import reports
 import xarray
 from scipy.io import loadmat, whosmat
 
-from pushbelt.fmu.data import curve_of, pitch_radius
+from pushbelt.fmu.data import curve_of, pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import theta_of
+from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import Along, Bench, Line, capacity, limit, measure, shift_rates
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
 from pushbelt.map_data import LOSSES, TABLES, MapError, Maps
 from pushbelt.maps import Grid, Plan, __main__, files, report, run
 from pushbelt.maps.plan import COARSE, stops, variator
@@ -133,34 +134,32 @@ def test_identity_is_that_of_the_results(plan: Plan) -> None:
 
 def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, plan: Plan) -> None:
     """The primary torque is that of the belt, and the powers of the belt close to the sum of its losses."""
-    bench = Bench(archive, plan.full)
+    states = SteadyStates(archive, {**plan.full, **SHAFTS})
     line = Line(6e3, 200.0, 1.0)
-    unit = bench.at_torque(line, 0.5)
-    torque = 0.5 * capacity(plan.full, 1.0, 6e3)
+    unit = at_torque(states, line, 0.5)
+    torque = 0.5 * torque_capacity(plan.full, 1.0, 6e3)
     assert -unit.get("primary.shaftTorque") == pytest.approx(torque, rel=1e-6)
     assert unit.get("loss.shafts") < 1e-2 * torque * 200.0
     slip = unit.get("slip")
     assert slip > 1e-3
-    found = measure(bench, line, Along((0.5, 1.2), (-1.0, 0.0, 1.0), (0.3,), (0.2,)))
+    found = measure(states, line, Along((0.5, 1.2), (-1.0, 0.0, 1.0), (0.3,), (0.2,)))
     assert found["points"]["slip"][0] == pytest.approx(slip, rel=1e-9)
     assert found["points"]["slip"][1] is None
     assert found["reasons"] == {"1.2": f"beyond the capacity, a utilisation of {found['capacity'][1]:.3f}"}
     assert found["traction"][0] == found["capacity"][0] < -0.8
-    bench.close()
+    states.close()
 
 
 def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
     """The rate of a small excess agrees with the gain that `fmu.shift` measures."""
     from pushbelt.fmu.shift import shift
     from pushbelt.fmu.starts import driven_at_speed
-    from pushbelt.fmu.unit import Variator
 
-    bench, line = Bench(archive, plan.full), Line(12e3, 60.0, 1.2)
-    (rate,) = shift_rates(bench, line, 0.3, (0.1,))
-    load = bench.at_torque(line, 0.3).get("secondary.externalTorque")
-    with Variator(archive, {}) as unit:
-        measured = shift(unit, driven_at_speed(bench.parameters, line.ratio, line.speed, load, line.force), 0.1)
-    bench.close()
+    states, line = SteadyStates(archive, {**plan.full, **SHAFTS}), Line(12e3, 60.0, 1.2)
+    (rate,) = shift_rates(states, line, 0.3, (0.1,))
+    load = at_torque(states, line, 0.3).get("secondary.externalTorque")
+    measured = shift(states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force)), 0.1)
+    states.close()
     middle = float(np.interp(0.09, measured.time, measured.speed_ratio))
     assert rate == pytest.approx(measured.rate / middle / line.speed, rel=0.01)
 

@@ -288,7 +288,7 @@ def solved(study: Study, archive: Archive) -> list[Row]:
     """The whole study, solved by one instance, last point first."""
     solver = Solver(archive)
     found = [row for chunk in chunks(study, set())[::-1] for row in solver.solve(chunk)]
-    assert solver.instances == 1
+    assert solver.pool.instances == 1
     solver.close()
     return found
 

@@ -13,7 +13,6 @@ import pytest
 
 from pushbelt import cli
 from pushbelt.demo import __main__ as demo_main
-from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu import cache, untrusted
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.unit import Archive
@@ -168,16 +167,6 @@ def test_values_of_a_wrong_type_are_named(fmu: Path, tmp_path: Path, capsys: pyt
         said = capsys.readouterr().err
         assert why in said and said.count("\n") == 1, said
     assert not (tmp_path / "own.fmu").exists()
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "3", "# [1]", "# null", '# {"key": "k"}', '# {"key": "k", "clearanceForce": {}}\n1,2', "# " + "[" * 100_000, "\xff"],
-)
-def test_a_damaged_map_of_an_earlier_drive_is_solved_for_anew(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "map.csv"
-    path.write_bytes(text.encode("latin-1"))
-    assert ThrustMap.read(path, "k") is None
 
 
 def test_a_gigabyte_of_json_is_not_read(tmp_path: Path) -> None:

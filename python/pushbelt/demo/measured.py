@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import pi
 
-from pushbelt.fmu.data import EfficiencyPoint, clamping_force, curve_of, measured_efficiencies
-from pushbelt.fmu.geometry import theta_of
+from pushbelt.fmu.data import EfficiencyPoint, clamping_force, measured_efficiencies, pitch_radius
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.unit import Archive, Variator
@@ -26,9 +25,9 @@ def run(archive: Archive, parameters: Mapping[str, float]) -> tuple[MeasuredPoin
 
 
 def _at(archive: Archive, parameters: Mapping[str, float], point: EfficiencyPoint) -> MeasuredPoint:
-    pitch_radius = curve_of(parameters, theta_of(point.ratio)).primary_radius - parameters["belt.pitchOffset"]
+    radius = pitch_radius(parameters, point.ratio)
     friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
-    force = max(clamping_force(point.torque, pitch_radius, friction, wedge_angle, SAFETY), LEAST_FORCE)
+    force = max(clamping_force(point.torque, radius, friction, wedge_angle, SAFETY), LEAST_FORCE)
     start_values = driven_by_torque(parameters, point.ratio, point.speed * pi / 30.0, point.torque, force)
     with Variator(archive, start_values) as unit:
         unit.initialise()

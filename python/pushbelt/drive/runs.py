@@ -11,9 +11,10 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.map_data import Maps
 from pushbelt.side_by_side import tick
 
-from . import simulate, thrust_map
+from . import simulate
 from .car import demo_car
 from .cycle import CYCLES
+from .measure import measure
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
@@ -107,21 +108,21 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
 
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
-    """Runs a plan with an FMU; the thrust-ratio maps are stored in the folder `cache`."""
+    """Runs a plan with an FMU; the controllers' maps are stored in the folder `cache`."""
     with Archive.unpack(fmu) as archive:
         return _run_all(fmu, archive, plan, cache)
 
 
-def _map(fmu: Path, archive: Archive, plan: Plan, ring: str, cache: Path) -> ThrustMap:
+def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
     if plan.maps is not None:
         return ThrustMap.of_maps(Maps.read(plan.maps))
     parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
-    return thrust_map.load(fmu, archive, parameters, cache / f"thrust-ratio-map-{ring}.csv")
+    return ThrustMap.of_maps(measure(fmu, parameters, cache))
 
 
 def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
     setups = plan.setups()
-    maps = {ring: _map(fmu, archive, plan, ring, cache) for ring in {setup.ring for setup in setups}}
+    maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
     done = side_by_side.run_all(
         [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
         total=round(sum(setup.cycle.duration for setup in setups)),

@@ -1,54 +1,36 @@
-"""The thrust-ratio map: thrust ratio and slip over ratio and torque, from the FMU's steady states."""
+"""The thrust-ratio map of the controllers: thrust ratio and slip over ratio and torque, and shift rates."""
 
 from __future__ import annotations
 
-import csv
-import hashlib
-import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from operator import mul
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pushbelt import tables
-from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 from .piecewise import clip, interpolate, interval
 
 if TYPE_CHECKING:
     from pushbelt.map_data import Maps
 
-RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
-UTILISATIONS = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
 SPEED = 200.0
 """Primary speed of the map, rad/s. The thrust ratio depends on it only weakly."""
 FORCE = 12e3
 """Secondary clamping force of the map, N."""
-SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
-"""Primary forces at which the shift rate is measured, relative to the force that holds the ratio."""
 SHIFT_UTILISATIONS = (-0.3, 0.3)
 """Torque utilisations at which the shift rate is measured."""
 OTHER_FORCE = 5e3
-"""Second secondary clamping force at which the shift rate is measured, N. It determines the dependence on force."""
-OTHER_SHARES, OTHER_UTILISATION = (0.75, 1.3), 0.3
-"""Primary forces, relative to the force that holds the ratio, and torque utilisation at `OTHER_FORCE`."""
+"""Secondary clamping force of the second shift rates, N. They determine the dependence on force."""
 STILL = 1e-4
 """Least change of slip over an interval of the utilisation whose ends are both steady states."""
 NEARBY = 0.2
 """Range of the excess about its expected value in which the shift gain is taken."""
-SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
-"""Duration, s, step, s, and largest change of ln i of a shift measurement."""
-
-Parameters = Mapping[str, float]
-
 
 class _Plain(NamedTuple):
     """The tables of a map as plain numbers."""
@@ -160,22 +142,6 @@ class ThrustMap:
         low, high = ((1.0 - q) * row[n] + q * row[n + 1] for row in table[m : m + 2])
         return (1.0 - p) * low + p * high
 
-    def write(self, path: Path, key: str) -> None:
-        """Writes the map as CSV without loss of digits: a comment with key and shift rates, then one row per point."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        shifting = {
-            "excesses": self.excesses.tolist(),
-            "shiftRates": self.shift_rates.tolist(),
-            "clearanceForce": self.clearance_force,
-        }
-        rows = (
-            (ratio, utilisation, self.thrust[m, n], self.slips[m, n])
-            for m, ratio in enumerate(self.ratios)
-            for n, utilisation in enumerate(self.utilisations)
-        )
-        header = [tables.title(name, "1") for name in ("ratio", "utilisation", "thrustRatio", "slip")]
-        tables.write(path, header, rows, digits=None, remark=json.dumps({"key": key, **shifting}))
-
     @classmethod
     def of_maps(cls, maps: Maps) -> ThrustMap:
         """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, which need these shift utilisations.
@@ -200,130 +166,6 @@ class ThrustMap:
             axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance
         )
 
-    @classmethod
-    def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
-        """Reads a file of `write`. Returns None if it is missing or damaged, or if its key differs from the given one."""
-        try:
-            with path.open(encoding="utf-8", newline="") as file:
-                head = json.loads(file.readline().removeprefix("#"))
-                if key is not None and head["key"] != key:
-                    return None
-                rows = np.array(list(csv.reader(file))[1:], dtype=float)
-            ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
-            shape = (len(ratios), len(utilisations))
-            thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
-            excesses, rates = (np.array(head[name], dtype=float) for name in ("excesses", "shiftRates"))
-            return cls(ratios, utilisations, thrust, slips, excesses, rates, float(head["clearanceForce"]))
-        except (OSError, ValueError, LookupError, TypeError, RecursionError):
-            return None
-
-
-def map_key(fmu: Path, parameters: Parameters) -> str:
-    """Hash of everything that a cached map depends on: the FMU's bytes, the parameters and the grid."""
-    text = json.dumps(
-        [
-            dict(parameters),
-            RATIOS,
-            UTILISATIONS,
-            SPEED,
-            FORCE,
-            SHIFT_UTILISATIONS,
-            SHIFT_SHARES,
-            SHIFT_TIME,
-            SHIFT_STEP,
-            SHIFT_REACH,
-            OTHER_FORCE,
-            OTHER_SHARES,
-            OTHER_UTILISATION,
-        ],
-        sort_keys=True,
-    )
-    return hashlib.sha256(fmu.read_bytes() + text.encode()).hexdigest()
-
-
-def torque_at(parameters: Parameters, ratio: float, utilisation: float, force: float = FORCE) -> float:
-    """Primary torque for a utilisation under a secondary clamping force in N, N·m."""
-    return utilisation * torque_capacity(parameters, ratio, force)
-
-
-def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float, force: float = FORCE) -> Variator:
-    unit = Variator(
-        archive,
-        {
-            **parameters,
-            "initial.ratio": ratio,
-            "initial.primarySpeed": SPEED,
-            "initial.steady": True,
-            "primary.torque": torque,
-            "secondary.torque": -torque * ratio,
-            "secondary.clampingForce": force,
-        },
-    )
-    unit.initialise()
-    return unit
-
-
-def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array, Array]:
-    """Thrust ratio and slip over the utilisations at one ratio."""
-    found = []
-    for utilisation in UTILISATIONS:
-        wanted = torque_at(parameters, ratio, utilisation)
-        try:
-            with _start(archive, parameters, ratio, wanted) as unit:
-                state, steady = unit.outputs(), unit.not_steady is None
-        except UnitError:
-            continue
-        if steady and not state["macroSlip"]:
-            share = -state["primary.shaftTorque"] / torque_at(parameters, ratio, 1.0)
-            found.append((share, state["thrustRatio"], state["slip"]))
-    if len(found) < 3:
-        raise UnitError(f"too few steady states at ratio {ratio:g}: {len(found)} of {len(UTILISATIONS)}")
-    share, thrust, slip = np.array(sorted(found)).T
-    return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
-
-
-def measured_shift_rates(
-    archive: Archive,
-    parameters: Parameters,
-    ratio: float,
-    utilisation: float,
-    force: float = FORCE,
-    shares: Sequence[float] = SHIFT_SHARES,
-) -> Array:
-    """Shift speeds over ω_P and a secondary force, N, after a jump of the primary force from its value in the steady state."""
-    rates = []
-    with (
-        _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation, force), force) as unit,
-        unit.stored() as restore,
-    ):
-        outputs = unit.reals(["primary.axialForce", "ratio.geometric"])
-        holding, begin = unit.get_reals(outputs)
-        for share in shares:
-            restore()
-            unit.set({"primary.clampingForce": share * holding})
-            logs = [math.log(begin)]
-            while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
-                unit.step_to(len(logs) * SHIFT_STEP)
-                logs.append(math.log(unit.get_reals(outputs)[1]))
-            # The first half of the time contains the transient after the jump.
-            half = (len(logs) - 1) // 2
-            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * force))
-    return np.array(rates)
-
-
-def _clearance_force(archive: Archive, parameters: Parameters) -> float:
-    """F_c, N, from shift rates at the map's force and at `OTHER_FORCE`: the median over ratios and forces."""
-    at_map, at_other = (
-        np.array(
-            [
-                measured_shift_rates(archive, parameters, r, OTHER_UTILISATION, force, OTHER_SHARES) * force
-                for r in RATIOS
-            ]
-        )
-        for force in (FORCE, OTHER_FORCE)
-    )
-    return _clearance_of(float(np.median(at_other / at_map)))
-
 
 def _clearance_of(quotient: float) -> float:
     """F_c, N, from the quotient of the shift rates at `OTHER_FORCE` and at the map's force."""
@@ -338,39 +180,3 @@ def _within(axis: Array, at: float) -> tuple[tuple[int, int], float]:
     if len(axis) == 1:
         return (0, 0), 0.0
     return (upper - 1, upper), float(np.clip((at - axis[upper - 1]) / (axis[upper] - axis[upper - 1]), 0.0, 1.0))
-
-
-def _ascending(rates: Array, excesses: Array) -> Array:
-    """Signed rates, made monotone in the excess. Where a larger excess shows no larger rate, the rate is constant."""
-    zero = int(np.argmin(np.abs(excesses)))
-    least = 1e-6 * np.abs(rates).max() * np.abs(excesses)
-    rising = np.maximum.accumulate(np.maximum(rates[zero:], least[zero:]))
-    falling = np.maximum.accumulate(np.maximum(-rates[zero::-1], least[zero::-1]))[::-1]
-    return np.concatenate([-falling[:-1], rising])
-
-
-def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
-    """Solves for the map. Points at which the belt slips through get the values of their neighbour."""
-    rows = [_row(archive, parameters, ratio) for ratio in RATIOS]
-    thrust, slip = (np.array([row[k] for row in rows]) for k in (0, 1))
-    below = sum(share < 1.0 for share in SHIFT_SHARES)
-    excesses = np.insert(np.log(SHIFT_SHARES), below, 0.0)
-
-    def rates(ratio: float, utilisation: float) -> Array:
-        return _ascending(
-            np.insert(measured_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses
-        )
-
-    found = np.array([[rates(ratio, utilisation) for utilisation in SHIFT_UTILISATIONS] for ratio in RATIOS])
-    clearance_force = _clearance_force(archive, parameters)
-    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, excesses, found, clearance_force)
-
-
-def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:
-    """The map from its cache file. If the file is missing, the map is solved for and written."""
-    key = map_key(fmu, parameters)
-    found = ThrustMap.read(cache, key)
-    if found is None:
-        found = compute(archive, parameters)
-        found.write(cache, key)
-    return found

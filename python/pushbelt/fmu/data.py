@@ -120,8 +120,8 @@ def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float)
 
     The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
     """
-    pitch_radius = curve_of(parameters, theta_of(ratio)).primary_radius - parameters["belt.pitchOffset"]
-    return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, pitch_radius)
+    radius = pitch_radius(parameters, ratio)
+    return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, radius)
 
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:

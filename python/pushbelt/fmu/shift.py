@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .geometry import Array
-from .starts import StartValues
-from .unit import UnitError, Variator
+from .unit import Variator
 
 LOG_STEP = 0.3
 """Step of ln F_P."""
@@ -62,15 +61,8 @@ def mean_rate(time: Array, speed_ratio: Array) -> float:
     return (stop - start) / (WINDOW[1] - WINDOW[0])
 
 
-def shift(unit: Variator, start_values: StartValues, log_step: float = LOG_STEP) -> ShiftRun:
-    """Starts in the steady state of these values, with both clamping forces specified, and simulates the step.
-
-    Raises UnitError if there is no steady state.
-    """
-    unit.restart(start_values)
-    unit.initialise()
-    if unit.not_steady:
-        raise UnitError(unit.not_steady)
+def shift(unit: Variator, log_step: float = LOG_STEP) -> ShiftRun:
+    """Simulates the step from a steady state at time 0 with both clamping forces specified."""
     force, start = unit.get("primary.axialForce"), 1.0 / unit.get("ratio.geometric")
     thrust_ratio = unit.get("thrustRatio")
     tilt = 0.5 * (unit.get("primary.tilt") + unit.get("secondary.tilt"))

@@ -1,4 +1,7 @@
-"""Start values of steady states for different conditions at shafts and sheaves. Speeds in rad/s, torques in N·m, forces in N."""
+"""Start values of steady states for different conditions at shafts and sheaves. Speeds in rad/s, torques in N·m, forces in N.
+
+Enumerations are plain numbers, for workers that do not have this package.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ def _steady(parameters: Mapping[str, float], ratio: float, speed: float, force: 
         "initial.steady": True,
         "initial.ratio": ratio,
         "initial.primarySpeed": speed,
-        "secondary.axial": Axial.FORCE,
+        "secondary.axial": Axial.FORCE.value,
         "secondary.clampingForce": force,
     }
 
@@ -26,10 +29,10 @@ def driven_by_torque(
     """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force specified."""
     return {
         **_steady(parameters, ratio, speed, force),
-        "primary.drive": Drive.TORQUE,
-        "primary.axial": Axial.HELD,
+        "primary.drive": Drive.TORQUE.value,
+        "primary.axial": Axial.HELD.value,
         "primary.torque": torque,
-        "secondary.drive": Drive.SPEED,
+        "secondary.drive": Drive.SPEED.value,
         "secondary.speedSetpoint": speed / ratio,
     }
 
@@ -40,10 +43,10 @@ def driven_by_slip(
     """Both shafts held at speeds with a slip between them; primary sheave held, secondary force specified."""
     return {
         **_steady(parameters, ratio, speed, force),
-        "primary.drive": Drive.SPEED,
-        "primary.axial": Axial.HELD,
+        "primary.drive": Drive.SPEED.value,
+        "primary.axial": Axial.HELD.value,
         "primary.speedSetpoint": speed,
-        "secondary.drive": Drive.SPEED,
+        "secondary.drive": Drive.SPEED.value,
         "secondary.speedSetpoint": speed / ratio * (1.0 - slip),
     }
 
@@ -57,9 +60,9 @@ def driven_at_speed(
     """
     return {
         **_steady(parameters, ratio, speed, force),
-        "primary.drive": Drive.SPEED,
-        "primary.axial": Axial.HELD if held else Axial.FORCE,
+        "primary.drive": Drive.SPEED.value,
+        "primary.axial": (Axial.HELD if held else Axial.FORCE).value,
         "primary.speedSetpoint": speed,
-        "secondary.drive": Drive.TORQUE,
+        "secondary.drive": Drive.TORQUE.value,
         "secondary.torque": load,
     }

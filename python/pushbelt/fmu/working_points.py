@@ -12,14 +12,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .data import pitch_radius, slip_torque
+from .data import torque_capacity
 from .shift import TIME_STEP, WINDOW
 from .starts import driven_at_speed, driven_by_slip, driven_by_torque
-from .unit import Archive, UnitError, Variator
+from .steady import SteadyStates
+from .unit import UnitError, Variator
 
 REFERENCE_LEVER = 5e-5
 """Friction coefficient times radius of the secondary bearings, m."""
-DRAG = {
+SHAFTS = {
     "primary.drag.constant": 0.0,
     "primary.drag.viscous": 0.0,
     "primary.bearing.friction": 0.0,
@@ -27,8 +28,10 @@ DRAG = {
     "secondary.drag.viscous": 0.0,
     "secondary.bearing.friction": 1e-3,
     "secondary.bearing.radius": REFERENCE_LEVER / 1e-3,
+    # With the inertia of a car neither shaft would follow a shift, because the primary speed is held.
+    "secondary.inertia": 0.03,
 }
-"""Drag of the shafts at all points."""
+"""Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
 FADING_SPEED = 2.0
 """Speed below which the drag of a shaft fades, rad/s: as in the FMU."""
 LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")
@@ -40,6 +43,8 @@ FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 """First slip, factor between slips and largest slip in the search for the capacity."""
 FLAT = 0.01
 """Relative growth of the utilisation from one slip to the next that counts as none."""
+TRIED = 1.05
+"""Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
 SHIFT_REACH = 0.05
 """Largest change of ln i in a shift measurement."""
 STEP_ANGLE = 0.5
@@ -69,52 +74,16 @@ class Along:
     """ln(F_P/(κ F_S)) of the shifts, ascending, without 0."""
 
 
-def capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
-    """Primary torque at utilisation 1, 2 μ r_P F_S/cosβ, N·m, with the pitch radius r_P at a ratio of pitch radii."""
-    angle = parameters["geometry.wedgeAngle"]
-    return slip_torque(parameters["friction.pulley"], angle, force, pitch_radius(parameters, ratio))
+def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Variator:
+    """The steady state at a utilisation."""
+    torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
+    return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
 
 
-class Bench:
-    """An instance of the FMU for one point after another. It is replaced after a failed call."""
-
-    def __init__(self, archive: Archive, parameters: Mapping[str, float]) -> None:
-        self.archive = archive
-        self.parameters = {**parameters, **DRAG}
-        self._unit: Variator | None = None
-
-    def close(self) -> None:
-        """Frees the instance."""
-        if self._unit is not None:
-            self._unit.free()
-        self._unit = None
-
-    def start(self, values: Mapping[str, float]) -> Variator:
-        """The instance in the steady state of these start values.
-
-        Raises UnitError with the reason if there is none.
-        """
-        if self._unit is None:
-            self._unit = Variator(self.archive, {})
-        try:
-            self._unit.restart(values)
-            self._unit.initialise()
-        except UnitError:
-            self.close()
-            raise
-        if self._unit.not_steady:
-            raise UnitError(self._unit.not_steady)
-        return self._unit
-
-    def at_torque(self, line: Line, utilisation: float) -> Variator:
-        """The steady state at a utilisation."""
-        torque = utilisation * capacity(self.parameters, line.ratio, line.force)
-        return self.start(driven_by_torque(self.parameters, line.ratio, line.speed, torque, line.force))
-
-    def utilisation_at_slip(self, line: Line, slip: float) -> float:
-        """The utilisation in the steady state at a slip."""
-        unit = self.start(driven_by_slip(self.parameters, line.ratio, line.speed, slip, line.force))
-        return -unit.get("primary.shaftTorque") / capacity(self.parameters, line.ratio, line.force)
+def utilisation_at_slip(states: SteadyStates, line: Line, slip: float) -> float:
+    """The utilisation in the steady state at a slip."""
+    unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
+    return -unit.get("primary.shaftTorque") / torque_capacity(states.parameters, line.ratio, line.force)
 
 
 def point(unit: Variator, ratio: float) -> dict[str, float]:
@@ -143,18 +112,18 @@ def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float
     return sign * slip, sign * found
 
 
-def measure(bench: Bench, line: Line, along: Along) -> dict[str, Any]:
+def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
     reasons: dict[str, str] = {}
 
     def traction(slip: float) -> float:
-        return bench.utilisation_at_slip(line, slip)
+        return utilisation_at_slip(states, line, slip)
 
     limits = [limit(traction, sign) for sign in (-1.0, 1.0)]
     points: list[dict[str, float] | None] = []
     for utilisation in along.utilisations:
         try:
-            points.append(_within(bench, line, utilisation, [reached for _, reached in limits]))
+            points.append(_within(states, line, utilisation, [reached for _, reached in limits]))
         except UnitError as error:
             points.append(None)
             reasons[f"{utilisation:g}"] = str(error)
@@ -164,18 +133,18 @@ def measure(bench: Bench, line: Line, along: Along) -> dict[str, Any]:
         "capacitySlip": [slip for slip, _ in limits],
         "traction": [_traction_at(traction, share, limits) for share in along.shares],
         "shiftRate": [
-            _shift_rates_or_none(bench, line, utilisation, along.excesses, limits)
+            _shift_rates_or_none(states, line, utilisation, along.excesses, limits)
             for utilisation in along.shift_utilisations
         ],
         "reasons": reasons,
     }
 
 
-def _within(bench: Bench, line: Line, utilisation: float, limits: Sequence[float]) -> dict[str, float]:
+def _within(states: SteadyStates, line: Line, utilisation: float, limits: Sequence[float]) -> dict[str, float]:
     low, high = limits
-    if not low < utilisation < high:
+    if not TRIED * low < utilisation < TRIED * high:
         raise UnitError(f"beyond the capacity, a utilisation of {(high if utilisation > 0.0 else low):.3f}")
-    return point(bench.at_torque(line, utilisation), line.ratio)
+    return point(at_torque(states, line, utilisation), line.ratio)
 
 
 def _traction_at(traction: Callable[[float], float], share: float, limits: Sequence[tuple[float, float]]) -> float:
@@ -186,24 +155,23 @@ def _traction_at(traction: Callable[[float], float], share: float, limits: Seque
 
 
 def _shift_rates_or_none(
-    bench: Bench, line: Line, utilisation: float, excesses: Sequence[float], limits: Sequence[tuple[float, float]]
+    states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float], limits: Sequence[tuple[float, float]]
 ) -> list[float | None]:
     try:
         inside = utilisation if limits[0][1] < utilisation < limits[1][1] else 0.0
-        return list(shift_rates(bench, line, inside, excesses))
+        return list(shift_rates(states, line, inside, excesses))
     except UnitError:
         return [None] * len(excesses)
 
 
-def shift_rates(bench: Bench, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
+def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
     """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess.
 
     The primary speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
     window of `shift`, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
     """
-    load = bench.at_torque(line, utilisation).get("secondary.externalTorque")
-    values = driven_at_speed(bench.parameters, line.ratio, line.speed, load, line.force)
-    unit = bench.start(values)
+    load = at_torque(states, line, utilisation).get("secondary.externalTorque")
+    unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")
     with unit.stored() as restore:
         rates = []

@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pushbelt.fmu import shift, working_points
+from pushbelt.fmu import shift, starts, steady, working_points
 from pushbelt.fmu.data import parameter_set, pitch_radius
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
@@ -148,7 +148,7 @@ class Plan(OfFmu):
         document = {
             "fmu": hashlib.sha256(self.archive).hexdigest(),
             "procedure": [
-                hashlib.sha256(Path(one.__file__).read_bytes()).hexdigest() for one in (working_points, shift)
+                hashlib.sha256(Path(one.__file__).read_bytes()).hexdigest() for one in (working_points, shift, starts, steady)
             ],
             "parameters": dict(self.full),
             "grid": {**asdict(self.grid), "ratio": self.ratios},

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from pushbelt import cluster
+from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.working_points import POINT_COLUMNS, capacity
+from pushbelt.fmu.working_points import POINT_COLUMNS
 from pushbelt.map_data import AXES, LOSSES, POINT, STATES, TABLES, Maps
 
 from . import worker
@@ -241,7 +242,7 @@ def with_shafts(
 ) -> dict[str, Array]:
     """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
     force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
-    per_force = np.array([capacity(parameters, i, 1.0) for i in axes["ratio"]])
+    per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
     torque = utilisation * force * per_force[None, None, :, None]
     # The secondary shaft turns at speed/ratio, the primary one faster by the slip.
     turning = {"primary": speed / (1.0 - tables["slip"]), "secondary": speed / ratio}

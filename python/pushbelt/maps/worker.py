@@ -5,13 +5,13 @@ This module and the required modules of `pushbelt.fmu` are sent to the workers (
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pushbelt.fmu.steady import Pool
 from pushbelt.fmu.unit import Archive, UnitError
-from pushbelt.fmu.working_points import Along, Bench, Line, measure
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, measure
 
 Task = tuple[int, Line]
 """Index and line."""
@@ -21,17 +21,7 @@ class Solver:
     """The loaded FMU. Lines can be solved in several threads."""
 
     def __init__(self, archive: Archive, parameters: Mapping[str, float], along: Along) -> None:
-        """Loads the FMU, so that errors of loading are not reported for single lines."""
-        self._archive, self._parameters, self._along = archive, parameters, along
-        self._benches: list[Bench] = []
-        self._own = threading.local()
-        self._bench()
-
-    def _bench(self) -> Bench:
-        if not hasattr(self._own, "bench"):
-            self._own.bench = Bench(self._archive, self._parameters)
-            self._benches.append(self._own.bench)
-        return self._own.bench
+        self._pool, self._along = Pool(archive, {**parameters, **SHAFTS}), along
 
     def solve(self, tasks: Sequence[Task]) -> list[dict[str, Any]]:
         """A row for each line: its index, and its results or the reason for missing ones."""
@@ -40,7 +30,8 @@ class Solver:
     def _solve(self, index: int, line: Line) -> dict[str, Any]:
         begin = time.thread_time()
         try:
-            row: dict[str, Any] = {"line": index, "found": measure(self._bench(), line, self._along)}
+            with self._pool.one() as states:
+                row: dict[str, Any] = {"line": index, "found": measure(states, line, self._along)}
         except UnitError as error:
             row = {"line": index, "reason": str(error)}
         except Exception as error:  # noqa: BLE001
@@ -49,5 +40,4 @@ class Solver:
 
     def close(self) -> None:
         """Frees the instances."""
-        for bench in self._benches:
-            bench.close()
+        self._pool.close()

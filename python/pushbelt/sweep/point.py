@@ -12,8 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pushbelt.fmu.data import torque_capacity
-from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.unit import UnitError, Variator
+from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import Pool, SteadyStates
+from pushbelt.fmu.unit import UnitError
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
@@ -41,42 +42,24 @@ class Point:
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
-    """Start values of a point by FMU variable. The torque follows from the geometry in the parameters.
-
-    Values are plain numbers, because workers do not have the enumerations of this package.
-    """
-    values = {**parameters, "friction.pulley": point.friction}
-    return {
-        "friction.pulley": point.friction,
-        "initial.steady": True,
-        "initial.equilibrium": False,
-        "initial.ratio": point.ratio,
-        "initial.primarySpeed": point.speed,
-        "primary.drive": Drive.TORQUE.value,
-        "primary.axial": Axial.HELD.value,
-        "primary.torque": point.utilisation * torque_capacity(values, point.ratio, point.force),
-        "secondary.drive": Drive.SPEED.value,
-        "secondary.axial": Axial.FORCE.value,
-        "secondary.speedSetpoint": point.speed / point.ratio,
-        "secondary.clampingForce": point.force,
-    }
+    """Start values of a point by FMU variable. The torque follows from the geometry in the parameters."""
+    given = {"friction.pulley": point.friction, "initial.equilibrium": False}
+    torque = point.utilisation * torque_capacity({**parameters, **given}, point.ratio, point.force)
+    return driven_by_torque(given, point.ratio, point.speed, torque, point.force)
 
 
-def solve(unit: Variator, index: int, values: Mapping[str, float]) -> Row:
-    """The steady state at these start values after a short step, or the reason for a missing one.
+def solve(states: SteadyStates, index: int, values: Mapping[str, float]) -> Row:
+    """The steady state at these start values after a short step.
 
-    Raises UnitError if a call of the FMU fails. The instance cannot be used afterwards.
+    Raises UnitError if there is none or if a call of the FMU fails.
     """
     begin = time.thread_time()
-    unit.restart(values)
-    unit.initialise()
-    if unit.not_steady:
-        return failure(index, unit.not_steady, time.thread_time() - begin)
+    unit = states.at(values)
     before = unit.get("thrustRatio")
     unit.step_to(SHORT_STEP)
     outputs = unit.outputs()
     if not all(math.isfinite(value) for value in outputs.values()):
-        return failure(index, "an output is not finite", time.thread_time() - begin)
+        raise UnitError("an output is not finite")
     return {
         "point": index,
         **outputs,
@@ -93,12 +76,13 @@ def failure(index: int, reason: str, seconds: float | None = None) -> Row:
     return {"point": index, "reason": reason, "time": seconds}
 
 
-def solve_or_say_why(unit: Variator, index: int, values: Mapping[str, float]) -> tuple[Row, bool]:
-    """Calls `solve` and converts any exception to a reason. Also returns whether the instance can still be used."""
+def solve_or_say_why(pool: Pool, index: int, values: Mapping[str, float]) -> Row:
+    """Calls `solve` and converts any exception to a reason."""
     begin = time.thread_time()
     try:
-        return solve(unit, index, values), True
+        with pool.one() as states:
+            return solve(states, index, values)
     except UnitError as error:
-        return failure(index, str(error), time.thread_time() - begin), False
+        return failure(index, str(error), time.thread_time() - begin)
     except Exception as error:  # noqa: BLE001
-        return failure(index, f"{type(error).__name__}: {error}", time.thread_time() - begin), False
+        return failure(index, f"{type(error).__name__}: {error}", time.thread_time() - begin)

@@ -12,6 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pushbelt.fmu import starts, steady
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
@@ -133,7 +134,8 @@ class Study(OfFmu):
     @property
     def _laws(self) -> tuple[str, ...]:
         """Files with the procedure that solves the points."""
-        return (law.__file__, design_law.__file__) if isinstance(self.grid, Design) else (law.__file__,)
+        laws = (law, starts, steady, *([design_law] if isinstance(self.grid, Design) else []))
+        return tuple(str(one.__file__) for one in laws)
 
     def start_values(self, point: Point | DesignPoint) -> dict[str, float]:
         """All start values of a point."""

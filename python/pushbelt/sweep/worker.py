@@ -6,10 +6,10 @@ a worker needs Python packages (`distributed`, `fmpy`, `numpy`), but not this pr
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.steady import Pool
+from pushbelt.fmu.unit import Archive
 
 from .point import Row, solve_or_say_why
 
@@ -21,31 +21,12 @@ class Solver:
     """The loaded FMU. Points can be solved in several threads."""
 
     def __init__(self, archive: Archive) -> None:
-        """Loads the FMU, so that errors of loading are not reported for single points."""
-        self.instances = 1
-        """Number of instances created so far."""
-        self._archive = archive
-        self._idle = [Variator(archive, {})]
-        self._lock = threading.Lock()
+        self.pool = Pool(archive)
 
     def solve(self, chunk: Chunk) -> list[Row]:
         """Rows of the points of a chunk. The row of a failed point contains the reason."""
-        return [self._solve(index, values) for index, values in chunk]
-
-    def _solve(self, index: int, values: Mapping[str, float]) -> Row:
-        with self._lock:
-            unit = self._idle.pop() if self._idle else None
-            self.instances += unit is None
-        unit = unit or Variator(self._archive, {})
-        row, usable = solve_or_say_why(unit, index, values)
-        if usable:
-            with self._lock:
-                self._idle.append(unit)
-        else:
-            unit.free()
-        return row
+        return [solve_or_say_why(self.pool, index, values) for index, values in chunk]
 
     def close(self) -> None:
         """Frees the instances."""
-        while self._idle:
-            self._idle.pop().free()
+        self.pool.close()

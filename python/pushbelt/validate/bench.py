@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from pushbelt.fmu import data, shift
 from pushbelt.fmu.starts import StartValues
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.unit import Archive, UnitError
 
 Outputs = dict[str, float]
 T = TypeVar("T")
@@ -43,45 +44,35 @@ class Bench:
 
     def __post_init__(self) -> None:
         self.parameters = data.parameter_set(self.name)
-        self.unit = Variator(self.archive, {})
+        self.states = SteadyStates(self.archive)
 
     def __enter__(self) -> Bench:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.unit.free()
+        self.states.close()
 
     def given(self, name: str, values: Mapping[str, float] | None = None) -> float:
         """Value of a parameter: the specified one, else the variator's, else the FMU's start value."""
         for source in (values or {}, self.parameters):
             if name in source:
                 return float(source[name])
-        return float(self.unit.variables[name].start)
+        return float(self.states.unit.variables[name].start)
 
     def steady(self, values: StartValues, what: str = "") -> Outputs | None:
         """All outputs of the steady state. `what` is the name of the point in `failures`."""
-
-        def read() -> Outputs:
-            self.unit.restart(values)
-            self.unit.initialise()
-            if self.unit.not_steady:
-                raise UnitError(self.unit.not_steady)
-            return self.unit.outputs()
-
-        return self._attempt(read, what)
+        return self._attempt(lambda: self.states.at(values).outputs(), what)
 
     def shift(self, values: StartValues, log_step: float = shift.LOG_STEP, what: str = "") -> shift.ShiftRun | None:
         """A run after a step of the primary force."""
-        return self._attempt(lambda: shift.shift(self.unit, values, log_step), what)
+        return self._attempt(lambda: shift.shift(self.states.at(values), log_step), what)
 
     def _attempt(self, what_to_do: Callable[[], T], what: str) -> T | None:
         try:
             return what_to_do()
         except UnitError as error:
             self.failures.append(f"{what}: {error}")
-            # After an error of the FMU the instance may be unusable.
-            self.unit.free()
-            self.unit = Variator(self.archive, {})
+            self.states.close()
             return None
         finally:
             self.solved()

@@ -15,8 +15,8 @@ from pythonfmu import FmuBuilder
 import pushbelt
 from pushbelt.fmu.data import RESOURCES
 from pushbelt.fmu.unit import UnitError
+from pushbelt.map_data import Maps
 
-from ..thrust_map import ThrustMap
 from .unit import MAP_FILE
 
 PROGRAMS = ("belt", "calibrate", "demo", "drive", "paper", "sweep", "validate")
@@ -25,7 +25,7 @@ PROGRAMS = ("belt", "calibrate", "demo", "drive", "paper", "sweep", "validate")
 SLAVES = Path(__file__).parent / "slaves"
 
 
-def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
+def build(folder: Path, maps: Maps) -> tuple[Path, Path]:
     """Writes the FMUs of vehicle and control to a folder and returns their paths.
 
     Raises UnitError if this Python cannot run FMUs of pythonfmu.
@@ -35,7 +35,7 @@ def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
-        thrust_map.write(scratch / MAP_FILE, key="")
+        maps.write(scratch / MAP_FILE)
         # The layout is that of the source tree, so that the package finds its data.
         files = [_modules(scratch), scratch / MAP_FILE, RESOURCES / "variators.json", RESOURCES / "parameters"]
         vehicle, control = (

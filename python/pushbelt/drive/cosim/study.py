@@ -12,12 +12,15 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
+from pushbelt.map_data import Maps
 from pushbelt.progress import progress_bar
 from pushbelt.side_by_side import run_in_workers, tick
 
-from .. import simulate, thrust_map
+from .. import simulate
 from ..car import demo_car
 from ..cycle import wltc_class_3b
+from ..measure import measure
+from ..thrust_map import ThrustMap
 from . import fmus, package
 from .masters import MASTERS, Progress
 
@@ -95,9 +98,9 @@ def orders(errors: Array) -> Array:
     return np.log2(errors[:-1] / errors[1:])
 
 
-def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> Path:
+def build(fmu: Path, maps: Maps, plan: Plan, folder: Path) -> Path:
     """Writes the package and the FMUs in it to a folder; returns its path."""
-    vehicle, control = fmus.build(folder, table)
+    vehicle, control = fmus.build(folder, maps)
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
     # libcosim does not support enumerations; ALE is the default of the FMU.
     del parameters["ring.model"]
@@ -121,8 +124,9 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
     total = (2 + len(masters)) * len(plan.steps) * plan.duration
     with Archive.unpack(fmu) as archive:
-        table = thrust_map.load(fmu, archive, parameters, folder / "thrust-ratio-map-ALE.csv")
-        ssp = build(fmu, table, plan, folder)
+        maps = measure(fmu, parameters, folder)
+        table = ThrustMap.of_maps(maps)
+        ssp = build(fmu, maps, plan, folder)
         with progress_bar(round(total), "coupling") as bar:
             found, refusals = _run_masters(masters, ssp, plan, bar.update)
             loops = [
@@ -148,7 +152,7 @@ def _run_masters(
 
 
 def _loop(
-    archive: Archive, table: thrust_map.ThrustMap, plan: Plan, step: float, parallel: bool, progress: Progress
+    archive: Archive, table: ThrustMap, plan: Plan, step: float, parallel: bool, progress: Progress
 ) -> Array:
     cycle = wltc_class_3b().section(*plan.section)
     setup = simulate.Setup(f"loop, {1e3 * step:g} ms", plan.strategy, cycle, step=step, parallel=parallel)

@@ -9,7 +9,7 @@ from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 INPUT, OUTPUT, PARAMETER = Fmi2Causality.input, Fmi2Causality.output, Fmi2Causality.parameter
 
-MAP_FILE = "thrust-ratio-map.csv"
+MAP_FILE = "maps.npz"
 """File name of the map in the resources of the control unit's FMU."""
 
 

@@ -133,7 +133,7 @@ def _point(chain: Bench, ring: RingModel, s: float, r: float, stiff: bool) -> Po
 
 def _tension_error(chain: Bench, found: Deviation) -> float:
     """Largest difference of T - sigma v² on both arcs, relative to the largest."""
-    profile, out = chain.unit.profile(), found.outputs
+    profile, out = chain.states.unit.profile(), found.outputs
     curve = curve_of(chain.parameters, out["reference.theta"])
     mass = chain.given("belt.massPerLength") + chain.given("ring.massPerLength")
     tension = profile.ring_tension - mass * out["belt.speed"] ** 2

@@ -11,6 +11,7 @@ from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
 from pushbelt.fmu.data import parameter_set
+from pushbelt.map_data import Maps
 
 
 class ControlUnit(Unit):
@@ -50,9 +51,7 @@ class ControlUnit(Unit):
         """Applies the parameters and reads the map."""
         values = self.values
         path = Path(self.resources) / MAP_FILE
-        thrust_map = ThrustMap.read(path)
-        if thrust_map is None:
-            raise ValueError(f"{path} is not a thrust-ratio map")
+        thrust_map = ThrustMap.of_maps(Maps.read(path))
         friction = Friction(values["friction.pulley"], values["geometry.wedgeAngle"])
         strategy = "slip" if values["slipControl"] else "safety"
         self._control = TransmissionControl(demo_car(), strategy, friction, thrust_map)
