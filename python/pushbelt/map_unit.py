@@ -56,7 +56,7 @@ def default_fmu() -> Path:
 
 
 def default_maps() -> Path:
-    """Tables of `bench168`, from `cargo fmu maps` with its defaults."""
+    """Tables of `bench168`, from `cargo fmu maps -- --ratios 8`."""
     return RESOURCES / "maps" / "maps.json"
 
 
