@@ -24,6 +24,7 @@ mod portable;
 mod progress;
 mod python;
 mod workspace;
+mod wrapper;
 
 use std::process::ExitCode;
 
@@ -89,7 +90,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    if let Some(code) = portable::act_as_compiler() {
+    if let Some(code) = wrapper::act() {
         return code;
     }
     match run(&Arguments::parse()) {

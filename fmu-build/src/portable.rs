@@ -5,20 +5,21 @@
 //! Rust's standard library.
 //!
 //! Linux and Windows on x86-64 get two libraries: one for all processors, and the variant for AVX2 that it opens where it can. Cargo
-//! compiles the dependencies once for both. For the variant it compiles again what [`WITH_AVX2`] lists and what depends on it, with
-//! this tool between cargo and the compiler, because flags in the environment would compile everything again.
+//! compiles the dependencies once for both. For the variant it compiles again what [`WITH_AVX2`](crate::wrapper::WITH_AVX2) lists and what depends on it, with
+//! this tool between cargo and the compiler ([`crate::wrapper`]), because flags in the environment would compile everything again.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 use anyhow::{Context, ensure};
 
 use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
+use crate::wrapper::{AS_COMPILER, AS_ZIG};
 use crate::{binary, cargo, exports, progress};
 
 /// Oldest glibc with which the Linux binary loads.
@@ -80,17 +81,9 @@ const OF_FMI2: usize = 2;
 /// Suffix of the variant's name.
 const VARIANT: &str = "-avx2";
 
-/// Crates that are compiled for AVX2 in the variant: the types of the lanes, and the code that uses them. Each of them depends on the
-/// first one.
-const WITH_AVX2: [&str; 4] = ["safe_arch", "wide", "pushbelt_solver", "pushbelt"];
-const AVX2: &str = "-Ctarget-feature=+avx2";
-
-/// A setting without effect on the first of [`WITH_AVX2`], which is one small unit in any case. By it cargo keeps the compiled crates of
+/// A setting without effect on the first of [`WITH_AVX2`](crate::wrapper::WITH_AVX2), which is one small unit in any case. By it cargo keeps the compiled crates of
 /// the variant apart.
 const APART: &str = "profile.release.package.safe_arch.codegen-units=2";
-
-/// Set for the compiler of the variant: this tool adds the flags, and then starts what the variable contains, or the compiler.
-const AS_COMPILER: &str = "PUSHBELT_COMPILER_OF_VARIANT";
 
 /// Compiles the libraries for every target whose standard library can be installed, and prints the others. Libraries of the same
 /// sources are not compiled again.
@@ -152,16 +145,18 @@ fn compile(
     // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
     // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
     let is_linux = target.platform.extension == "so";
+    let tool = std::env::current_exe().context("the path of this tool is unknown")?;
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
         .arg("rustc")
         .args(["--target", target.zig, "--crate-type", "cdylib"])
         .env("PATH", tools.path()?)
+        .env("CARGO_ZIGBUILD_ZIG_PATH", &tool)
+        .env(AS_ZIG, tools.program("python"))
         .env("PUSHBELT_BUILD", build)
         .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
         .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
     if is_variant {
-        let tool = std::env::current_exe().context("the path of this tool is unknown")?;
         command
             .args(["--config", APART])
             .env(AS_COMPILER, std::env::var_os("RUSTC_WRAPPER").unwrap_or_default())
@@ -170,44 +165,6 @@ fn compile(
     let library = cargo::build_library_with(&mut command)?;
     check(&library)?;
     Ok(library)
-}
-
-/// Starts the compiler with the flags of the variant if cargo has started this tool for that, and returns how it ended.
-pub fn act_as_compiler() -> Option<ExitCode> {
-    let wrapper = std::env::var_os(AS_COMPILER)?;
-    let mut words = std::env::args_os().skip(1);
-    let compiler = words.next()?;
-    let words: Vec<_> = words.collect();
-    let mut command = if wrapper.is_empty() {
-        Command::new(&compiler)
-    } else {
-        let mut command = Command::new(&wrapper);
-        command.arg(&compiler);
-        command
-    };
-    command.args(&words);
-    if gets_avx2(&words) {
-        command.arg(AVX2);
-    }
-    Some(match command.status() {
-        Ok(status) => status
-            .code()
-            .and_then(|code| u8::try_from(code).ok())
-            .map_or(ExitCode::FAILURE, ExitCode::from),
-        Err(error) => {
-            eprintln!("can't start {}: {error}", compiler.display());
-            ExitCode::FAILURE
-        }
-    })
-}
-
-/// Whether arguments of the compiler are those of a crate of the variant. Crates for this machine have no `--target`.
-fn gets_avx2(words: &[OsString]) -> bool {
-    let name = words.iter().skip_while(|word| *word != "--crate-name").nth(1);
-    let listed = name
-        .and_then(|name| name.to_str())
-        .is_some_and(|name| WITH_AVX2.contains(&name));
-    listed && words.iter().any(|word| word == "--target")
 }
 
 /// Copies a library to where it is kept. A draft is renamed, so that no incomplete file is kept.
@@ -235,7 +192,7 @@ fn remove_others(folder: &Path, build: &str) -> anyhow::Result<()> {
 /// only.
 fn identity(workspace: &Workspace) -> anyhow::Result<String> {
     let mut hash = DefaultHasher::new();
-    include_str!("portable.rs").hash(&mut hash);
+    (include_str!("portable.rs"), include_str!("wrapper.rs")).hash(&mut hash);
     let compiler = Command::new("rustc").arg("-vV").output().context("can't start rustc")?;
     compiler.stdout.hash(&mut hash);
     std::env::var_os("RUSTFLAGS").hash(&mut hash);
@@ -335,29 +292,13 @@ fn check(library: &Path) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wrapper::WITH_AVX2;
 
     #[test]
     fn the_linker_gets_the_oldest_glibc() {
         let (major, minor) = GLIBC;
         for target in TARGETS.iter().filter(|target| target.triple.contains("linux")) {
             assert_eq!(target.zig, format!("{}.{major}.{minor}", target.triple));
-        }
-    }
-
-    #[test]
-    fn only_the_variants_crates_get_its_flags() {
-        let words = |line: &str| line.split(' ').map(OsString::from).collect::<Vec<_>>();
-        for (line, expected) in [
-            (
-                "--crate-name pushbelt --edition=2024 --target x86_64-pc-windows-gnu",
-                true,
-            ),
-            ("--crate-name wide --target x86_64-unknown-linux-gnu", true),
-            ("--crate-name faer --target x86_64-unknown-linux-gnu", false),
-            ("--crate-name pushbelt --edition=2024", false),
-            ("-vV", false),
-        ] {
-            assert_eq!(gets_avx2(&words(line)), expected, "{line}");
         }
     }
 
