@@ -19,7 +19,7 @@ use anyhow::{Context, ensure};
 use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::wrapper::{AS_COMPILER, AS_ZIG};
+use crate::wrapper::AS_COMPILER;
 use crate::{binary, cargo, exports, progress};
 
 /// Oldest glibc with which the Linux binary loads.
@@ -145,18 +145,16 @@ fn compile(
     // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
     // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
     let is_linux = target.platform.extension == "so";
-    let tool = std::env::current_exe().context("the path of this tool is unknown")?;
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
         .arg("rustc")
         .args(["--target", target.zig, "--crate-type", "cdylib"])
         .env("PATH", tools.path()?)
-        .env("CARGO_ZIGBUILD_ZIG_PATH", &tool)
-        .env(AS_ZIG, tools.program("python"))
         .env("PUSHBELT_BUILD", build)
         .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
         .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
     if is_variant {
+        let tool = std::env::current_exe().context("the path of this tool is unknown")?;
         command
             .args(["--config", APART])
             .env(AS_COMPILER, std::env::var_os("RUSTC_WRAPPER").unwrap_or_default())
