@@ -750,4 +750,7 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
         assert pair.runs[0].time == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
         assert all(np.isfinite(column).all() for column in pair.runs[0].columns.values())
         tables_of_runs.units_are_those_of(fmu, drive_folder / f"{name}.csv")
+        assert pair.runs[0].columns["work.engine"][0] == 0.0
+        # Positive: the engine drives in these seconds.
+        assert pair.runs[0].columns["work.engine"][-1] > 1e3
     reports.look_at(drive_folder / "report.html")

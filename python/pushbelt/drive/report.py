@@ -16,7 +16,7 @@ from . import figures
 from .car import demo_car
 from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
-from .simulate import LOSSES, STEP, Run
+from .simulate import LOSSES, OF_STEPS, STEP, Run
 from .thrust_map import FORCE
 
 CSV_STEP = 0.1
@@ -50,9 +50,13 @@ def balance_gap(run: Run) -> float:
 
 
 def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
-    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables."""
+    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables.
+
+    Energies are those since the start of the run.
+    """
     every = round(CSV_STEP / STEP)
-    table = np.column_stack([run.time, *run.columns.values()])[::every]
+    energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
+    table = np.column_stack([run.time, *{**run.columns, **energies}.values()])[::every]
     tables.write(path, ["time [s]", *tables.titles(run.columns, units)], table.tolist(), digits=7)
 
 

@@ -76,7 +76,9 @@ SIGNALS: Mapping[str, str] = {
     "utilisation.signed": "1",
     "distance": "m",
 }
-"""Units of the recorded signals that are no variables of the FMU. Work and loss are those of a step."""
+"""Units of the recorded signals that are no variables of the FMU."""
+OF_STEPS = ("work.engine", "loss.clutch")
+"""Signals that are energies of one step."""
 
 INPUTS = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Inputs of the FMU."""
