@@ -1,4 +1,4 @@
-"""The free ring of `crates/paper/examples/free_ring.rs` in Exudyn, as cables of absolute nodal coordinates (generalised-alpha).
+"""The free ring of `paper/examples/free_ring.rs` in Exudyn, as cables of absolute nodal coordinates (generalised-alpha).
 
 pip install exudyn==1.11.0
 python examples/peers/exudyn_ring.py

@@ -59,7 +59,7 @@ pub enum Program {
     Example(&'static str),
     /// In `benches/`.
     Bench(&'static str),
-    /// In `crates/paper/examples/`.
+    /// In `paper/examples/`.
     OfPaper(&'static str),
 }
 

@@ -85,7 +85,7 @@ def _deformable_ring(rings: Rings) -> list[Statement]:
             f"{1e3 * abs(_centre(rings, 'RCM')):.1f} mm)",
             "The left end has to move inwards, which only Θ permits. The lock transmits a force, because the bending measure (23) "
             "is relative to the curve and resists a change of Θ alone: energy is conserved, but the lock takes up momentum. With Θ held "
-            "instead of the node the centre of mass is at rest to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
+            "instead of the node the centre of mass is at rest to rounding (paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
         ),
         Statement(
             "5.3, fig. 7",
