@@ -103,7 +103,8 @@ pub const fn c_string(text: &'static str) -> &'static CStr {
 pub struct Forward {
     name: &'static CStr,
     kind: Kind,
-    /// Null while the variant is closed.
+    /// The opening of the variant in which the function was found, counted from 1; 0 before the first.
+    opening: AtomicUsize,
     function: AtomicPtr<c_void>,
 }
 
@@ -114,29 +115,33 @@ impl Forward {
         Self {
             name,
             kind,
+            opening: AtomicUsize::new(0),
             function: AtomicPtr::new(null_mut()),
         }
     }
 }
 
-/// The variant of a library, and its functions.
+/// The variant of a library.
 pub struct Dispatch {
     model: &'static str,
     /// Identifies the build; none in a build that has no variant.
     build: Option<&'static str>,
-    tables: &'static [&'static &'static [&'static Forward]],
+    /// The present opening of the variant, counted from 1; 0 while it is closed.
+    opening: AtomicUsize,
     state: Mutex<State>,
 }
 
 struct State {
     /// Running calls that create or free an instance.
     calls: usize,
+    /// How often the variant has been opened.
+    openings: usize,
     open: Option<Variant>,
 }
 
 struct Variant {
     /// Closed when this is dropped.
-    _library: Library,
+    library: Library,
     instances: *const AtomicUsize,
 }
 
@@ -146,16 +151,16 @@ unsafe impl Send for Variant {}
 impl Dispatch {
     /// The dispatcher of the library of a model. `build` is the same in a library and its variant, and in no other library.
     #[must_use]
-    pub const fn new(
-        model: &'static str,
-        build: Option<&'static str>,
-        tables: &'static [&'static &'static [&'static Forward]],
-    ) -> Self {
+    pub const fn new(model: &'static str, build: Option<&'static str>) -> Self {
         Self {
             model,
             build,
-            tables,
-            state: Mutex::new(State { calls: 0, open: None }),
+            opening: AtomicUsize::new(0),
+            state: Mutex::new(State {
+                calls: 0,
+                openings: 0,
+                open: None,
+            }),
         }
     }
 
@@ -183,7 +188,11 @@ impl Dispatch {
         let is_first = state.calls == 1 && INSTANCES.load(Ordering::SeqCst) == 0;
         if kind == Kind::Create && state.open.is_none() && is_first {
             match self.find(build) {
-                Ok(variant) => state.open = Some(variant),
+                Ok(variant) => {
+                    state.open = Some(variant);
+                    state.openings += 1;
+                    self.opening.store(state.openings, Ordering::Release);
+                }
                 Err(why) => *locked(&REMARK) = format!("the library for all processors runs: {why}"),
             }
         }
@@ -196,14 +205,30 @@ impl Dispatch {
         // SAFETY: the variant is open.
         let unused = |variant: &Variant| unsafe { &*variant.instances }.load(Ordering::SeqCst) == 0;
         if state.calls == 0 && state.open.as_ref().is_some_and(unused) {
-            for forward in self.tables.iter().copied().copied().flatten() {
-                forward.function.store(null_mut(), Ordering::Release);
-            }
+            self.opening.store(0, Ordering::Release);
             state.open = None;
         }
     }
 
-    /// Opens the variant and finds its functions.
+    /// A function of the variant; null while the variant is closed. It is searched for once in each opening.
+    fn function(&self, forward: &Forward) -> *mut c_void {
+        let opening = self.opening.load(Ordering::Acquire);
+        if opening == 0 {
+            return null_mut();
+        }
+        if forward.opening.load(Ordering::Acquire) != opening {
+            // A library of the same build exports the same functions.
+            let found = locked(&self.state)
+                .open
+                .as_ref()
+                .map(|variant| variant.library.find(forward.name));
+            forward.function.store(found.unwrap_or(null_mut()), Ordering::Relaxed);
+            forward.opening.store(opening, Ordering::Release);
+        }
+        forward.function.load(Ordering::Relaxed)
+    }
+
+    /// Opens the variant.
     ///
     /// # Errors
     /// Why this library runs by itself.
@@ -238,24 +263,7 @@ impl Dispatch {
         if instances.is_null() {
             return Err(refused("it is of another build"));
         }
-        let forwards = self
-            .tables
-            .iter()
-            .copied()
-            .copied()
-            .flatten()
-            .filter(|forward| forward.kind != Kind::Without);
-        let found: Vec<_> = forwards.map(|forward| (forward, library.find(forward.name))).collect();
-        if let Some((missing, _)) = found.iter().find(|(_, function)| function.is_null()) {
-            return Err(refused(&format!("it has no {}", missing.name.to_string_lossy())));
-        }
-        for (forward, function) in found {
-            forward.function.store(function, Ordering::Release);
-        }
-        Ok(Variant {
-            _library: library,
-            instances,
-        })
+        Ok(Variant { library, instances })
     }
 }
 
@@ -268,7 +276,11 @@ pub fn through<T>(dispatch: Option<&Dispatch>, forward: &Forward, call: impl FnO
     if let Some((dispatch, build)) = held {
         contain((), || dispatch.enter(build, forward.kind));
     }
-    let result = call(forward.function.load(Ordering::Acquire));
+    let function = match (forward.kind, dispatch) {
+        (Kind::Without, _) | (_, None) => null_mut(),
+        (_, Some(dispatch)) => dispatch.function(forward),
+    };
+    let result = call(function);
     if let Some((dispatch, _)) = held {
         contain((), || dispatch.leave());
     }

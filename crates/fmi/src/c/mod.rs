@@ -61,8 +61,6 @@ macro_rules! export_functions {
         /// Names of the C functions.
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
-        $crate::__forwards! { $($name($($argument)*))* }
-
         $(
             $(#[$attribute])*
             #[cfg_attr(not(test), unsafe(no_mangle))]
@@ -82,8 +80,6 @@ macro_rules! __export_for {
         $version:ident $unit:ty, $dispatch:expr;
         $($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*
     ) => {
-        $crate::__forwards! { $($name($($argument)*))* }
-
         $(
             /// The standard's function of this name.
             ///
@@ -98,24 +94,6 @@ macro_rules! __export_for {
                 }
             }
         )*
-    };
-}
-
-/// `FORWARDS`: the functions of the variant of the library, for each exported function.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __forwards {
-    ($($name:ident($($argument:ident)*))*) => {
-        #[allow(non_upper_case_globals, reason = "names of functions")]
-        mod forwards {$(
-            pub static $name: $crate::dispatch::Forward = $crate::dispatch::Forward::new(
-                $crate::dispatch::c_string(concat!(stringify!($name), "\0")),
-                $crate::dispatch::Kind::of(stringify!($name), $crate::__takes_instance!($($argument)*)),
-            );
-        )*}
-
-        /// The exported functions in the variant of the library for newer processors.
-        pub static FORWARDS: &[&$crate::dispatch::Forward] = &[$(&forwards::$name),*];
     };
 }
 
@@ -137,7 +115,11 @@ macro_rules! __takes_instance {
 macro_rules! __here_or_in_variant {
     ($dispatch:expr, $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
         if const { $crate::dispatch::has_variant(option_env!("PUSHBELT_BUILD"), cfg!(target_feature = "avx2")) } {
-            $crate::dispatch::through($dispatch, &forwards::$name, |function| {
+            static FORWARD: $crate::dispatch::Forward = $crate::dispatch::Forward::new(
+                $crate::dispatch::c_string(concat!(stringify!($name), "\0")),
+                $crate::dispatch::Kind::of(stringify!($name), $crate::__takes_instance!($($argument)*)),
+            );
+            $crate::dispatch::through($dispatch, &FORWARD, |function| {
                 if function.is_null() {
                     return $here;
                 }
@@ -179,15 +161,12 @@ macro_rules! export {
             static DISPATCH: $crate::dispatch::Dispatch = $crate::dispatch::Dispatch::new(
                 <$unit as $crate::Unit>::IDENTITY.name,
                 option_env!("PUSHBELT_BUILD"),
-                &[&FMI2, &FMI3],
             );
-            static FMI2: &[&$crate::dispatch::Forward] = {
+            const _: () = {
                 $crate::export_fmi2!($unit, Some(&DISPATCH));
-                FORWARDS
             };
-            static FMI3: &[&$crate::dispatch::Forward] = {
+            const _: () = {
                 $crate::export_fmi3!($unit, Some(&DISPATCH));
-                FORWARDS
             };
             $crate::export_variant!(DISPATCH);
         };
