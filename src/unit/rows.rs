@@ -150,7 +150,7 @@ impl<R> Rows<R> {
             self.read(
                 &format!("profile.{name}[{number}]"),
                 reference,
-                (Local, unit, typical(nominal)),
+                (Local, unit, Range::typical(nominal)),
                 &format!("{text} at xi = {at}/{PROFILE_POINTS} of the belt length"),
                 Access::Element(get, at),
             );
@@ -170,28 +170,5 @@ fn display_unit(name: &str, unit: &str) -> Option<&'static str> {
         "Pa" => Some("MPa"),
         "1" if SHARES.contains(&name) => Some("%"),
         _ => None,
-    }
-}
-
-pub(super) fn typical(nominal: f64) -> Range {
-    Range {
-        nominal: Some(nominal),
-        ..Range::default()
-    }
-}
-
-pub(super) fn between(min: f64, max: f64, nominal: f64) -> Range {
-    Range {
-        min: Some(min),
-        max: Some(max),
-        nominal: Some(nominal),
-    }
-}
-
-pub(super) fn not_negative(nominal: f64) -> Range {
-    Range {
-        min: Some(0.0),
-        max: None,
-        nominal: Some(nominal),
     }
 }

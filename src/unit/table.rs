@@ -15,10 +15,10 @@
 //! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
 
 use super::rings::Rings;
-use super::rows::{PRIMARY, Rows, SECONDARY, WHOLE, between, not_negative, typical};
+use super::rows::{PRIMARY, Rows, SECONDARY, WHOLE};
 use super::settings::Settings;
 use super::types::{AXIAL, BELT_KIND, DRIVE, MODE, START_STATE, UNITS};
-use crate::fmi::table::{Access, Causality, InitialDependencies, Kind, Table};
+use crate::fmi::table::{Access, Causality, InitialDependencies, Kind, Range, Table};
 use crate::variator::settings::{Axial, BeltKind, Drive, Mode, Readings};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
@@ -62,18 +62,18 @@ macro_rules! pulley_inputs {
 #[rustfmt::skip]
 macro_rules! pulley_outputs {
     ($t:ident, $pulley:ident) => {
-        $t.read("{}.speed", 11, (Output, "rad/s", typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
-        $t.read("{}.radius", 12, (Output, "m", typical(0.06)), "Running radius on the {} pulley: pressure-weighted mean pitch radius of the arc", read!($pulley.radius));
-        $t.read("{}.position", 13, (Output, "m", typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", read!($pulley.position));
-        $t.read("{}.axialForce", 14, (Output, "N", typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
-        $t.read("{}.shaftTorque", 15, (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", read!($pulley.shaft_torque));
-        $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
-        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
-        $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
-        $t.read("ring.stressAmplitude.{}", 21, (Output, "Pa", not_negative(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", read!(ring_stress.amplitude.$pulley));
-        $t.read("ring.stressMean.{}", 22, (Output, "Pa", typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", read!(ring_stress.mean.$pulley));
-        $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", read!($pulley.tilt));
-        $t.read("{}.idleArc", 20, (Output, "rad", not_negative(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", read!($pulley.idle_arc));
+        $t.read("{}.speed", 11, (Output, "rad/s", Range::typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
+        $t.read("{}.radius", 12, (Output, "m", Range::typical(0.06)), "Running radius on the {} pulley: pressure-weighted mean pitch radius of the arc", read!($pulley.radius));
+        $t.read("{}.position", 13, (Output, "m", Range::typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", read!($pulley.position));
+        $t.read("{}.axialForce", 14, (Output, "N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
+        $t.read("{}.shaftTorque", 15, (Output, "N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", read!($pulley.shaft_torque));
+        $t.read("{}.externalTorque", 16, (Output, "N.m", Range::typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
+        $t.read("{}.power", 17, (Output, "W", Range::typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
+        $t.read("spiral.{}", 18, (Output, "m", Range::from(0.0).of_size(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
+        $t.read("ring.stressAmplitude.{}", 21, (Output, "Pa", Range::from(0.0).of_size(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", read!(ring_stress.amplitude.$pulley));
+        $t.read("ring.stressMean.{}", 22, (Output, "Pa", Range::typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", read!(ring_stress.mean.$pulley));
+        $t.read("{}.tilt", 19, (Output, "rad", Range::from(0.0).of_size(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", read!($pulley.tilt));
+        $t.read("{}.idleArc", 20, (Output, "rad", Range::from(0.0).of_size(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", read!($pulley.idle_arc));
     };
 }
 
@@ -150,38 +150,38 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
 
 #[rustfmt::skip]
 fn outputs<R: Rings>(t: &mut Rows<R>) {
-    t.read("thrustRatio", 1, (Output, "1", between(-100.0, 100.0, 1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", read!(thrust_ratio));
-    t.read("belt.speed", 2, (Output, "m/s", typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
-    t.read("ring.speed", 3, (Output, "m/s", typical(10.0)), "Speed of the ring: rate of its drift through the mesh", read!(ring_speed));
-    t.read("ratio.speed", 4, (Output, "1", typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
-    t.read("ratio.geometric", 5, (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
-    t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0, 0.3)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i), i the ratio of its radii secondary/primary; positive in overdrive", read!(reference_theta));
-    t.read("slip", 7, (Output, "1", between(-2.0, 2.0, 0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", read!(slip));
-    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow. Meaningful at constant speeds only, because the power includes changes of the belt's kinetic energy", read!(efficiency));
-    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0, 1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). In underdrive the primary pulley slips first, from about 0.8 when driving and 0.6 in overrun", read!(torque_utilisation));
+    t.read("thrustRatio", 1, (Output, "1", Range::between(-100.0, 100.0).of_size(1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", read!(thrust_ratio));
+    t.read("belt.speed", 2, (Output, "m/s", Range::typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
+    t.read("ring.speed", 3, (Output, "m/s", Range::typical(10.0)), "Speed of the ring: rate of its drift through the mesh", read!(ring_speed));
+    t.read("ratio.speed", 4, (Output, "1", Range::typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
+    t.read("ratio.geometric", 5, (Output, "1", Range::typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
+    t.read("reference.theta", 6, (Output, "1", Range::between(-1.0, 1.0).of_size(0.3)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i), i the ratio of its radii secondary/primary; positive in overdrive", read!(reference_theta));
+    t.read("slip", 7, (Output, "1", Range::between(-2.0, 2.0).of_size(0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", read!(slip));
+    t.read("efficiency", 8, (Output, "1", Range::typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow. Meaningful at constant speeds only, because the power includes changes of the belt's kinetic energy", read!(efficiency));
+    t.read("torqueUtilisation", 9, (Output, "1", Range::between(0.0, 10.0).of_size(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). In underdrive the primary pulley slips first, from about 0.8 when driving and 0.6 in overrun", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "True if all loaded elements of a pulley slide tangentially in the same direction: the belt slips through", Kind::Boolean { access: read!(macro_slip) });
-    t.read("loss.total", 11, (Output, "W", typical(100.0)), "Sum of all losses", Access::Reading(|readings| readings.outputs.losses.total()));
-    t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Friction loss between elements and sheaves", read!(losses.sheaves));
-    t.read("loss.ring", 13, (Output, "W", typical(100.0)), "Friction loss between ring and elements", read!(losses.ring));
-    t.read("loss.other", 14, (Output, "W", typical(10.0)), "Loss in sheave dampers, tilt relaxation, end stops, and damping of chain, ring and contacts", read!(losses.other));
-    t.read("efficiency.belt", 24, (Output, "1", typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
-    t.read("loss.layers", 25, (Output, "W", typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
-    t.read("loss.shafts", 26, (Output, "W", typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
-    t.read("loss.spin", 33, (Output, "W", typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
-    t.read("loss.joints", 35, (Output, "W", typical(10.0)), "Friction loss in the joints of a pull chain", read!(losses.joints));
-    t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
-    t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
-    t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
-    t.read("ring.stressMax", 34, (Output, "Pa", typical(1e8)), "Largest stress in the layers of the ring sets over a revolution, at any face of any layer: tension and bending", read!(ring_stress.max));
+    t.read("loss.total", 11, (Output, "W", Range::typical(100.0)), "Sum of all losses", Access::Reading(|readings| readings.outputs.losses.total()));
+    t.read("loss.sheaves", 12, (Output, "W", Range::typical(100.0)), "Friction loss between elements and sheaves", read!(losses.sheaves));
+    t.read("loss.ring", 13, (Output, "W", Range::typical(100.0)), "Friction loss between ring and elements", read!(losses.ring));
+    t.read("loss.other", 14, (Output, "W", Range::typical(10.0)), "Loss in sheave dampers, tilt relaxation, end stops, and damping of chain, ring and contacts", read!(losses.other));
+    t.read("efficiency.belt", 24, (Output, "1", Range::typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
+    t.read("loss.layers", 25, (Output, "W", Range::typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
+    t.read("loss.shafts", 26, (Output, "W", Range::typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
+    t.read("loss.spin", 33, (Output, "W", Range::typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
+    t.read("loss.joints", 35, (Output, "W", Range::typical(10.0)), "Friction loss in the joints of a pull chain", read!(losses.joints));
+    t.read("pushForce.max", 15, (Output, "N", Range::typical(1000.0)), "Largest push force between elements", read!(push_force_max));
+    t.read("ring.tensionMax", 16, (Output, "N", Range::typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
+    t.read("ring.tensionMin", 17, (Output, "N", Range::typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
+    t.read("ring.stressMax", 34, (Output, "Pa", Range::typical(1e8)), "Largest stress in the layers of the ring sets over a revolution, at any face of any layer: tension and bending", read!(ring_stress.max));
     t.work("solver.steps", 27, "Steps of the integrator since the start, including rejected ones", Access::Reading(|readings| readings.outputs.work.steps));
     t.work("solver.jacobians", 28, "Jacobians formed and factored since the start", Access::Reading(|readings| readings.outputs.work.jacobians));
     t.work("solver.residuals", 29, "Residuals evaluated since the start", Access::Reading(|readings| readings.outputs.work.residuals));
-    t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", read!(work.defect));
-    t.read("solver.behind", 31, (Output, "s", not_negative(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", read!(work.behind));
+    t.read("solver.defect", 30, (Output, "1", Range::from(0.0).of_size(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", read!(work.defect));
+    t.read("solver.behind", 31, (Output, "s", Range::from(0.0).of_size(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", read!(work.behind));
     t.work("solver.rollbacks", 32, "Steps without a solution with solver.mode = RealTime since the start: each was begun again with half the length", Access::Reading(|readings| readings.outputs.work.rollbacks));
-    t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves are on opposite sides", read!(misalignment));
-    t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
-    t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));
+    t.read("belt.misalignment", 20, (Output, "m", Range::typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves are on opposite sides", read!(misalignment));
+    t.read("belt.lateralMax", 21, (Output, "m", Range::from(0.0).of_size(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
+    t.read("belt.skew", 22, (Output, "rad", Range::typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));
 }
 
 #[rustfmt::skip]
@@ -242,8 +242,8 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
 
 #[rustfmt::skip]
 fn locals<R: Rings>(t: &mut Rows<R>) {
-    t.read("stored.energy", 18, (Local, "J", typical(1000.0)), "Kinetic and elastic energy stored in the variator", read!(stored_energy));
-    t.read("energy.residual", 19, (Local, "J", typical(1.0)), "Energy residual since the start: supplied - lost - stored", read!(energy_residual));
+    t.read("stored.energy", 18, (Local, "J", Range::typical(1000.0)), "Kinetic and elastic energy stored in the variator", read!(stored_energy));
+    t.read("energy.residual", 19, (Local, "J", Range::typical(1.0)), "Energy residual since the start: supplied - lost - stored", read!(energy_residual));
     t.add("initial.found", 23, Local, "State from which the run started: the requested one, or the reason for another one", Kind::Enumeration { of: &START_STATE, access: Access::Reading(|readings| readings.outputs.start_state as i32) });
     t.profile("position", 10_001, "m", 1.0, "Position xi along the belt", |readings, at| readings.profile.position[at]);
     t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |readings, at| readings.profile.push_force[at]);

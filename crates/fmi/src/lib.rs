@@ -49,8 +49,9 @@ mod processor;
 #[forbid(unsafe_code)]
 mod resources;
 #[forbid(unsafe_code)]
-pub mod simple;
+pub mod si;
 #[forbid(unsafe_code)]
+pub mod simple;
 pub mod slave;
 #[forbid(unsafe_code)]
 mod snapshot;

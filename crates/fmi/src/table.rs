@@ -23,6 +23,13 @@ impl UnitDefinition {
             display: &[],
         }
     }
+
+    /// The same unit with units in which values may be shown: name and factor.
+    #[must_use]
+    pub const fn shown_in(mut self, display: &'static [(&'static str, f64)]) -> Self {
+        self.display = display;
+        self
+    }
 }
 
 /// One value of an enumeration.
@@ -34,6 +41,18 @@ pub struct Item {
     pub value: i32,
     /// Its meaning.
     pub description: &'static str,
+}
+
+impl Item {
+    /// A value with its name and meaning.
+    #[must_use]
+    pub const fn new(name: &'static str, value: i32, description: &'static str) -> Self {
+        Self {
+            name,
+            value,
+            description,
+        }
+    }
 }
 
 /// An enumeration type.
@@ -137,6 +156,33 @@ impl From<f64> for Range {
 }
 
 impl Range {
+    /// Values within limits.
+    #[must_use]
+    pub const fn between(min: f64, max: f64) -> Self {
+        Self {
+            min: Some(min),
+            max: Some(max),
+            nominal: None,
+        }
+    }
+
+    /// Values without limits, of a typical size.
+    #[must_use]
+    pub const fn typical(nominal: f64) -> Self {
+        Self {
+            min: None,
+            max: None,
+            nominal: Some(nominal),
+        }
+    }
+
+    /// The same limits with a typical size.
+    #[must_use]
+    pub const fn of_size(mut self, nominal: f64) -> Self {
+        self.nominal = Some(nominal);
+        self
+    }
+
     /// The allowed values, for an error text.
     fn text(&self, unit: &str) -> String {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };

@@ -1,8 +1,8 @@
 //! The variable table. Names, value references, units, defaults and limits are those of the detailed unit; a test compares them with
 //! its model description. `map.outside` is the only other variable.
 
-use pushbelt_fmi::setting;
 use pushbelt_fmi::table::{Access, Causality, Enumeration, Item, Kind, Range, Table, UnitDefinition, Variable};
+use pushbelt_fmi::{setting, si};
 
 use crate::settings::{Axial, Drive, Readings, Settings};
 
@@ -10,50 +10,26 @@ use Causality::{Input, Local, Output, Parameter, Tunable};
 
 type V = Variable<Settings, Readings>;
 
-const fn unit(
-    name: &'static str,
-    exponents: &'static [(&'static str, i32)],
-    display: &'static [(&'static str, f64)],
-) -> UnitDefinition {
-    UnitDefinition {
-        name,
-        exponents,
-        display,
-    }
-}
-
 const UNITS: &[UnitDefinition] = &[
-    unit("1", &[], &[("%", 100.0)]),
-    unit(
-        "rad/s",
-        &[("s", -1), ("rad", 1)],
-        &[("rpm", 30.0 / std::f64::consts::PI)],
-    ),
-    unit("s", &[("s", 1)], &[]),
-    unit("m", &[("m", 1)], &[("mm", 1000.0)]),
-    unit("m/s", &[("m", 1), ("s", -1)], &[]),
-    unit("kg.m2", &[("kg", 1), ("m", 2)], &[]),
-    unit("N", &[("kg", 1), ("m", 1), ("s", -2)], &[("kN", 1e-3)]),
-    unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)], &[]),
-    unit("N.m.s/rad", &[("kg", 1), ("m", 2), ("s", -1), ("rad", -1)], &[]),
-    unit("J", &[("kg", 1), ("m", 2), ("s", -2)], &[]),
-    unit("W", &[("kg", 1), ("m", 2), ("s", -3)], &[]),
+    si::ONE,
+    si::RADIAN_PER_SECOND,
+    si::SECOND,
+    si::METRE,
+    si::METRE_PER_SECOND,
+    si::KILOGRAM_SQUARE_METRE,
+    si::NEWTON,
+    si::NEWTON_METRE,
+    si::NEWTON_METRE_SECOND_PER_RADIAN,
+    si::JOULE,
+    si::WATT,
 ];
-
-const fn item(name: &'static str, value: i32, description: &'static str) -> Item {
-    Item {
-        name,
-        value,
-        description,
-    }
-}
 
 static DRIVE: Enumeration = Enumeration {
     name: "Drive",
     description: "Boundary condition of the shaft of a pulley",
     items: &[
-        item("Torque", Drive::Torque as i32, "The shaft torque is the input"),
-        item(
+        Item::new("Torque", Drive::Torque as i32, "The shaft torque is the input"),
+        Item::new(
             "Speed",
             Drive::Speed as i32,
             "The speed follows its set point with a lag of 1 ms; the required torque is an output",
@@ -65,8 +41,8 @@ static AXIAL: Enumeration = Enumeration {
     name: "Axial",
     description: "Boundary condition of the movable sheave of a pulley",
     items: &[
-        item("Force", Axial::Force as i32, "The clamping force is the input"),
-        item(
+        Item::new("Force", Axial::Force as i32, "The clamping force is the input"),
+        Item::new(
             "Held",
             Axial::Held as i32,
             "The sheave is held at the position where the geometric ratio is initial.ratio; the clamping force input is ignored",
@@ -75,19 +51,6 @@ static AXIAL: Enumeration = Enumeration {
 };
 
 static ENUMERATIONS: &[&Enumeration] = &[&DRIVE, &AXIAL];
-
-/// Limits and nominal value.
-const fn range(min: Option<f64>, max: Option<f64>, nominal: Option<f64>) -> Range {
-    Range { min, max, nominal }
-}
-
-const fn between(min: f64, max: f64) -> Range {
-    range(Some(min), Some(max), None)
-}
-
-const fn typical(nominal: f64) -> Range {
-    range(None, None, Some(nominal))
-}
 
 /// A real variable. Angles, forces, lengths and speeds are shown in the units of workshops.
 fn real(
@@ -168,22 +131,22 @@ macro_rules! pulley {
             let name = format!("{}.{name}", stringify!($pulley));
             $list.push(real(($base + reference, &name, causality, unit, limits), &text(what), access));
         };
-        add(1, "torque", (Input, "N.m", between(-1e4, 1e4)), "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", setting!(inputs.$pulley.torque));
-        add(2, "clampingForce", (Input, "N", between(0.0, 5e5)), "Clamping force that closes the {} sheaves", setting!(inputs.$pulley.clamping_force));
-        add(3, "speedSetpoint", (Input, "rad/s", between(-1e4, 1e4)), "Speed set point of the {} shaft; used only with {}.drive = Speed", setting!(inputs.$pulley.speed_setpoint));
-        add(11, "speed", (Output, "rad/s", typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
-        add(12, "radius", (Output, "m", typical(0.06)), "Running radius on the {} pulley: pitch radius of the arc", read!($pulley.radius));
-        add(14, "axialForce", (Output, "N", typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
-        add(15, "shaftTorque", (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", read!($pulley.shaft_torque));
-        add(16, "externalTorque", (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
-        add(17, "power", (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
-        add(33, "inertia", (Parameter, "kg.m2", between(1e-6, 1e6)), "Moment of inertia of the {} pulley and everything rigidly connected to it", setting!($pulley.inertia));
-        add(38, "minRadius", (Parameter, "m", between(1e-3, 10.0)), "Pitch radius at the opening stop of the {} sheaves", setting!($pulley.min_radius));
-        add(39, "maxRadius", (Parameter, "m", between(1e-3, 10.0)), "Pitch radius at the closing stop of the {} sheaves", setting!($pulley.max_radius));
-        add(41, "drag.constant", (Parameter, "N.m", between(0.0, 1e3)), "Drag torque of the {} shaft that does not depend on speed or load, as of seals", setting!($pulley.drag_constant));
-        add(42, "drag.viscous", (Parameter, "N.m.s/rad", between(0.0, 10.0)), "Drag torque of the {} shaft per speed, as of oil", setting!($pulley.drag_viscous));
-        add(43, "bearing.friction", (Parameter, "1", between(0.0, 1.0)), "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings", setting!($pulley.bearing_friction));
-        add(44, "bearing.radius", (Parameter, "m", between(0.0, 1.0)), "Mean radius of the bearings of the {} shaft", setting!($pulley.bearing_radius));
+        add(1, "torque", (Input, "N.m", Range::between(-1e4, 1e4)), "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", setting!(inputs.$pulley.torque));
+        add(2, "clampingForce", (Input, "N", Range::between(0.0, 5e5)), "Clamping force that closes the {} sheaves", setting!(inputs.$pulley.clamping_force));
+        add(3, "speedSetpoint", (Input, "rad/s", Range::between(-1e4, 1e4)), "Speed set point of the {} shaft; used only with {}.drive = Speed", setting!(inputs.$pulley.speed_setpoint));
+        add(11, "speed", (Output, "rad/s", Range::typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
+        add(12, "radius", (Output, "m", Range::typical(0.06)), "Running radius on the {} pulley: pitch radius of the arc", read!($pulley.radius));
+        add(14, "axialForce", (Output, "N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
+        add(15, "shaftTorque", (Output, "N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", read!($pulley.shaft_torque));
+        add(16, "externalTorque", (Output, "N.m", Range::typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
+        add(17, "power", (Output, "W", Range::typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
+        add(33, "inertia", (Parameter, "kg.m2", Range::between(1e-6, 1e6)), "Moment of inertia of the {} pulley and everything rigidly connected to it", setting!($pulley.inertia));
+        add(38, "minRadius", (Parameter, "m", Range::between(1e-3, 10.0)), "Pitch radius at the opening stop of the {} sheaves", setting!($pulley.min_radius));
+        add(39, "maxRadius", (Parameter, "m", Range::between(1e-3, 10.0)), "Pitch radius at the closing stop of the {} sheaves", setting!($pulley.max_radius));
+        add(41, "drag.constant", (Parameter, "N.m", Range::between(0.0, 1e3)), "Drag torque of the {} shaft that does not depend on speed or load, as of seals", setting!($pulley.drag_constant));
+        add(42, "drag.viscous", (Parameter, "N.m.s/rad", Range::between(0.0, 10.0)), "Drag torque of the {} shaft per speed, as of oil", setting!($pulley.drag_viscous));
+        add(43, "bearing.friction", (Parameter, "1", Range::between(0.0, 1.0)), "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings", setting!($pulley.bearing_friction));
+        add(44, "bearing.radius", (Parameter, "m", Range::between(0.0, 1.0)), "Mean radius of the bearings of the {} shaft", setting!($pulley.bearing_radius));
         $list.push(choice($base + 31, &format!("{}.drive", stringify!($pulley)), &text("Boundary condition of the {} shaft: torque or speed"), &DRIVE, choose!($pulley.drive, Drive::Speed, Drive::Torque)));
         $list.push(choice($base + 32, &format!("{}.axial", stringify!($pulley)), &text("Boundary condition of the movable {} sheave: force or held"), &AXIAL, choose!($pulley.axial, Axial::Held, Axial::Force)));
     };
@@ -199,21 +162,21 @@ pub(crate) fn table() -> Table<Settings, Readings> {
         let (causality, unit, limits) = head;
         list.push(real((reference, name, causality, unit, limits), what, access));
     };
-    add(1, "thrustRatio", (Output, "1", range(Some(-100.0), Some(100.0), Some(1.0))), "Thrust ratio: axial force on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", read!(thrust_ratio));
-    add(2, "belt.speed", (Output, "m/s", typical(10.0)), "Mean pitch-line speed of the elements: the mean of both pulleys", read!(belt_speed));
-    add(4, "ratio.speed", (Output, "1", typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
-    add(5, "ratio.geometric", (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
-    add(7, "slip", (Output, "1", range(Some(-2.0), Some(2.0), Some(0.01))), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", read!(slip));
-    add(8, "efficiency", (Output, "1", typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow", read!(efficiency));
-    add(24, "efficiency.belt", (Output, "1", typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
-    add(9, "torqueUtilisation", (Output, "1", range(Some(0.0), Some(10.0), Some(1.0))), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))", read!(utilisation));
-    add(11, "loss.total", (Output, "W", typical(100.0)), "Sum of all losses", read!(loss));
-    add(26, "loss.shafts", (Output, "W", typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(shaft_loss));
-    add(18, "stored.energy", (Local, "J", typical(1000.0)), "Kinetic energy of both shafts", read!(stored_energy));
-    add(1011, "initial.ratio", (Parameter, "1", between(0.01, 100.0)), "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop", setting!(ratio));
-    add(1012, "initial.primarySpeed", (Parameter, "rad/s", between(-1e4, 1e4)), "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead", setting!(primary_speed));
-    add(1051, "friction.pulley", (Tunable, "1", between(0.0, 1.0)), "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)", setting!(friction));
-    add(1083, "inputs.ramp", (Parameter, "s", between(-1.0, 10.0)), "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead", setting!(ramp));
+    add(1, "thrustRatio", (Output, "1", Range::between(-100.0, 100.0).of_size(1.0)), "Thrust ratio: axial force on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", read!(thrust_ratio));
+    add(2, "belt.speed", (Output, "m/s", Range::typical(10.0)), "Mean pitch-line speed of the elements: the mean of both pulleys", read!(belt_speed));
+    add(4, "ratio.speed", (Output, "1", Range::typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
+    add(5, "ratio.geometric", (Output, "1", Range::typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
+    add(7, "slip", (Output, "1", Range::between(-2.0, 2.0).of_size(0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", read!(slip));
+    add(8, "efficiency", (Output, "1", Range::typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow", read!(efficiency));
+    add(24, "efficiency.belt", (Output, "1", Range::typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
+    add(9, "torqueUtilisation", (Output, "1", Range::between(0.0, 10.0).of_size(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))", read!(utilisation));
+    add(11, "loss.total", (Output, "W", Range::typical(100.0)), "Sum of all losses", read!(loss));
+    add(26, "loss.shafts", (Output, "W", Range::typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(shaft_loss));
+    add(18, "stored.energy", (Local, "J", Range::typical(1000.0)), "Kinetic energy of both shafts", read!(stored_energy));
+    add(1011, "initial.ratio", (Parameter, "1", Range::between(0.01, 100.0)), "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop", setting!(ratio));
+    add(1012, "initial.primarySpeed", (Parameter, "rad/s", Range::between(-1e4, 1e4)), "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead", setting!(primary_speed));
+    add(1051, "friction.pulley", (Tunable, "1", Range::between(0.0, 1.0)), "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)", setting!(friction));
+    add(1083, "inputs.ramp", (Parameter, "s", Range::between(-1.0, 10.0)), "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead", setting!(ramp));
     list.push(switch(10, "macroSlip", "True if the slip is beyond that at the capacity: the belt slips through", Output, read!(macro_slip)));
     list.push(switch(90, "map.outside", "True if ratio, speed or force is beyond the tables, whose values at the border are used", Output, read!(outside)));
     list.push(switch(1013, "initial.steady", "True: start with the slip of the steady state, unbalanced torque accelerating the inertias. False: start without slip", Parameter, setting!(steady)));

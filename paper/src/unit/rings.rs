@@ -26,26 +26,22 @@ static RING_MODEL: Enumeration = Enumeration {
     name: "RingModel",
     description: "Model of the ring",
     items: &[
-        Item {
-            name: "ALE0",
-            value: RingModel::Ale0 as i32,
-            description: "Reference motion only: drift, ratio and a ring tension carried along by friction",
-        },
-        Item {
-            name: "ALE",
-            value: RingModel::Ale as i32,
-            description: "Reference motion with overlaid deflection: bending, stretch, spiral running",
-        },
-        Item {
-            name: "RCM",
-            value: RCM,
-            description: "Co-rotational elements that travel with the ring",
-        },
-        Item {
-            name: "ANCF",
-            value: ANCF,
-            description: "Absolute nodal coordinates on elements that travel with the ring",
-        },
+        Item::new(
+            "ALE0",
+            RingModel::Ale0 as i32,
+            "Reference motion only: drift, ratio and a ring tension carried along by friction",
+        ),
+        Item::new(
+            "ALE",
+            RingModel::Ale as i32,
+            "Reference motion with overlaid deflection: bending, stretch, spiral running",
+        ),
+        Item::new("RCM", RCM, "Co-rotational elements that travel with the ring"),
+        Item::new(
+            "ANCF",
+            ANCF,
+            "Absolute nodal coordinates on elements that travel with the ring",
+        ),
     ],
 };
 

@@ -78,27 +78,12 @@ pub struct Tank {
     gauges: Gauges,
 }
 
-const UNITS: &[UnitDefinition] = &[UnitDefinition {
-    name: "1",
-    exponents: &[],
-    display: &[],
-}];
+const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[])];
 
 static SHAPES: Enumeration = Enumeration {
     name: "Shape",
     description: "Shape of the tank",
-    items: &[
-        Item {
-            name: "Round",
-            value: 1,
-            description: "A cylinder",
-        },
-        Item {
-            name: "Square",
-            value: 2,
-            description: "A box",
-        },
-    ],
+    items: &[Item::new("Round", 1, "A cylinder"), Item::new("Square", 2, "A box")],
 };
 
 impl Unit for Tank {
