@@ -23,7 +23,7 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
 from pushbelt.map_data import LOSSES, TABLES, MapError, Maps
-from pushbelt.maps import Grid, Plan, __main__, files, report, run
+from pushbelt.maps import Grid, Plan, __main__, files, report, run, worker
 from pushbelt.maps.plan import COARSE, stops, variator
 
 MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -162,6 +162,20 @@ def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
     states.close()
     middle = float(np.interp(0.09, measured.time, measured.speed_ratio))
     assert rate == pytest.approx(measured.rate / middle / line.speed, rel=0.01)
+
+
+def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
+    """A vehicle may be part of `secondary.inertia`."""
+    along = Along((0.3,), (-1.0, 0.0, 1.0), (0.3,), (-0.25, 0.25))
+    found = []
+    for inertia in (0.03, 80.0):
+        solver = worker.Solver(archive, {**plan.full, "secondary.inertia": inertia}, along)
+        (row,) = solver.solve([(0, Line(12e3, 100.0, 1.0))])
+        solver.close()
+        found.append(row["found"])
+    assert found[0] == found[1]
+    ((down, up),) = found[0]["shiftRate"]
+    assert down < 0.0 < up
 
 
 def test_maps_are_complete_and_in_order(maps: Maps) -> None:
