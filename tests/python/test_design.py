@@ -20,11 +20,11 @@ from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.rig import units
 from pushbelt.rig.sheet import Reading
+from pushbelt.slurm import SlurmError
 from pushbelt.sweep import Design, DesignError, Slurm, Study, cluster, plausible, sweep
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import DesignPoint, Varied, crossed, full_values, listed, varied
 from pushbelt.sweep.design_report import correlation
-from pushbelt.slurm import SlurmError
 from pushbelt.sweep.store import METADATA
 from pushbelt.sweep.study import variator
 

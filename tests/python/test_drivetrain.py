@@ -36,7 +36,7 @@ from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
-from pushbelt.durability.table import COLUMNS, MEAN, STRESSES
+from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.steady import SteadyStates

@@ -10,13 +10,12 @@ import numpy as np
 
 from pushbelt import tables
 from pushbelt.page import write_html as write_page
-
 from pushbelt.rig import model, worker
+from pushbelt.rig.points import MEASURED
 
 from . import figures, fit
 from .fit import Estimate
 from .results import Results, Row
-from pushbelt.rig.points import MEASURED
 
 WORST = 10
 """Number of values with the largest residuals in the list."""

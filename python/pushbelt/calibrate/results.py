@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from .fit import Fit
 from pushbelt.rig.model import Value
 from pushbelt.rig.points import MEASURED, Measured, Point
+
+from .fit import Fit
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ class Damage:
     def utilisation(self) -> float:
         """Largest equivalent amplitude while the ring turns, relative to the fatigue limit with the safety factor."""
         moving = self.turns > 0.0
-        return max((float(one[moving].max(initial=0.0)) for one in self.equivalent.values())) / self.material.allowed
+        return max(float(one[moving].max(initial=0.0)) for one in self.equivalent.values()) / self.material.allowed
 
     def rows(self, limited: bool = True) -> dict[str, Array]:
         """Damage of each part at each row."""

@@ -8,7 +8,7 @@ whole is at rest, so the contact forces on both pulleys have the same resultant.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 

@@ -14,8 +14,8 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive
 from pushbelt.side_by_side import Call, worker_pool
 
-from .parameters import Parameter, assign
 from .measured import Measured, Point
+from .parameters import Parameter, assign
 from .worker import Found, Job, solve_all
 
 STEP = 1e-3

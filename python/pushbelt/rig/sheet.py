@@ -16,7 +16,7 @@ import numpy as np
 
 from . import numerals, text, units
 from .numerals import NumeralError, Percent
-from .text import Cells, TextError
+from .text import Cells
 from .units import Unit
 
 if TYPE_CHECKING:

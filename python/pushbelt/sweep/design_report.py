@@ -21,7 +21,6 @@ from .report import FEW, Effort, shown_parameters
 from .store import METADATA, schema
 from .study import Study
 
-
 QUANTITIES = (
     Quantity("thrust ratio", "thrustRatio", 1.0, ""),
     Quantity("efficiency", "efficiency", 100.0, "%"),

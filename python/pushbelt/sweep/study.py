@@ -10,7 +10,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from pushbelt.fmu import starts, steady
 from pushbelt.fmu.data import parameter_set

@@ -58,7 +58,7 @@ with the groove's opening; Delta small; F' > 0 in both strands; chain closed (el
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import asin, atan2, atanh, copysign, cos, inf, pi, sin, sqrt, tan, tanh
 
 import numpy as np
@@ -143,7 +143,7 @@ class Arc:
         return deepest - shallowest
 
 
-@lru_cache(maxsize=None)
+@cache
 def _gauss(points: int) -> tuple[Array, Array, Array]:
     """Nodes and weights on [-1, 1], and the matrix that integrates nodal values from -1 to each node."""
     nodes, weights = legendre.leggauss(points)
@@ -251,7 +251,7 @@ def creep_of(u: float) -> float:
     return -1.0 + float(np.sinh(u))
 
 
-@lru_cache(maxsize=None)
+@cache
 def _creep_range(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     """Search variable between the extremes of ln F'_out/F'_in: the branch that contains idle running."""
     grid = np.linspace(-_WIDEST, _WIDEST, 129)

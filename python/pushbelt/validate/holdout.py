@@ -15,7 +15,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
 from pushbelt.rig import model, points
-from pushbelt.rig.model import Model, Value
+from pushbelt.rig.model import Value
 from pushbelt.rig.points import MEASURED, Oil, Reading, Rig
 from pushbelt.rig.worker import Found
 from pushbelt.style import BLUE, MUTED, ORANGE
