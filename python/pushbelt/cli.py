@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PROGRAMS = {
     "demo": ("load cases, a published steady state and a manoeuvre of 10 s, and a report", "reports"),
-    "drive": ("a car on the WLTC or the NEDC, and a report", "sweep"),
+    "drive": ("a car on the WLTC or the NEDC, and a report", "reports"),
     "durability": ("fatigue of the ring over a drive or another run, and a report", "durability"),
     "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
     "maps": ("maps for vehicle simulations, as NetCDF, MATLAB, Modelica and CSV files, and a report", "sweep"),

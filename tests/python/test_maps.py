@@ -17,14 +17,15 @@ import reports
 import xarray
 from scipy.io import loadmat, whosmat
 
+from pushbelt import map_lines
 from pushbelt.fmu.data import curve_of, pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import theta_of
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
 from pushbelt.map_data import LOSSES, TABLES, MapError, Maps
+from pushbelt.map_plan import COARSE, stops, variator
 from pushbelt.maps import Grid, Plan, __main__, files, report, run, worker
-from pushbelt.maps.plan import COARSE, stops, variator
 
 MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 PARAMETERS = variator("bench168", changes=MESH)
@@ -91,18 +92,18 @@ def test_limit_is_where_the_traction_is_flat() -> None:
 
 def test_gaps_have_the_nearest_value() -> None:
     nan = math.nan
-    assert run.filled(np.array([[nan, 1.0, nan, nan, 4.0]])).tolist() == [[1.0, 1.0, 1.0, 4.0, 4.0]]
+    assert map_lines.filled(np.array([[nan, 1.0, nan, nan, 4.0]])).tolist() == [[1.0, 1.0, 1.0, 4.0, 4.0]]
     with pytest.raises(ValueError, match="no steady state"):
-        run.filled(np.array([[nan, nan]]))
+        map_lines.filled(np.array([[nan, nan]]))
 
 
 def test_shift_rates_are_made_monotone() -> None:
     excesses = np.array([-0.4, -0.1, 0.0, 0.1, 0.4])
-    rates = run.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
+    rates = map_lines.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
     # The second rate is not above the first one, and the last is missing.
     assert rates[0].tolist() == pytest.approx([-3.0, -3.0, 0.0, 1.0, 1.0])
     assert rates[0, 2] == 0.0
-    assert run.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
+    assert map_lines.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
 
 
 @pytest.mark.parametrize(
@@ -246,7 +247,7 @@ def test_traction_is_the_inverse_of_the_slip(maps: Maps) -> None:
 
 
 def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> None:
-    store = run.Store(folder, plan)
+    store = map_lines.Store(folder, plan)
     assert len(store.rows()) == 12
     (store.folder / "3.json").unlink()
     (store.folder / "4.json").write_text("{", encoding="utf-8")
@@ -258,9 +259,9 @@ def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> N
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
-    rows = run.Store(folder, plan).rows()
+    rows = map_lines.Store(folder, plan).rows()
     rows[4] = {"line": 4, "reason": "no belt", "time": 0.1}
-    found = run.collect(plan, rows)
+    found = map_lines.collect(plan, rows)
     f, s, r = np.unravel_index(4, (2, 2, 3))
     assert found["thrustRatio"][f, s, r].tolist() in (
         maps["thrustRatio"][f, s, r - 1].tolist(),
@@ -269,7 +270,7 @@ def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps,
     assert set(found["state"][f, s, r]) == {3.0}
     assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
     with pytest.raises(ValueError, match="no belt"):
-        run.collect(plan, {4: rows[4]})
+        map_lines.collect(plan, {4: rows[4]})
 
 
 # Files

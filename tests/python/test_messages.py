@@ -25,7 +25,7 @@ BROAD = {
     "drive/cosim/study.py",
     "fmu/unit.py",
     "fmu/untrusted.py",
-    "maps/worker.py",
+    "fmu/working_points.py",
     "rig/text.py",
     "side_by_side.py",
     "sweep/point.py",

@@ -75,5 +75,5 @@ def test_the_ladder_is_close_throughout_in_overdrive(bench: Bench) -> None:
 def test_own_strand_forces_carry_the_torque(bench: Bench) -> None:
     """The tractions of the strands' net forces, of torque and clamping force agree: F = T - Q, with sigma V^2."""
     result = limit_case(bench, 1.0, 0.35)
-    r = against_theory.strand_traction(bench.unit.profile(), result.outputs, bench)
+    r = against_theory.strand_traction(bench.states.unit.profile(), result.outputs, bench)
     assert r == pytest.approx(result.theory.traction, rel=0.05)

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from pushbelt import side_by_side
+from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.unit import Archive
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, row
 from pushbelt.map_data import Maps
-from pushbelt.maps import Grid, Plan, solve
-from pushbelt.progress import progress_bar
+from pushbelt.map_lines import Store, collect
+from pushbelt.map_plan import Grid, Plan
+from pushbelt.side_by_side import tick
 
 from .thrust_map import FORCE, OTHER_FORCE, SHIFT_UTILISATIONS, SPEED
 
@@ -31,12 +38,27 @@ LEAST = 3
 def measure(fmu: Path, parameters: Mapping[str, float], folder: Path) -> Maps:
     """The maps of an FMU with these start values. Finished lines are stored in the folder, so a repeated call solves nothing.
 
-    Raises ClusterError if the processes of this machine cannot be started, and ValueError if a ratio has too few steady states.
+    Raises ValueError if a ratio has too few steady states.
     """
     plan = Plan(fmu, parameters, GRID)
-    with progress_bar(len(plan.lines), "thrust-ratio map") as bar:
-        maps, _ = solve(plan, folder, progress=lambda progress: bar.update(progress.done - bar.n))
+    store = Store(folder, plan)
+    rows = store.rows()
+    missing = [(index, line) for index, line in enumerate(plan.lines) if index not in rows]
+    if missing:
+        with Archive.unpack(fmu) as archive:
+            calls = [(_solve, (archive, plan.full, plan.along, index, line)) for index, line in missing]
+            for found in side_by_side.run_all(calls, len(calls), "thrust-ratio map", os.cpu_count() or 1):
+                rows[found["line"]] = found
+                store.add(found)
+    maps = collect(plan, rows)
     for ratio, count in zip(plan.ratios, maps.valid[-1, 0].sum(axis=-1), strict=True):
         if count < LEAST:
             raise ValueError(f"too few steady states at ratio {ratio:g}: {count} of {len(GRID.utilisation)}")
     return maps
+
+
+def _solve(archive: Archive, parameters: Mapping[str, float], along: Along, index: int, line: Line) -> dict[str, Any]:
+    with SteadyStates(archive, {**parameters, **SHAFTS}) as states:
+        found = row(states, index, line, along)
+    tick(1.0)
+    return found

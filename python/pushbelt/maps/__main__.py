@@ -18,10 +18,11 @@ from pathlib import Path
 from pushbelt.arguments import add_cluster, numbers
 from pushbelt.cluster import ClusterError
 from pushbelt.map_data import Maps
+from pushbelt.map_lines import Store
+from pushbelt.map_plan import COARSE, SHORT, Grid, Plan, variator
 from pushbelt.progress import progress_bar
 
-from .plan import COARSE, SHORT, Grid, Plan, variator
-from .run import Progress, Store, solve
+from .run import Progress, solve
 
 AXES = {
     "force": "secondary clamping forces, N",

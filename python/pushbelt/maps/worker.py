@@ -5,13 +5,12 @@ This module and the required modules of `pushbelt.fmu` are sent to the workers (
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pushbelt.fmu.steady import Pool
-from pushbelt.fmu.unit import Archive, UnitError
-from pushbelt.fmu.working_points import SHAFTS, Along, Line, measure
+from pushbelt.fmu.unit import Archive
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, row
 
 Task = tuple[int, Line]
 """Index and line."""
@@ -25,18 +24,11 @@ class Solver:
 
     def solve(self, tasks: Sequence[Task]) -> list[dict[str, Any]]:
         """A row for each line: its index, and its results or the reason for missing ones."""
-        return [self._solve(index, line) for index, line in tasks]
-
-    def _solve(self, index: int, line: Line) -> dict[str, Any]:
-        begin = time.thread_time()
-        try:
+        rows = []
+        for index, line in tasks:
             with self._pool.one() as states:
-                row: dict[str, Any] = {"line": index, "found": measure(states, line, self._along)}
-        except UnitError as error:
-            row = {"line": index, "reason": str(error)}
-        except Exception as error:  # noqa: BLE001
-            row = {"line": index, "reason": f"{type(error).__name__}: {error}"}
-        return {**row, "time": time.thread_time() - begin}
+                rows.append(row(states, index, line, self._along))
+        return rows
 
     def close(self) -> None:
         """Frees the instances."""
