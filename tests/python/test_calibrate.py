@@ -262,11 +262,14 @@ def solver(fmu: Path, archive: Archive) -> InProcess:
 def test_the_step_of_the_differences_stands_on_a_plateau(
     solver: InProcess, variables: Mapping[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity."""
+    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity.
+
+    On the default mesh: on that of short runs thrust ratios have waves over the friction coefficient.
+    """
     chosen = choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
     opened = Model([STEADY[1], STEADY[5], STEADY[7], *SHIFTS[:2]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
-    fixed = parameters.assign(chosen, place)
+    fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in __main__.COARSE}}
     (base,) = opened.states([fixed])
     found = []
     for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
