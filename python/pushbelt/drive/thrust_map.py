@@ -32,6 +32,7 @@ STILL = 1e-4
 NEARBY = 0.2
 """Range of the excess about its expected value in which the shift gain is taken."""
 
+
 class _Plain(NamedTuple):
     """The tables of a map as plain numbers."""
 
