@@ -126,6 +126,8 @@ pub struct Dispatch {
     model: &'static str,
     /// Identifies the build; none in a build that has no variant.
     build: Option<&'static str>,
+    /// Names of the exported functions.
+    names: &'static [&'static [&'static str]],
     /// The present opening of the variant, counted from 1; 0 while it is closed.
     opening: AtomicUsize,
     state: Mutex<State>,
@@ -149,12 +151,18 @@ struct Variant {
 unsafe impl Send for Variant {}
 
 impl Dispatch {
-    /// The dispatcher of the library of a model. `build` is the same in a library and its variant, and in no other library.
+    /// The dispatcher of the library of a model. `build` is the same in a library and its variant, and in no other library. A variant
+    /// without one of the functions of these names is refused.
     #[must_use]
-    pub const fn new(model: &'static str, build: Option<&'static str>) -> Self {
+    pub const fn new(
+        model: &'static str,
+        build: Option<&'static str>,
+        names: &'static [&'static [&'static str]],
+    ) -> Self {
         Self {
             model,
             build,
+            names,
             opening: AtomicUsize::new(0),
             state: Mutex::new(State {
                 calls: 0,
@@ -217,7 +225,6 @@ impl Dispatch {
             return null_mut();
         }
         if forward.opening.load(Ordering::Acquire) != opening {
-            // A library of the same build exports the same functions.
             let found = locked(&self.state)
                 .open
                 .as_ref()
@@ -262,6 +269,10 @@ impl Dispatch {
         };
         if instances.is_null() {
             return Err(refused("it is of another build"));
+        }
+        let is_missing = |name: &&str| library.find(&CString::new(*name).unwrap_or_default()).is_null();
+        if let Some(missing) = self.names.iter().copied().flatten().copied().find(is_missing) {
+            return Err(refused(&format!("it has no {missing}")));
         }
         Ok(Variant { library, instances })
     }

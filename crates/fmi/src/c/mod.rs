@@ -161,6 +161,7 @@ macro_rules! export {
             static DISPATCH: $crate::dispatch::Dispatch = $crate::dispatch::Dispatch::new(
                 <$unit as $crate::Unit>::IDENTITY.name,
                 option_env!("PUSHBELT_BUILD"),
+                &[$crate::fmi2::NAMES, $crate::fmi3::NAMES],
             );
             const _: () = {
                 $crate::export_fmi2!($unit, Some(&DISPATCH));
