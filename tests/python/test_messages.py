@@ -25,10 +25,9 @@ BROAD = {
     "drive/cosim/study.py",
     "fmu/unit.py",
     "fmu/untrusted.py",
-    "fmu/working_points.py",
+    "fmu/steady.py",
     "rig/text.py",
     "side_by_side.py",
-    "sweep/point.py",
 }
 """Files that convert any exception of a library or a worker to an error or a reason."""
 VAGUE = re.compile(

@@ -52,6 +52,7 @@ mod resources;
 pub mod si;
 #[forbid(unsafe_code)]
 pub mod simple;
+#[forbid(unsafe_code)]
 pub mod slave;
 #[forbid(unsafe_code)]
 mod snapshot;

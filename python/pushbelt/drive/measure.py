@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import side_by_side
-from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu import working_points
+from pushbelt.fmu.steady import SteadyStates, attempt
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import SHAFTS, Along, Line, row
+from pushbelt.fmu.working_points import SHAFTS, Along, Line
 from pushbelt.map_data import Maps
 from pushbelt.map_lines import Store, collect
 from pushbelt.map_plan import Grid, Plan
@@ -59,6 +60,6 @@ def measure(fmu: Path, parameters: Mapping[str, float], folder: Path) -> Maps:
 
 def _solve(archive: Archive, parameters: Mapping[str, float], along: Along, index: int, line: Line) -> dict[str, Any]:
     with SteadyStates(archive, {**parameters, **SHAFTS}) as states:
-        found = row(states, index, line, along)
+        found = attempt(lambda: {"found": working_points.measure(states, line, along)})
     tick(1.0)
-    return found
+    return {"line": index, **found}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 from .unit import Archive, UnitError, Variator
 
@@ -53,6 +55,18 @@ class SteadyStates:
         if unit.not_steady:
             raise UnitError(unit.not_steady)
         return unit
+
+
+def attempt(solve: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """The results of a solution, or the reason for missing ones as `reason`; and the processor time as `time`, s."""
+    begin = time.thread_time()
+    try:
+        found = solve()
+    except UnitError as error:
+        found = {"reason": str(error)}
+    except Exception as error:  # noqa: BLE001
+        found = {"reason": f"{type(error).__name__}: {error}"}
+    return {**found, "time": time.thread_time() - begin}
 
 
 class Pool:

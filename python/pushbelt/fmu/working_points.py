@@ -8,7 +8,6 @@ whole is at rest, so the contact forces on both pulleys have the same resultant.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -111,20 +110,6 @@ def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float
             break
         slip, found = slip * SLIP_FACTOR, following
     return sign * slip, sign * found
-
-
-def row(states: SteadyStates, index: int, line: Line, along: Along) -> dict[str, Any]:
-    """The line's index with its results, or with the reason for missing ones, and the processor time, s."""
-    begin = time.thread_time()
-    try:
-        found: dict[str, Any] = {"line": index, "found": measure(states, line, along)}
-    except UnitError as error:
-        states.close()
-        found = {"line": index, "reason": str(error)}
-    except Exception as error:  # noqa: BLE001
-        states.close()
-        found = {"line": index, "reason": f"{type(error).__name__}: {error}"}
-    return {**found, "time": time.thread_time() - begin}
 
 
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pushbelt.fmu.steady import Pool
+from pushbelt.fmu.steady import Pool, attempt
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import SHAFTS, Along, Line, row
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, measure
 
 Task = tuple[int, Line]
 """Index and line."""
@@ -24,11 +24,11 @@ class Solver:
 
     def solve(self, tasks: Sequence[Task]) -> list[dict[str, Any]]:
         """A row for each line: its index, and its results or the reason for missing ones."""
-        rows = []
-        for index, line in tasks:
-            with self._pool.one() as states:
-                rows.append(row(states, index, line, self._along))
-        return rows
+        return [{"line": index, **attempt(lambda line=line: self._found(line))} for index, line in tasks]
+
+    def _found(self, line: Line) -> dict[str, Any]:
+        with self._pool.one() as states:
+            return {"found": measure(states, line, self._along)}
 
     def close(self) -> None:
         """Frees the instances."""

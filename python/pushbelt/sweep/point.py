@@ -7,13 +7,12 @@ is held at the ratio. Shaft torque and clamping force are exact; the primary spe
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.steady import Pool, SteadyStates
+from pushbelt.fmu.steady import Pool, SteadyStates, attempt
 from pushbelt.fmu.unit import UnitError
 
 SHORT_STEP = 1e-3
@@ -48,12 +47,11 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
     return driven_by_torque(given, point.ratio, point.speed, torque, point.force)
 
 
-def solve(states: SteadyStates, index: int, values: Mapping[str, float]) -> Row:
+def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
     """The steady state at these start values after a short step.
 
     Raises UnitError if there is none or if a call of the FMU fails.
     """
-    begin = time.thread_time()
     unit = states.at(values)
     before = unit.get("thrustRatio")
     unit.step_to(SHORT_STEP)
@@ -61,13 +59,11 @@ def solve(states: SteadyStates, index: int, values: Mapping[str, float]) -> Row:
     if not all(math.isfinite(value) for value in outputs.values()):
         raise UnitError("an output is not finite")
     return {
-        "point": index,
         **outputs,
         "macroSlip": bool(outputs["macroSlip"]),
         "drift": outputs["thrustRatio"] / before - 1.0 if before else 0.0,
         "remarks": "; ".join(unit.warnings) or None,
         "reason": None,
-        "time": time.thread_time() - begin,
     }
 
 
@@ -78,11 +74,9 @@ def failure(index: int, reason: str, seconds: float | None = None) -> Row:
 
 def solve_or_say_why(pool: Pool, index: int, values: Mapping[str, float]) -> Row:
     """Calls `solve` and converts any exception to a reason."""
-    begin = time.thread_time()
-    try:
+
+    def solved() -> Row:
         with pool.one() as states:
-            return solve(states, index, values)
-    except UnitError as error:
-        return failure(index, str(error), time.thread_time() - begin)
-    except Exception as error:  # noqa: BLE001
-        return failure(index, f"{type(error).__name__}: {error}", time.thread_time() - begin)
+            return solve(states, values)
+
+    return {"point": index, **attempt(solved)}
