@@ -6,5 +6,6 @@ mod ale;
 mod drive;
 mod drive_curve;
 mod models;
+mod printed;
 mod spatial;
 mod system;
