@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`ring`] | ring models behind one trait: `ALE`, `RCM`, `ANCF` |
 //! | [`reference_curve`] | a curve whose arcs the mesh does not follow |
-//! | [`belts`] | the seven belts of the paper's comparison, as rings of a variator |
+//! | [`centred`] | `ALE0` with arcs about the axes |
+//! | [`belts`] | the other seven belts of the paper's comparison, as rings of a variator |
 //! | [`mod@unit`] | `PushbeltPaper.fmu`: the variables of the FMU and those that select a belt |
 //!
 //! Numbers in parentheses are those of Grundl, Schindler, Ulbrich, Rixen, *ALE beam using reference dynamics* (2019).
@@ -12,6 +13,8 @@
 
 #[forbid(unsafe_code)]
 pub mod belts;
+#[forbid(unsafe_code)]
+pub mod centred;
 #[forbid(unsafe_code)]
 mod even;
 #[forbid(unsafe_code)]

@@ -164,9 +164,14 @@ impl Tables {
     }
 
     /// Energies and coordinates at every sample, outlines at every second.
-    fn record<M: RingFormulation>(&mut self, figure: &str, model: &str, system: &RingSystem<M>, record: &Record) {
+    fn record<M: RingFormulation>(
+        &mut self,
+        (figure, model, curve): (&str, &str, &TwoPulley),
+        system: &RingSystem<M>,
+        record: &Record,
+    ) {
         for (k, sample) in record.samples.iter().enumerate() {
-            let [upper, lower] = bulges(system, &sample.state);
+            let [upper, lower] = bulges(curve, system, &sample.state);
             self.motions.add(row![
                 figure,
                 model,
@@ -268,7 +273,7 @@ fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
         tables.check("2", "largest |s|, m", ALE0, record.largest_drift(), 0.0, 1.0e-9);
         tables.check("2", "smallest Θ of the swing", ALE0, low, -0.4, 0.01);
         tables.check("2", "largest Θ of the swing", ALE0, high, 0.4, 0.01);
-        tables.record("6", ALE0, &system, &record);
+        tables.record(("6", ALE0, &solid_curve()), &system, &record);
     });
     for even in [false, true] {
         let name = if even {
@@ -299,7 +304,44 @@ fn swing<C: ReferenceCurve + Debug>(tables: &mut Tables, name: &str, curve: C, m
     let (system, record, size) = reference_oscillation(curve, mesh, 1.0e-7);
     let drift = record.energy_drift() / size;
     tables.report("2", "energy drift, of the swing's energy", name, drift, None);
-    tables.record("6", name, &system, &record);
+    tables.record(("6", name, &solid_curve()), &system, &record);
+}
+
+/// The paper's fig. 6 and 7 on the ring of a belt: all its layers, and one of them. Both last as many bending times as the figures of the thick
+/// ring.
+fn belt_rings(jobs: &mut Vec<Job>, plan: Plan) {
+    job(jobs, "ring of bench168: reference oscillation", move |tables| {
+        let specimen = Specimen::bench168();
+        let scale = specimen.bending_time() / Specimen::thick().bending_time();
+        let mesh = RingMesh::even(&[2, 2, 4, 2, 2], 5);
+        let system = RingSystem::new(AleRing::rigid(specimen.ring.clone(), specimen.curve.clone(), mesh));
+        let (system, record, swing) = oscillation(system, 0.1 * plan.tolerance, 2.0e-4 * scale);
+        let name = specimen.name;
+        let drift = record.energy_drift() / swing;
+        let (low, high) = record.ratios();
+        tables.check("2", "energy drift, of the swing's energy", name, drift, 0.0, 1.0e-3);
+        tables.check("2", "largest |s|, m", name, record.largest_drift(), 0.0, 1.0e-9);
+        tables.check("2", "smallest Θ of the swing", name, low, -0.4, 0.01);
+        tables.check("2", "largest Θ of the swing", name, high, 0.4, 0.01);
+        tables.record(("6 belt", name, &specimen.curve), &system, &record);
+    });
+    released::<Ale>(jobs, plan, Specimen::bench168(), EIGHT);
+    released::<Ale>(jobs, plan, Specimen::bench168(), 40);
+    released::<Ale>(jobs, plan, Specimen::layer(), EIGHT);
+    released::<CoRotational>(jobs, plan, Specimen::bench168(), 32);
+}
+
+/// The paper's fig. 7 with the ring of a belt.
+fn released<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan, specimen: Specimen, elements: usize) {
+    let name = format!("{}, {}, {elements} elements", S::NAME, specimen.name);
+    job(jobs, format!("{name}: deformable ring"), move |tables| {
+        let step = 5.0e-5 * specimen.bending_time() / Specimen::thick().bending_time();
+        let (system, record) = released_ring::<S>(&specimen, elements, plan.tolerance, step, 80);
+        let drift = record.energy_drift() / record.samples[0].energy.total();
+        tables.report("3", "energy drift, relative", &name, drift, None);
+        tables.report("3", "largest Θ", &name, record.ratios().1, None);
+        tables.record(("7 belt", &name, &specimen.curve), &system, &record);
+    });
 }
 
 /// Ratio of smallest to largest eigenvalue of the mass matrix, without held unknowns and with those of the model, in units
@@ -336,7 +378,7 @@ fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
         let record = record(&mut system, start, 1.0e-6, 5.0e-5, 80, 0.95);
         let drift = record.energy_drift() / record.samples[0].energy.total();
         tables.report("3", "energy drift over 4 ms, relative", EVEN, drift, None);
-        tables.record("7", EVEN, &system, &record);
+        tables.record(("7", EVEN, &solid_curve()), &system, &record);
     });
 }
 
@@ -364,13 +406,13 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
         let (system, record) = deformable_ring::<S>(FEW, 1.0e-7, 4);
         let drift = record.energy_drift() / record.samples[0].energy.total();
         tables.check("3", "energy drift over 0.2 ms, relative", S::NAME, drift, 0.0, 1.0e-4);
-        let [upper, lower] = bulges(&system, &record.samples[4].state);
+        let [upper, lower] = bulges(&solid_curve(), &system, &record.samples[4].state);
         let what = "bulge of the strands at 0.2 ms, m (outwards)";
         tables.check_at_least("3", what, S::NAME, 0.5 * (upper + lower), 2.0e-3);
         let (system, record) = deformable_ring::<S>(EIGHT, plan.tolerance, 80);
         let drift = record.energy_drift() / record.samples[0].energy.total();
         tables.report("3", "energy drift over 4 ms, relative", S::NAME, drift, None);
-        tables.record("7", S::NAME, &system, &record);
+        tables.record(("7", S::NAME, &solid_curve()), &system, &record);
     });
     job(jobs, format!("{}: running ring", S::NAME), move |tables| {
         let travels = S::Model::<TwoPulley>::LAGRANGIAN;
@@ -466,6 +508,7 @@ fn main() -> io::Result<()> {
     let mut jobs = Vec::new();
     reference_motion(&mut jobs, plan);
     eulerian_rings(&mut jobs, plan);
+    belt_rings(&mut jobs, plan);
     model::<Ale>(&mut jobs, plan);
     model::<AleTurning>(&mut jobs, plan);
     model::<AbsoluteNodal>(&mut jobs, plan);

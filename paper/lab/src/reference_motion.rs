@@ -45,12 +45,20 @@ pub fn reference_oscillation<C: ReferenceCurve + Debug>(
     mesh: RingMesh,
     tolerance: f64,
 ) -> (RingSystem<AleRing<C>>, Record, f64) {
-    let mut system = rigid(curve, mesh);
+    oscillation(rigid(curve, mesh), tolerance, 2.0e-4)
+}
+
+/// The same with any ring, over 100 times `step`, s.
+pub fn oscillation<C: ReferenceCurve + Debug>(
+    mut system: RingSystem<AleRing<C>>,
+    tolerance: f64,
+    step: f64,
+) -> (RingSystem<AleRing<C>>, Record, f64) {
     system.tolerance = tolerance;
     let start = system.rest(0.4);
     let energy = |state: &State| system.energy(state.view()).total();
     let swing = energy(&start) - energy(&system.rest(0.0));
-    let record = record(&mut system, start, 1.0e-5, 2.0e-4, 100, 1.0);
+    let record = record(&mut system, start, 0.05 * step, step, 100, 1.0);
     (system, record, swing)
 }
 

@@ -5,10 +5,67 @@ use std::f64::consts::TAU;
 use crate::circle::Circle;
 use nalgebra::Vector2;
 use pushbelt::ring::Ring;
+use pushbelt::variator::settings::Parameters;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 
-/// The ring of the reference numbers for the paper's fig. 6 and 7: L = 1 m, d_A = 0.2 m. EA belongs to the same steel
-/// section (E = 2.1e11 N/m², ρ = 7800 kg/m³).
+/// A ring of the paper's fig. 6 and 7, and the curve from which it starts.
+#[derive(Clone, Debug)]
+pub struct Specimen {
+    /// What it is, in tables.
+    pub name: &'static str,
+    pub ring: Ring,
+    pub curve: TwoPulley,
+}
+
+impl Specimen {
+    /// The thick ring of the reference numbers.
+    pub fn thick() -> Self {
+        Self {
+            name: "thick ring",
+            ring: solid(),
+            curve: solid_curve(),
+        }
+    }
+
+    /// All layers of bench168, unbonded, on its pulleys, without damping.
+    pub fn bench168() -> Self {
+        let parameters = Parameters::default();
+        let ring = Ring {
+            damping: 0.0,
+            ..parameters.ring
+        };
+        Self {
+            name: "ring of bench168",
+            ring,
+            curve: TwoPulley::new(parameters.geometry.center_distance, parameters.geometry.belt_length),
+        }
+    }
+
+    /// One of its layers.
+    pub fn layer() -> Self {
+        let all = Self::bench168();
+        let share = 1.0 / f64::from(u32::try_from(2 * Parameters::default().layers.count).expect("some layers"));
+        Self {
+            name: "one layer of bench168",
+            ring: Ring {
+                mass_per_length: all.ring.mass_per_length * share,
+                axial_stiffness: all.ring.axial_stiffness * share,
+                bending_stiffness: all.ring.bending_stiffness * share,
+                lateral_bending_stiffness: all.ring.lateral_bending_stiffness * share,
+                damping: 0.0,
+            },
+            curve: all.curve,
+        }
+    }
+
+    /// Time scale of bending, L² √(m/EI), s.
+    pub fn bending_time(&self) -> f64 {
+        (self.ring.mass_per_length / self.ring.bending_stiffness).sqrt() * self.curve.length().powi(2)
+    }
+}
+
+/// The ring of the reference numbers for the paper's fig. 6 and 7: L = 1 m, d_A = 0.2 m, a plate rather than a ring of a belt. EA
+/// belongs to the same steel section (E = 2.1e11 N/m², ρ = 7800 kg/m³).
 pub fn solid() -> Ring {
     Ring {
         mass_per_length: 154.0,

@@ -15,12 +15,12 @@ use pushbelt_paper::ring::model::RingFormulation;
 use super::cases::Case;
 use super::motion::{fixed_steps, mode, nodes, ovality, run};
 use super::record::{Record, record};
-use super::specimens::{BAND_LENGTH, band, band_circle, solid, solid_curve, thin_ring_frequency, two_arc};
+use super::specimens::{BAND_LENGTH, Specimen, band, band_circle, thin_ring_frequency, two_arc};
 
 /// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The strands are those of
-/// the solid ring's reference curve at Θ = 0.4.
-pub fn bulges<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> [f64; 2] {
-    let frame = solid_curve().frame::<f64>(0.4);
+/// the reference curve at Θ = 0.4.
+pub fn bulges<M: RingFormulation>(curve: &TwoPulley, system: &RingSystem<M>, state: &State) -> [f64; 2] {
+    let frame = curve.frame::<f64>(0.4);
     [1, 3].map(|segment| {
         let [from, middle, to] = [0.0, 0.5, 1.0].map(|fraction| {
             let xi = TwoPulley::point::<f64>(&frame, segment, fraction).xi.v;
@@ -31,16 +31,27 @@ pub fn bulges<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> [f64
     })
 }
 
-/// Paper fig. 7: a deformable ring of about `elements` elements from Θ = 0.4 at rest, `count` times 50 µs.
+/// Paper fig. 7: the thick ring of about `elements` elements from Θ = 0.4 at rest, `count` times 50 µs.
 pub fn deformable_ring<S: Case>(
     elements: usize,
     tolerance: f64,
     count: usize,
 ) -> (RingSystem<S::Model<TwoPulley>>, Record) {
-    let mut system = S::system(solid(), solid_curve(), elements);
+    released_ring::<S>(&Specimen::thick(), elements, tolerance, 5.0e-5, count)
+}
+
+/// The same with any ring, `count` times `step`, s.
+pub fn released_ring<S: Case>(
+    specimen: &Specimen,
+    elements: usize,
+    tolerance: f64,
+    step: f64,
+    count: usize,
+) -> (RingSystem<S::Model<TwoPulley>>, Record) {
+    let mut system = S::system(specimen.ring.clone(), specimen.curve.clone(), elements);
     system.tolerance = tolerance;
     let start = system.rest(0.4);
-    let record = record(&mut system, start, 1.0e-6, 5.0e-5, count, 0.95);
+    let record = record(&mut system, start, 0.02 * step, step, count, 0.95);
     (system, record)
 }
 

@@ -1,6 +1,7 @@
 //! The variables that select one of the paper's belts.
 
 use crate::belts::{Rotated, Travels, on_mesh};
+use crate::centred::Centred;
 use crate::ring::ancf::AncfElement;
 use crate::ring::rcm::RcmElement;
 use pushbelt::fmi::table::{Access, Enumeration, Item, Retired};
@@ -21,6 +22,7 @@ pub fn model_description() -> String {
 
 const RCM: i32 = 3;
 const ANCF: i32 = 4;
+const CENTRED: i32 = 5;
 
 static RING_MODEL: Enumeration = Enumeration {
     name: "RingModel",
@@ -41,6 +43,11 @@ static RING_MODEL: Enumeration = Enumeration {
             "ANCF",
             ANCF,
             "Absolute nodal coordinates on elements that travel with the ring",
+        ),
+        Item::new(
+            "ALE0Centred",
+            CENTRED,
+            "ALE0 with arcs about the axes of the pulleys, as in the paper",
         ),
     ],
 };
@@ -83,7 +90,7 @@ impl Rings for PaperRings {
             get: |settings: &Settings<Self>| settings.rings.model,
             set: |settings: &mut Settings<Self>, number| {
                 settings.rings.model = number;
-                settings.parameters.ring_model = if number == RingModel::Ale0 as i32 {
+                settings.parameters.ring_model = if [RingModel::Ale0 as i32, CENTRED].contains(&number) {
                     RingModel::Ale0
                 } else {
                     RingModel::Ale
@@ -116,7 +123,7 @@ impl Rings for PaperRings {
 
     fn check(&self) -> Result<(), ParameterError> {
         let is_ale = self.model == RingModel::Ale as i32;
-        if !self.aligned && [RCM, ANCF].contains(&self.model) {
+        if !self.aligned && [RCM, ANCF, CENTRED].contains(&self.model) {
             let range = "true, unless ring.model is ALE0 or ALE";
             return Err(ParameterError::of_flag("mesh.aligned", false, range));
         }
@@ -136,6 +143,7 @@ impl Rings for PaperRings {
         match (self.model, parameters.spatial) {
             (RCM, _) => Arc::new(Travels::<RcmElement>::new(elements)),
             (ANCF, _) => Arc::new(Travels::<AncfElement>::new(elements)),
+            (CENTRED, _) => Arc::new(Centred),
             (number, _) if number == RingModel::Ale0 as i32 => on_mesh(Ale0, self.aligned),
             (_, false) if self.reference_directions => Arc::new(Rotated::<2>),
             (_, true) if self.reference_directions => Arc::new(Rotated::<3>),

@@ -202,7 +202,7 @@ fn deformable_ring_bulges_and_conserves_energy<S: Case>() {
         let heights: Vec<[f64; 2]> = record
             .samples
             .iter()
-            .map(|sample| bulges(&system, &sample.state))
+            .map(|sample| bulges(&solid_curve(), &system, &sample.state))
             .collect();
         assert!(
             heights.iter().all(|[upper, lower]| (upper - lower).abs() < 2e-3),

@@ -12,3 +12,4 @@ class RingModel(IntEnum):
     ALE = 2
     RCM = 3
     ANCF = 4
+    ALE0Centred = 5

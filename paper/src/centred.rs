@@ -1,0 +1,94 @@
+//! `ALE0` as the paper has it (5.1, 5.4): arcs about the axes of the pulleys. Of the curve's coordinates Θ alone is left.
+
+use pushbelt::scalar::Lanes;
+use pushbelt::solver::View;
+use pushbelt::solver::arrow::Arrow;
+use pushbelt::tape::Tape;
+use pushbelt::variator::belt_ring::{
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, ReusePolicy,
+    RingUnknowns, Sample,
+};
+use pushbelt::variator::settings::{Mesh, Parameters};
+use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};
+use std::ops::Range;
+
+/// `ALE0` without coordinates of the arcs' centres.
+#[derive(Clone, Copy, Debug)]
+pub struct Centred;
+
+impl BeltRing for Centred {
+    fn name(&self) -> &'static str {
+        "ALE0 about the axes"
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        Ale0.cells(mesh)
+    }
+
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        Ale0.unknowns(parameters, mesh, curve)
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        Box::new(HeldCentres {
+            free: Ale0.equations(belt),
+            centres: belt.layout.centres(),
+        })
+    }
+}
+
+/// The equations of `ALE0`, with the rates of the centres' coordinates held at zero.
+#[derive(Clone, Debug)]
+struct HeldCentres {
+    free: Box<dyn Assembly>,
+    centres: Range<usize>,
+}
+
+impl Assembly for HeldCentres {
+    fn boxed(&self) -> Box<dyn Assembly> {
+        Box::new(self.clone())
+    }
+
+    fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+        let loads = self.free.residual(acting, view, out);
+        for centre in self.centres.clone() {
+            out[centre] = HOLD * view.y[centre];
+        }
+        loads
+    }
+
+    fn jacobian(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        policy: ReusePolicy,
+        (matrix, resultants): (&mut Arrow, &mut ResultantSlopes),
+    ) -> PerPulley<PulleyLoad> {
+        let loads = self.free.jacobian(acting, view, slopes, policy, (matrix, resultants));
+        for centre in self.centres.clone() {
+            matrix.set_unit_row(centre, HOLD);
+        }
+        loads
+    }
+
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
+        self.free.sample(acting, view, out);
+    }
+
+    fn forget_derivatives(&mut self) {
+        self.free.forget_derivatives();
+    }
+
+    fn restore_derivatives(&mut self, acting: InForce<'_>) {
+        self.free.restore_derivatives(acting);
+    }
+
+    fn serialize_derivatives(&mut self, belt: &Belt, tape: &mut Tape<'_>) {
+        self.free.serialize_derivatives(belt, tape);
+    }
+
+    fn differentiations(&self) -> [u64; 2] {
+        self.free.differentiations()
+    }
+}
