@@ -62,10 +62,17 @@ def at_speeds(
     return tuple(SpeedPoint(speed, state["thrustRatio"]) for speed, state in states)
 
 
-def with_rigid_sheaves(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, float]:
-    """Thrust ratios of `ALE` and `ALE0` on sheaves that do not tilt."""
-    rigid = {**parameters, "primary.tiltStiffness": RIGID, "secondary.tiltStiffness": RIGID}
-    return {model: steady(archive, rigid, case, model)["thrustRatio"] for model in ("ALE", "ALE0")}
+def on_sheaves(
+    archive: Archive, parameters: Mapping[str, float], case: LoadCase
+) -> dict[str, dict[str, SteadyState]]:
+    """Steady states of `ALE` and of `ALE0` with free centres and about the axes, on sheaves that tilt and on rigid ones."""
+    rigid = {"primary.tiltStiffness": RIGID, "secondary.tiltStiffness": RIGID}
+    return {
+        sheaves: {
+            model: steady(archive, {**parameters, **stiffness}, case, model) for model in ("ALE", "ALE0", "ALE0Centred")
+        }
+        for sheaves, stiffness in (("elastic", {}), ("rigid", rigid))
+    }
 
 
 def on_meshes(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, SteadyState]:

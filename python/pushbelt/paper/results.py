@@ -180,8 +180,8 @@ class PaperResults:
     rings: Rings
     speeds: Mapping[str, tuple[SpeedPoint, ...]]
     """Thrust ratios at other speeds, by case."""
-    rigid: Mapping[str, Mapping[str, float]]
-    """Thrust ratios of ALE and ALE0 in their steady states with rigid sheaves, by case."""
+    sheaves: Mapping[str, Mapping[str, Mapping[str, SteadyState]]]
+    """Steady states of ALE, and of ALE0 with free centres and about the axes, by case, sheaves (elastic, rigid) and model."""
     meshes: Mapping[str, Mapping[str, SteadyState]]
     """Steady states of ALE on several meshes, by case and mesh."""
     shifts: Mapping[str, Shift]

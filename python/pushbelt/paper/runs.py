@@ -12,7 +12,7 @@ from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.side_by_side import Call, tick
 
 from . import rings
-from .cases import Runner, at_speeds, on_meshes, shift_on_meshes, steady, with_rigid_sheaves
+from .cases import Runner, at_speeds, on_meshes, on_sheaves, shift_on_meshes, steady
 from .results import CHOSEN_CASE, MODELS, CaseRun, Effort, Failure, PaperResults
 from .rings import Rings
 
@@ -31,8 +31,8 @@ class Plan:
     """Load cases that are also run with an oscillating load."""
     speeds: tuple[float, ...]
     """Primary speeds relative to the load cases'."""
-    rigid: tuple[str, ...]
-    """Load cases whose steady states are also solved with rigid sheaves."""
+    sheaves: tuple[str, ...]
+    """Load cases whose steady states are also solved with `ALE0` about the axes and with rigid sheaves."""
     shift: float
     """Duration of the shift on two meshes, s."""
     short: bool
@@ -43,7 +43,7 @@ FULL = Plan(
     None,
     ("overdrive-50", "medium-50", "underdrive-50"),
     (0.5, 1.0, 1.5),
-    ("overdrive-50",),
+    ("overdrive-30", "overdrive-50", "overdrive-100"),
     shift=0.3,
     short=False,
 )
@@ -120,7 +120,7 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
         runs=tuple(run for run in runs if run.case not in left_out),
         rings=found,
         speeds={c.name: at_speeds(archive, parameters, c, speeds) for c in cases if c.name in plan.wavy and speeds},
-        rigid={c.name: with_rigid_sheaves(archive, parameters, c) for c in cases if c.name in plan.rigid},
+        sheaves={c.name: on_sheaves(archive, parameters, c) for c in cases if c.name in plan.sheaves},
         meshes={c.name: on_meshes(archive, parameters, c) for c in cases},
         shifts=shift_on_meshes(archive, parameters, plan.shift),
         failures=failures,

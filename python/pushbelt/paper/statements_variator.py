@@ -103,23 +103,30 @@ def _ale_agrees(results: PaperResults) -> Statement:
     )
 
 
+def _on_sheaves(results: PaperResults, sheaves: str, model: str) -> list[float]:
+    """Thrust ratios of a model against ALE, in the steady states of overdrive."""
+    states = [of[sheaves] for of in results.sheaves.values()]
+    return [of[model]["thrustRatio"] / of["ALE"]["thrustRatio"] - 1.0 for of in states]
+
+
 def _ale0_overdrive(results: PaperResults) -> Statement:
-    claim = "ALE0's thrust ratio is far too high in overdrive"
-    by_ratio: dict[str, list[float]] = {}
-    for case in results.cases:
-        by_ratio.setdefault(case.ratio_name, []).append(results.thrust_difference(case, "ALE0"))
-    if OVERDRIVE not in by_ratio:
+    claim = "ALE0's thrust ratio is too high in overdrive"
+    if not results.sheaves:
         return not_run("5.4, fig. 8a", claim, "a short run has no overdrive case")
-    overdrive = by_ratio[OVERDRIVE]
-    rigid = [thrust["ALE0"] / thrust["ALE"] - 1.0 for thrust in results.rigid.values()]
+    found = {
+        (model, sheaves): _on_sheaves(results, sheaves, model)
+        for model in ("ALE0Centred", "ALE0")
+        for sheaves in ("elastic", "rigid")
+    }
+    paper, rigid = found["ALE0Centred", "elastic"], found["ALE0Centred", "rigid"]
     return Statement(
         "5.4, fig. 8a",
         claim,
-        verdict(min(overdrive) > 0.1, min(overdrive) > 0.0),
-        f"against {REFERENCE}: " + "; ".join(f"{name} {span(values)}" for name, values in by_ratio.items()),
-        "In the paper's ALE0 the arcs are centred on the axes. Here their centres are free, so tilted sheaves cause spiral running"
-        + (f"; with rigid sheaves ALE0 differs from ALE by {span(rigid)} (overdrive)." if rigid else ".")
-        + " The paper does not specify its sheaves.",
+        verdict(min(paper) > 0.0 and max(paper) > 0.05, max(paper) > 0.0),
+        f"arcs about the axes, as in the paper, against ALE: {span(paper)}, with rigid sheaves {span(rigid)}; the FMU's ALE0, whose arcs have free "
+        f"centres: {span(found['ALE0', 'elastic'])}, with rigid sheaves {span(found['ALE0', 'rigid'])}",
+        "Elements on circles about the axes do not move radially, so all friction acts along the arc. With free centres, tilted sheaves cause spiral "
+        "running. The paper does not specify its sheaves.",
     )
 
 
@@ -216,16 +223,18 @@ def _spiral(results: PaperResults) -> Statement:
         model: [r.window.mean(f"spiral.{p}") for r in results.of(model) for p in ("primary", "secondary")]
         for model in MODELS
     }
+    centred = [of["elastic"]["ALE0Centred"] for of in results.sheaves.values()]
+    if not centred:
+        return not_run("5.4, fig. 8d", claim, "a short run has no steady states of ALE0 about the axes")
+    none = max(state[f"spiral.{p}"] for state in centred for p in ("primary", "secondary"))
     others = [value for model, values in spiral.items() if model != "ALE0" for value in values]
     return Statement(
         "5.4, fig. 8d",
         claim,
-        verdict(max(spiral["ALE0"]) < 0.1 * min(others)),
-        "spread of the radius within an arc: "
+        verdict(none < 0.1 * min(others)),
+        f"spread of the radius within an arc: ALE0 about the axes, as in the paper, {1e3 * none:.3f} mm; "
         + ", ".join(f"{m} {1e3 * min(v):.2f} to {1e3 * max(v):.2f} mm" for m, v in spiral.items()),
-        "In the paper's ALE0 the arcs are centred on the axes. Here their centres are free, which allows spiral running without deflection."
-        if max(spiral["ALE0"]) >= 0.1 * min(others)
-        else "Elements of ALE0 remain on circles; the penetration of the flanks changes instead.",
+        "The arcs of the FMU's ALE0 have free centres, which allows spiral running without deflection.",
     )
 
 
