@@ -139,7 +139,7 @@ pub struct Swing {
     pub counts: Counts,
 }
 
-/// The band from the two-arc shape at rest (paper 5.3; an independent nonlinear code has about 9.23 Hz).
+/// The band from the two-arc shape at rest (paper 5.3; cables of Exudyn have 9.22 Hz with 80 elements, `examples/peers/exudyn_ring.py`).
 pub fn two_arc_swing<S: Case>(tolerance: f64) -> Swing {
     let mut system = S::system(band(0.185e-3), band_circle(), S::ELEMENTS);
     system.tolerance = tolerance;
