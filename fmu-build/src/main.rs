@@ -16,6 +16,9 @@ mod commands;
 mod date;
 mod description;
 mod exports;
+#[allow(dead_code, reason = "the file is that of the FMU, which has other uses too")]
+#[path = "../../crates/fmi/src/hash.rs"]
+mod hash;
 mod icons;
 mod licenses;
 mod mdbook;
