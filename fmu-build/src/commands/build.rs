@@ -167,6 +167,19 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
+/// Packs the model description alone, for programs that read the variables and run nothing, and returns the path.
+///
+/// # Errors
+/// A file can't be read or written.
+pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    let _alone = workspace.lock("variables")?;
+    let mut archive = Archive::default();
+    archive.add("modelDescription.xml", read(&workspace.model_description())?)?;
+    let path = workspace.target().join("variables.fmu");
+    write(archive, &path)?;
+    Ok(path)
+}
+
 /// Builds the FMU of maps for this machine, with the tables of the published variator, and returns its path.
 ///
 /// # Errors
