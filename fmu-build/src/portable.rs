@@ -43,7 +43,7 @@ struct Target {
     has_variant: bool,
 }
 
-/// All targets. FMI 2.0 gets the first [`OF_FMI2`].
+/// All targets. FMI 2.0 gets the first [`OF_FMI2`]: importers of it look for few others, and each costs minutes.
 const TARGETS: [Target; 5] = [
     Target {
         platform: Platform::LINUX64,
@@ -351,12 +351,5 @@ mod tests {
             files.iter().any(|file| file.ends_with("fmi/src/c/dispatch.rs")),
             "{files:?}"
         );
-    }
-
-    #[test]
-    fn fmi_2_gets_the_targets_that_it_has_folders_for() {
-        for target in &TARGETS[..OF_FMI2] {
-            assert!(target.platform.binary(Version::Two, "Model").is_ok());
-        }
     }
 }

@@ -158,7 +158,7 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     progress::headline("Compiling the binary of the paper's belts");
     let (library, description) = cargo::build_paper(workspace)?;
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(Version::Two, PAPER_IDENTIFIER)?;
+    let binary = Platform::host()?.binary(Version::Two, PAPER_IDENTIFIER);
     archive.add(binary, read(&library)?)?;
     archive.add("modelDescription.xml", description.into_bytes())?;
     add_resources(&mut archive, workspace)?;
@@ -189,7 +189,7 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     progress::headline("Compiling the binary of the variator from maps");
     let (library, description) = cargo::build_map(workspace, version)?;
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER)?;
+    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER);
     let bytes = read(&library)?;
     exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
     archive.add(binary, bytes)?;
@@ -235,7 +235,7 @@ fn collect(
         let mut bytes = read(path)?;
         exports::check(&bytes).with_context(|| format!("{} can't be packed", path.display()))?;
         binary::clear_time_stamp(&mut bytes);
-        archive.add(platform.binary(version, name)?, bytes)?;
+        archive.add(platform.binary(version, name), bytes)?;
     }
     let (xml, interface) = match version {
         Version::Two => {
