@@ -136,17 +136,20 @@ pub fn run_portable(workspace: &Workspace, path: &Path) -> anyhow::Result<()> {
 
 /// Writes an FMU and prints its path and size.
 fn write(archive: Archive, path: &Path) -> anyhow::Result<()> {
+    save(archive, path)?;
+    let size = fs::metadata(path)?.len().div_ceil(1024);
+    println!("{} ({size} kB)", path.display());
+    Ok(())
+}
+
+fn save(archive: Archive, path: &Path) -> anyhow::Result<()> {
     // Written to another file that is then renamed, so that no program reads an incomplete FMU.
     let draft = path.with_extension("fmu.part");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
     let mut output = archive.write(BufWriter::new(output))?;
     output.flush()?;
     drop(output);
-    fs::rename(&draft, path).with_context(|| format!("can't write {}", path.display()))?;
-
-    let size = fs::metadata(path)?.len().div_ceil(1024);
-    println!("{} ({size} kB)", path.display());
-    Ok(())
+    fs::rename(&draft, path).with_context(|| format!("can't write {}", path.display()))
 }
 
 /// Builds the FMU of the paper's belts for this machine and returns its path.
@@ -176,7 +179,7 @@ pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     let mut archive = Archive::default();
     archive.add("modelDescription.xml", read(&workspace.model_description())?)?;
     let path = workspace.target().join("variables.fmu");
-    write(archive, &path)?;
+    save(archive, &path)?;
     Ok(path)
 }
 
