@@ -37,8 +37,10 @@ enum Fmu {
     OfPaper,
 }
 
-/// Options for which nothing is built: the FMU is given, or it is not used.
-const WITHOUT_BUILD: [&str; 6] = ["--fmu", "--help", "-h", "--check", "--template", "--print-job"];
+const HELP: [&str; 2] = ["--help", "-h"];
+
+/// Other options for which nothing is built: the FMU is given, or it is not used.
+const WITHOUT_BUILD: [&str; 4] = ["--fmu", "--check", "--template", "--print-job"];
 
 const COMMON: Program = Program {
     name: "",
@@ -192,7 +194,7 @@ impl Program {
             .arg("--output")
             .arg(workspace.target().join(self.name))
             .env("PUSHBELT_COMMAND", command_line(std::env::args().skip(1)));
-        if self.fmu == Fmu::OfPaper {
+        if self.fmu == Fmu::OfPaper && !has_one(&words, &HELP) {
             program.arg("--rings").arg(cargo::build_program(workspace, RINGS)?);
         }
         cargo::run(program.args(words))
@@ -210,12 +212,13 @@ impl Program {
 }
 
 fn needs_build(words: &[String]) -> bool {
-    let is = |word: &String, option: &str| {
-        word == option || word.strip_prefix(option).is_some_and(|rest| rest.starts_with('='))
-    };
-    !words
-        .iter()
-        .any(|word| WITHOUT_BUILD.iter().any(|option| is(word, option)))
+    !has_one(words, &HELP) && !has_one(words, &WITHOUT_BUILD)
+}
+
+/// Whether one of the options is among the words, alone or with its value behind `=`.
+fn has_one(words: &[String], options: &[&str]) -> bool {
+    let mut given = words.iter().map(|word| word.split('=').next().unwrap_or(word));
+    given.any(|word| options.contains(&word))
 }
 
 /// The command that started this tool, for a shell: the reports name it.
