@@ -158,7 +158,8 @@ fn compile(
     let is_linux = target.platform.extension == "so";
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
-        .args(["build", "--target", target.zig])
+        .arg("rustc")
+        .args(["--target", target.zig, "--crate-type", "cdylib"])
         .env("PATH", tools.path()?)
         .env_remove("PUSHBELT_VARIANT")
         .envs(variant.map(|hash| ("PUSHBELT_VARIANT", hash)))
