@@ -16,6 +16,9 @@ mod commands;
 mod date;
 mod description;
 mod exports;
+#[allow(dead_code, reason = "the file is that of the FMU, which has other uses too")]
+#[path = "../../crates/fmi/src/hash.rs"]
+mod hash;
 mod icons;
 mod licenses;
 mod mdbook;
@@ -28,9 +31,13 @@ mod wrapper;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, ArgMatches, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
+use crate::commands::program::{PROGRAMS, Program};
 use crate::workspace::Workspace;
+
+/// The words of a program.
+const WORDS: &str = "WORDS";
 
 /// Builds, tests, demonstrates and measures PushbeltVariator.fmu.
 #[derive(Parser)]
@@ -57,32 +64,8 @@ enum Command {
     Build(commands::build::Options),
     /// Run the first tier of the Rust and Python tests, or with --all every test
     Test(commands::test::Arguments),
-    /// Simulate published load cases with the FMU and write target/demo/report.html
-    Demo(commands::demo::Arguments),
-    /// Drive a car with the FMU on the WLTC and write target/drive/report.html
-    Drive(commands::drive::Arguments),
-    /// Compute the fatigue of the ring over a run and write target/durability/report.html
-    Durability(commands::durability::Arguments),
-    /// Run the paper's examples with every ring model and write target/paper/report.html
-    Paper(commands::paper::Arguments),
-    /// Solve for 2288 steady states with the FMU and write target/sweep/report.html
-    Sweep(commands::sweep::Arguments),
-    /// Write a parameter set for a belt of given dimensions to target/belt/
-    Belt(commands::belt::Arguments),
-    /// Solve for maps of the variator and write them as NetCDF, MATLAB, Modelica and CSV files and target/maps/report.html
-    Maps(commands::maps::Arguments),
-    /// Fit parameters to a table of measured steady points and write target/calibrate/report.html
-    Calibrate(commands::calibrate::Arguments),
-    /// Compare the FMU with theory and measurements and write target/validate/report.html
-    Validate(commands::validate::Arguments),
     /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside
     Wheel(commands::wheel::Arguments),
-    /// Compare two runs and write target/compare/report.html
-    Compare(commands::compare::Arguments),
-    /// Measure the speed of the model
-    Bench(commands::bench::Arguments),
-    /// Write linear models A, B, C, D about steady working points and target/linearize/report.html
-    Linearize(commands::linearize::Arguments),
     /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
@@ -93,7 +76,7 @@ fn main() -> ExitCode {
     if let Some(code) = wrapper::act() {
         return code;
     }
-    match run(&Arguments::parse()) {
+    match run(&command_line().get_matches()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -102,24 +85,33 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> anyhow::Result<()> {
+/// The commands of this tool, and those that start a program, which parses its words itself.
+fn command_line() -> clap::Command {
+    Arguments::command().subcommands(PROGRAMS.iter().map(|program| {
+        let words = Arg::new(WORDS)
+            .num_args(0..)
+            .trailing_var_arg(true)
+            .allow_hyphen_values(true)
+            .required(program.needs_words);
+        clap::Command::new(program.name)
+            .about(program.about)
+            .disable_help_flag(true)
+            .arg(words.help("Words and options of the program; --help lists them"))
+    }))
+}
+
+fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let workspace = Workspace::find()?;
-    match &arguments.command {
-        Command::Build(arguments) => commands::build::run_options(&workspace, arguments),
-        Command::Test(arguments) => commands::test::run(&workspace, arguments),
-        Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
-        Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
-        Command::Durability(arguments) => commands::durability::run(&workspace, arguments),
-        Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
-        Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
-        Command::Belt(arguments) => commands::belt::run(&workspace, arguments),
-        Command::Maps(arguments) => commands::maps::run(&workspace, arguments),
-        Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
-        Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
-        Command::Wheel(arguments) => commands::wheel::run(&workspace, arguments),
-        Command::Compare(arguments) => commands::compare::run(&workspace, arguments),
-        Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
-        Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
+    if let Some((name, given)) = matches.subcommand()
+        && let Some(program) = Program::of(name)
+    {
+        let words: Vec<String> = given.get_many(WORDS).into_iter().flatten().cloned().collect();
+        return program.run(&workspace, &words);
+    }
+    match Arguments::from_arg_matches(matches)?.command {
+        Command::Build(arguments) => commands::build::run_options(&workspace, &arguments),
+        Command::Test(arguments) => commands::test::run(&workspace, &arguments),
+        Command::Wheel(arguments) => commands::wheel::run(&workspace, &arguments),
         Command::Describe => commands::describe::run(&workspace),
         Command::Docs => commands::docs::run(&workspace),
     }
@@ -127,10 +119,29 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
+    use super::*;
 
     #[test]
     fn the_command_line_is_consistent() {
-        super::Arguments::command().debug_assert();
+        command_line().debug_assert();
+    }
+
+    #[test]
+    fn a_program_gets_its_words_as_they_are() {
+        for (line, expected) in [
+            ("fmu compare a.csv b.csv", "a.csv b.csv"),
+            ("fmu compare --help", "--help"),
+            (
+                "fmu calibrate points.csv --check -- --map i=x",
+                "points.csv --check -- --map i=x",
+            ),
+            ("fmu sweep -- --ratio 0.5,1", "--ratio 0.5,1"),
+        ] {
+            let matches = command_line().try_get_matches_from(line.split(' ')).expect(line);
+            let (_, given) = matches.subcommand().expect(line);
+            let words: Vec<_> = given.get_many::<String>(WORDS).into_iter().flatten().collect();
+            assert_eq!(words, expected.split(' ').collect::<Vec<_>>(), "{line}");
+        }
+        assert!(command_line().try_get_matches_from(["fmu", "compare"]).is_err());
     }
 }

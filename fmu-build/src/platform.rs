@@ -1,6 +1,6 @@
 //! Names of a binary in FMI and in the operating system.
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 
 /// A version of FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,8 +14,8 @@ pub enum Version {
 /// A platform that a binary is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Platform {
-    /// Folder below `binaries/` in FMI 2.0, which names few platforms.
-    folder: Option<&'static str>,
+    /// Folder below `binaries/` in FMI 2.0. From 2.0.4 on it is that of FMI 3.0 for platforms without an older name.
+    folder: &'static str,
     /// Folder below `binaries/` in FMI 3.0: processor and system.
     pub tuple: &'static str,
     /// Extension of a shared library.
@@ -25,31 +25,31 @@ pub struct Platform {
 impl Platform {
     /// Linux on x86-64.
     pub const LINUX64: Self = Self {
-        folder: Some("linux64"),
+        folder: "linux64",
         tuple: "x86_64-linux",
         extension: "so",
     };
     /// Windows on x86-64.
     pub const WIN64: Self = Self {
-        folder: Some("win64"),
+        folder: "win64",
         tuple: "x86_64-windows",
         extension: "dll",
     };
     /// Linux on 64-bit ARM.
     pub const LINUX_ARM: Self = Self {
-        folder: None,
+        folder: "aarch64-linux",
         tuple: "aarch64-linux",
         extension: "so",
     };
     /// macOS on x86-64.
     pub const DARWIN64: Self = Self {
-        folder: Some("darwin64"),
+        folder: "darwin64",
         tuple: "x86_64-darwin",
         extension: "dylib",
     };
-    /// macOS on Apple's own processors. Importers of FMI 2.0 look in the same folder as on x86-64.
+    /// macOS on Apple's own processors.
     pub const DARWIN_ARM: Self = Self {
-        folder: Some("darwin64"),
+        folder: "aarch64-darwin",
         tuple: "aarch64-darwin",
         extension: "dylib",
     };
@@ -70,28 +70,19 @@ impl Platform {
             ("macos", "aarch64") => Ok(Self::DARWIN_ARM),
             ("windows", "x86_64") => Ok(Self::WIN64),
             _ => bail!(
-                "binaries for {system} on {processor} are not built; `cargo fmu build --portable` builds for linux64 \
-                 and win64, which are x86-64"
+                "binaries for {processor}-{system} are not built; `cargo fmu build --portable` builds for x86_64-linux and \
+                 x86_64-windows"
             ),
         }
     }
 
     /// Path of the binary inside the archive.
-    ///
-    /// # Errors
-    /// The version names no folder for the platform.
-    pub fn binary(&self, version: Version, model_identifier: &str) -> anyhow::Result<String> {
+    pub fn binary(&self, version: Version, model_identifier: &str) -> String {
         let folder = match version {
             Version::Three => self.tuple,
-            Version::Two => self.folder.with_context(|| {
-                format!(
-                    "FMI 2.0 has no folder for binaries of {}; FMI 3.0 has one (`cargo fmu build --fmi3`), and \
-                     `cargo fmu build --portable` builds for linux64 and win64, which are x86-64",
-                    self.tuple
-                )
-            })?,
+            Version::Two => self.folder,
         };
-        Ok(format!("binaries/{folder}/{model_identifier}.{}", self.extension))
+        format!("binaries/{folder}/{model_identifier}.{}", self.extension)
     }
 }
 
@@ -103,28 +94,30 @@ mod tests {
     fn folders_are_those_of_the_standard() {
         let path = |system, processor, version| {
             let platform = Platform::of(system, processor).unwrap();
-            platform.binary(version, "Model").unwrap()
+            platform.binary(version, "Model")
         };
         for (system, processor, two, three) in [
             ("linux", "x86_64", "linux64/Model.so", "x86_64-linux/Model.so"),
             ("windows", "x86_64", "win64/Model.dll", "x86_64-windows/Model.dll"),
             ("macos", "x86_64", "darwin64/Model.dylib", "x86_64-darwin/Model.dylib"),
-            ("macos", "aarch64", "darwin64/Model.dylib", "aarch64-darwin/Model.dylib"),
+            (
+                "macos",
+                "aarch64",
+                "aarch64-darwin/Model.dylib",
+                "aarch64-darwin/Model.dylib",
+            ),
+            ("linux", "aarch64", "aarch64-linux/Model.so", "aarch64-linux/Model.so"),
         ] {
             assert_eq!(path(system, processor, Version::Two), format!("binaries/{two}"));
             assert_eq!(path(system, processor, Version::Three), format!("binaries/{three}"));
         }
-        let arm = path("linux", "aarch64", Version::Three);
-        assert_eq!(arm, "binaries/aarch64-linux/Model.so");
     }
 
     #[test]
     fn other_processors_are_refused_by_name() {
         for (system, processor) in [("linux", "x86"), ("windows", "aarch64"), ("freebsd", "x86_64")] {
             let refused = Platform::of(system, processor).unwrap_err().to_string();
-            assert!(refused.contains(&format!("{system} on {processor}")), "{refused}");
+            assert!(refused.contains(&format!("{processor}-{system}")), "{refused}");
         }
-        let refused = Platform::LINUX_ARM.binary(Version::Two, "Model").unwrap_err();
-        assert!(refused.to_string().contains("aarch64-linux"), "{refused}");
     }
 }

@@ -9,11 +9,17 @@ use serde_json::Value;
 
 use crate::platform::Version;
 
-/// Name of the package whose library is the binary in the FMU.
+/// Name of the package of the model.
 pub const MODEL_PACKAGE: &str = "pushbelt";
 
-/// Name of the package whose library is the binary in the FMU of the paper's belts.
+/// Name of the package whose library is the binary in the FMU.
+pub const LIBRARY_PACKAGE: &str = "pushbelt-library";
+
+/// Name of the package of the paper's belts.
 pub const PAPER_PACKAGE: &str = "pushbelt-paper";
+
+/// Name of the package whose library is the binary in their FMU.
+pub const PAPER_LIBRARY_PACKAGE: &str = "pushbelt-paper-fmu";
 
 /// Its model name and model identifier.
 pub const PAPER_IDENTIFIER: &str = "PushbeltPaper";

@@ -34,7 +34,7 @@ pub fn path() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
     let folder = test.parent().expect("a test lies in a folder");
     let name = format!(
-        "{}pushbelt{}",
+        "{}pushbelt_library{}",
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     );

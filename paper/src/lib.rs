@@ -11,19 +11,12 @@
 //! Numbers in parentheses are those of Grundl, Schindler, Ulbrich, Rixen, *ALE beam using reference dynamics* (2019).
 #![warn(missing_docs)]
 
-#[forbid(unsafe_code)]
 pub mod belts;
-#[forbid(unsafe_code)]
 pub mod centred;
-#[forbid(unsafe_code)]
 mod even;
-#[forbid(unsafe_code)]
 pub mod reference_curve;
-#[forbid(unsafe_code)]
 pub mod ring;
-#[forbid(unsafe_code)]
 mod rotating;
-#[forbid(unsafe_code)]
 mod travelling;
 pub mod unit;
 

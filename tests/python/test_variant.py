@@ -6,9 +6,11 @@ import ctypes
 import os
 import platform
 import shutil
+import struct
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
-from ctypes import CFUNCTYPE, POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 
 import pytest
@@ -41,9 +43,15 @@ class Library:
         self.functions = ctypes.CDLL(str(path), mode=os.RTLD_LOCAL)
         for name in ("fmi2Instantiate", "fmi2FreeInstance"):
             getattr(self.functions, name).restype = c_void_p
-        self.callbacks = Callbacks(LOGGER(lambda *arguments: self.log.append(arguments[-1].decode())))
+        self.statuses: list[int] = []
+        self.callbacks = Callbacks(LOGGER(self.add))
         assert self.create("{0}") is None
         self.guid = self.log.pop().split("not that of this binary, ")[1].split(":")[0]
+
+    def add(self, *arguments: object) -> None:
+        """Takes a message."""
+        self.statuses.append(arguments[2])
+        self.log.append(arguments[-1].decode())
 
     def create(self, guid: str | None = None, *, logging: bool = True) -> int | None:
         """A new instance."""
@@ -106,41 +114,56 @@ def variant(path: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, bool], Path]:
-    """Compiles the library of a build, with or without AVX2, once."""
+def built() -> Callable[[Path | None], Path]:
+    """Compiles the library for a variant, or the variant, and returns its path, where the next one replaces it."""
     cargo = os.environ.get("CARGO") or shutil.which("cargo")
     if cargo is None:
         pytest.skip("cargo is not on the path: the library can't be built")
-    found: dict[tuple[str, bool], Path] = {}
 
-    def build(name: str, avx2: bool) -> Path:
-        if (name, avx2) not in found:
-            folder = ROOT / "target" / "variant" / ("avx2" if avx2 else "all")
-            environment = {
-                **os.environ,
-                "CARGO_TARGET_DIR": str(folder),
-                "CARGO_ENCODED_RUSTFLAGS": "-Ctarget-feature=+avx2" if avx2 else "",
-                "PUSHBELT_BUILD": name,
-            }
-            command = [cargo, "build", "--release", "--package", "pushbelt-fmi", "--example", "lag"]
-            subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
-            copy = tmp_path_factory.mktemp("built") / "Lag.so"
-            found[name, avx2] = Path(shutil.copy(folder / "release" / "examples" / "liblag.so", copy))
-        return found[name, avx2]
+    def build(of: Path | None) -> Path:
+        folder = ROOT / "target" / "variant" / ("all" if of else "avx2")
+        environment = {
+            **os.environ,
+            "CARGO_TARGET_DIR": str(folder),
+            "CARGO_ENCODED_RUSTFLAGS": "" if of else "-Ctarget-feature=+avx2",
+        }
+        if of:
+            environment["PUSHBELT_VARIANT"] = hash_of(of.read_bytes())
+        command = [cargo, "build", "--release", "--package", "pushbelt-fmi", "--example", "lag"]
+        subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
+        return folder / "release" / "examples" / "liblag.so"
 
     return build
 
 
-@pytest.fixture
-def folder(built, tmp_path: Path) -> Callable[..., Path]:
-    """Makes a folder with the library, and with the variant of a build; returns the path of the library."""
+def hash_of(content: bytes) -> str:
+    """Length, and FNV-1a of words of 8 bytes, as `crates/fmi/src/hash.rs` has them."""
+    found = 0x6C62272E07BB014262B821756295C58D
+    full = len(content) // 8 * 8
+    for (word,) in struct.iter_unpack("<Q", content[:full] + content[full:].ljust(8, b"\0")):
+        found = (found ^ word) * 0x13B % 2**128 + ((found ^ word) << 88) % 2**128
+        found %= 2**128
+    return f"{len(content)}-{found:032x}"
 
-    def make(name: str = "place", of: str | None = "one") -> Path:
+
+@pytest.fixture(scope="module")
+def pair(built, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A library and its variant."""
+    folder = tmp_path_factory.mktemp("built")
+    fast = Path(shutil.copy(built(None), folder / "Lag-avx2.so"))
+    return Path(shutil.copy(built(fast), folder / "Lag.so")), fast
+
+
+@pytest.fixture
+def folder(pair: tuple[Path, Path], tmp_path: Path) -> Callable[..., Path]:
+    """Makes a folder with the library, and with its variant or this content under the name; returns the path of the library."""
+
+    def make(name: str = "place", content: bytes | None = None, *, with_variant: bool = True) -> Path:
         path = tmp_path / name / "Lag.so"
         path.parent.mkdir()
-        shutil.copy(built("one", False), path)
-        if of is not None:
-            shutil.copy(built(of, True), variant(path))
+        shutil.copy(pair[0], path)
+        if with_variant:
+            variant(path).write_bytes(pair[1].read_bytes() if content is None else content)
         return path
 
     return make
@@ -154,7 +177,8 @@ def without_switch(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 FAST = "the library for processors with AVX2 runs"
-SLOW = "the library for all processors runs: "
+SLOW = "the slower library for all processors runs: "
+WARNING = 1
 
 
 def test_the_variant_is_open_from_the_first_instance_to_the_last(folder) -> None:
@@ -180,39 +204,76 @@ def test_the_variant_is_open_from_the_first_instance_to_the_last(folder) -> None
     assert not is_loaded(path) and not is_loaded(variant(path))
 
 
-def refusals() -> list:
-    """What keeps the library from its variant: build of the variant, what is written to its file, switch, message."""
-    return [
-        pytest.param(None, None, None, "Lag-avx2.so: there is no such file", id="missing"),
-        pytest.param("other", None, None, "Lag-avx2.so: it is of another build", id="another build"),
-        pytest.param("one", b"\x7fELF", None, "file too short", id="truncated"),
-        pytest.param("one", b"", None, "file too short", id="empty"),
-        pytest.param("one", None, "0", "PUSHBELT_AVX2 is 0", id="switched off"),
-    ]
+def changed(content: bytes) -> bytes:
+    """A library whose code has another bit."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
 
 
-@pytest.mark.parametrize(("of", "content", "switch", "message"), refusals())
-def test_the_library_runs_by_itself(
-    folder, monkeypatch: pytest.MonkeyPatch, of: str | None, content: bytes | None, switch: str | None, message: str
-) -> None:
-    path = folder(of=of)
-    if content is not None:
-        variant(path).unlink()
-        variant(path).write_bytes(content)
-    if switch is not None:
-        monkeypatch.setenv("PUSHBELT_AVX2", switch)
+REFUSALS = {
+    "missing": (None, "Lag-avx2.so: there is no such file"),
+    "empty": (lambda base, fast: b"", "Lag-avx2.so: it has 0 bytes"),
+    "truncated": (lambda base, fast: fast[: len(fast) // 2], "is not the file of this build"),
+    "without its last page": (lambda base, fast: fast[:-4096], "is not the file of this build"),
+    "the library itself": (lambda base, fast: base, "is not the file of this build"),
+    "longer": (lambda base, fast: fast + b"x", "is not the file of this build"),
+    "damaged": (lambda base, fast: changed(fast), "its content is not that of this build"),
+    "switched off": (lambda base, fast: fast, "PUSHBELT_AVX2 is 0"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSALS)
+def test_the_library_runs_by_itself(folder, pair, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
+    """A warning says why, also without debug logging, and the strange file is not opened."""
+    content, message = REFUSALS[case]
+    base, fast = (path.read_bytes() for path in pair)
+    path = folder(content=content(base, fast)) if content else folder(with_variant=False)
+    if case == "switched off":
+        monkeypatch.setenv("PUSHBELT_AVX2", "0")
     library = Library(path)
-    instance = library.create()
+    instance = library.create(logging=False)
     assert not is_loaded(variant(path))
     assert len(library.log) == 1 and library.log[0].startswith(SLOW) and message in library.log[0]
+    assert library.statuses[-1] == WARNING
     library.start(instance)
     assert library.step(instance, 0) == pytest.approx(0.048770575499286)
     library.free(instance)
-    quiet = library.create(logging=False)
-    assert len(library.log) == 1
-    library.free(quiet)
     library.unload()
     assert not is_loaded(path)
+
+
+def test_a_pipe_with_the_variants_name_keeps_nobody_waiting(folder) -> None:
+    path = folder(with_variant=False)
+    os.mkfifo(variant(path))
+    library = Library(path)
+    library.free(library.create())
+    assert "is not the file of this build" in library.log[0]
+
+
+def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) -> None:
+    """Neither that of a link to it, nor the working directory if the host has a relative path and has changed it."""
+    path, planted = folder(with_variant=False), folder("planted")
+    (tmp_path / "links").mkdir()
+    link = tmp_path / "links" / "Lag.so"
+    link.symlink_to(path)
+    shutil.copy(variant(planted), variant(link))
+    code = """if True:
+        import os, sys, test_variant
+        found = test_variant.Library(test_variant.Path(sys.argv[1]))
+        os.chdir(sys.argv[2])
+        found.free(found.create())
+        print(*found.log)"""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])}
+    for given in (str(link), "place/Lag.so"):
+        command = [sys.executable, "-c", code, given, str(planted.parent)]
+        log = subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True, text=True).stdout
+        assert log.startswith(SLOW) and f"{variant(path)}: there is no such file" in log, given
+    link.unlink()
+    shutil.copy(variant(planted), variant(path))
+    link.symlink_to(path)
+    library = Library(link)
+    library.free(library.create())
+    assert library.log == [FAST]
 
 
 def test_any_other_value_of_the_switch_has_no_effect(folder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,7 +301,7 @@ def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatc
 
 
 def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
-    paths = [folder("a"), folder("b"), folder("c", None)]
+    paths = [folder("a"), folder("b"), folder("c", with_variant=False)]
     libraries = [Library(path) for path in paths]
     instances = [library.create() for library in libraries]
     assert [is_loaded(variant(path)) for path in paths] == [True, True, False]
@@ -256,7 +317,7 @@ def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
 
 
 def test_states_pass_between_the_library_and_its_variant(folder) -> None:
-    fast, slow = Library(folder("a")), Library(folder("b", None))
+    fast, slow = Library(folder("a")), Library(folder("b", with_variant=False))
     instances = {library: library.create() for library in (fast, slow)}
     for library, instance in instances.items():
         library.start(instance)
@@ -267,10 +328,3 @@ def test_states_pass_between_the_library_and_its_variant(folder) -> None:
         assert reader.step(instances[reader], 0) == pytest.approx(expected, rel=1e-15)
         for library in (fast, slow):
             library.resume(instances[library], data)
-
-
-def test_the_handshake_has_no_answer_for_strangers(folder) -> None:
-    functions = ctypes.CDLL(str(variant(folder())), mode=os.RTLD_LOCAL)
-    functions.pushbeltVariant.restype = POINTER(c_size_t)
-    assert not functions.pushbeltVariant(b"two") and not functions.pushbeltVariant(None)
-    assert functions.pushbeltVariant(b"one")[0] == 0

@@ -126,13 +126,19 @@ def sizes(description) -> np.ndarray:
 BUILDS = ("windows", "windows, AVX2", "linux", "linux, AVX2", "this machine")
 SAME = 1e-12
 """Systems have different implementations of the sine; the portable builds agree in everything else."""
-ROUNDING = 1e-8
-"""Difference after 20 ms from a state with different rounding, in one build."""
-OTHER_LANES = 1e-3
-"""Packs of another width sum in another order, and Newton's method stops within the tolerance of the error control."""
+ROUNDING = 1e-9
+"""Effect of a change of rounding in one build: one in the last bit of a clamping force or a torque grows to 1e-10 at most."""
+OTHER_LANES = 0.1 * 1e-5
+"""Effect of the width of the packs. Which cells keep their derivatives depends on it, so Newton's method ends elsewhere within its own
+tolerance, which is a hundredth to a tenth of that of the error control (`TOLERANCE` in host.c). So the effect is no rounding, and
+falls with that tolerance: 2e-4 at 1e-4, 4e-7 at 1e-5, 1e-7 at 1e-6."""
 
 
-@pytest.mark.parametrize("variant", ["", ", AVX2"])
+def lanes(build: str) -> bool:
+    """Whether a build has packs of four cells."""
+    return build.endswith("AVX2") or build == "this machine"
+
+
 def test_windows_and_linux_agree(first, sizes: np.ndarray, variant: str) -> None:
     assert np.max(np.abs(first[f"windows{variant}"][0] - first[f"linux{variant}"][0]) / sizes) < SAME
 
@@ -146,9 +152,7 @@ def test_the_variant_for_avx2_runs_where_it_may(first, sizes: np.ndarray, system
 
 
 def test_builds_with_and_without_avx2_agree(first, sizes: np.ndarray) -> None:
-    error = np.abs(first["this machine"][0] - first["linux"][0]) / sizes
-    assert np.max(error[0]) < ROUNDING, "in the start and under smooth loads"
-    assert np.max(error[1]) < OTHER_LANES, "after a jump of the clamping force"
+    assert np.max(np.abs(first["this machine"][0] - first["linux"][0]) / sizes) < OTHER_LANES
 
 
 @pytest.mark.parametrize("reader", BUILDS)
@@ -159,7 +163,7 @@ def test_each_build_continues_from_the_states_of_the_others(
     """The run continues as from a state of the same library."""
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
     expected = first[reader][0]
-    assert np.max(np.abs(found - expected) / sizes) < ROUNDING
+    assert np.max(np.abs(found - expected) / sizes) < (ROUNDING if lanes(reader) == lanes(writer) else OTHER_LANES)
     if reader == writer:
         assert np.array_equal(found, expected), "in the same build bit for bit"
         assert again.read_bytes() == first[writer][1].read_bytes()

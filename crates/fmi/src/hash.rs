@@ -1,4 +1,4 @@
-//! A hash of texts and stored states: FNV-1a with 128 bits (Fowler, Noll, Vo). It detects accidents, not attacks.
+//! A hash of texts, stored states and libraries: FNV-1a with 128 bits (Fowler, Noll, Vo). It detects accidents, not attacks.
 
 const START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
@@ -14,10 +14,16 @@ pub fn of_bytes(bytes: &[u8]) -> u128 {
 }
 
 /// Hash of bytes taken eight at a time, the last ones filled up with zeros: for long states.
-pub(super) fn of_words(bytes: &[u8]) -> u128 {
+pub(crate) fn of_words(bytes: &[u8]) -> u128 {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut last = [0; 8];
     last[..rest.len()].copy_from_slice(rest);
     let words = words.iter().chain([&last]);
     words.fold(START, |hash, word| mix(hash, u64::from_le_bytes(*word).into()))
+}
+
+/// Length and hash of a file's content, in words: what identifies the variant of a library.
+#[must_use]
+pub fn of_file(content: &[u8]) -> String {
+    format!("{}-{:032x}", content.len(), of_words(content))
 }

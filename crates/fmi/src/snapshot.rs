@@ -68,10 +68,10 @@ impl<U: Unit> Snapshot<U> {
             Some(state) => self.state = state,
             None => tape.reject(),
         }
-        let Experiment { tolerance, start, stop } = &mut self.experiment;
+        // The stop time is that of the instance that receives the state.
+        let Experiment { tolerance, start, .. } = &mut self.experiment;
         tape.option(tolerance);
         tape.real(start);
-        tape.option(stop);
         tape.real(&mut self.point);
         serialize_settings(table, &mut self.settings, tape);
         let mut has_rates = self.rates.is_some();

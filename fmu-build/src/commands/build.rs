@@ -136,17 +136,20 @@ pub fn run_portable(workspace: &Workspace, path: &Path) -> anyhow::Result<()> {
 
 /// Writes an FMU and prints its path and size.
 fn write(archive: Archive, path: &Path) -> anyhow::Result<()> {
+    save(archive, path)?;
+    let size = fs::metadata(path)?.len().div_ceil(1024);
+    println!("{} ({size} kB)", path.display());
+    Ok(())
+}
+
+fn save(archive: Archive, path: &Path) -> anyhow::Result<()> {
     // Written to another file that is then renamed, so that no program reads an incomplete FMU.
     let draft = path.with_extension("fmu.part");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
     let mut output = archive.write(BufWriter::new(output))?;
     output.flush()?;
     drop(output);
-    fs::rename(&draft, path).with_context(|| format!("can't write {}", path.display()))?;
-
-    let size = fs::metadata(path)?.len().div_ceil(1024);
-    println!("{} ({size} kB)", path.display());
-    Ok(())
+    fs::rename(&draft, path).with_context(|| format!("can't write {}", path.display()))
 }
 
 /// Builds the FMU of the paper's belts for this machine and returns its path.
@@ -158,12 +161,25 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     progress::headline("Compiling the binary of the paper's belts");
     let (library, description) = cargo::build_paper(workspace)?;
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(Version::Two, PAPER_IDENTIFIER)?;
+    let binary = Platform::host()?.binary(Version::Two, PAPER_IDENTIFIER);
     archive.add(binary, read(&library)?)?;
     archive.add("modelDescription.xml", description.into_bytes())?;
     add_resources(&mut archive, workspace)?;
     let path = workspace.paper_fmu();
     write(archive, &path)?;
+    Ok(path)
+}
+
+/// Packs the model description alone, for programs that read the variables and run nothing, and returns the path.
+///
+/// # Errors
+/// A file can't be read or written.
+pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    let _alone = workspace.lock("variables")?;
+    let mut archive = Archive::default();
+    archive.add("modelDescription.xml", read(&workspace.model_description())?)?;
+    let path = workspace.target().join("variables.fmu");
+    save(archive, &path)?;
     Ok(path)
 }
 
@@ -176,7 +192,7 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     progress::headline("Compiling the binary of the variator from maps");
     let (library, description) = cargo::build_map(workspace, version)?;
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER)?;
+    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER);
     let bytes = read(&library)?;
     exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
     archive.add(binary, bytes)?;
@@ -222,7 +238,7 @@ fn collect(
         let mut bytes = read(path)?;
         exports::check(&bytes).with_context(|| format!("{} can't be packed", path.display()))?;
         binary::clear_time_stamp(&mut bytes);
-        archive.add(platform.binary(version, name)?, bytes)?;
+        archive.add(platform.binary(version, name), bytes)?;
     }
     let (xml, interface) = match version {
         Version::Two => {

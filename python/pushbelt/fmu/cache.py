@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 import platformdirs
 
-from . import untrusted
+from . import platforms, untrusted
 from .unit import Archive
 
 
@@ -35,11 +35,9 @@ def unpacked(fmu: Path) -> Archive:
     if not place.is_dir():
         _unpack(fmu, place)
     archive = Archive(place, fmpy.read_model_description(str(place)))
-    binaries = sorted(path.name for path in (place / "binaries").glob("*"))
-    if fmpy.platform not in binaries:
-        raise ValueError(
-            f"{fmu} has no binary for this machine ({fmpy.platform}), only for {', '.join(binaries)}"
-        )
+    if platforms.folder(place / "binaries") is None:
+        others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
+        raise ValueError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
     return archive
 
 

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+import fmpy
 import numpy as np
 from fmpy import fmi2, logging
 
+from . import platforms
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
@@ -123,11 +125,15 @@ class Variator:
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
+        identifier = description.coSimulation.modelIdentifier
+        binaries = platforms.folder(archive.directory / "binaries")
         self._slave = fmi2.FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(archive.directory),
-            modelIdentifier=description.coSimulation.modelIdentifier,
+            modelIdentifier=identifier,
             instanceName=name,
+            # Without it fmpy knows the older names of folders only.
+            libraryPath=binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension,
         )
         self._call(self._slave.instantiate, callbacks=self._callbacks)
         try:

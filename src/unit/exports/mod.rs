@@ -25,11 +25,3 @@ pub fn definition() -> String {
          EXPORTS\n{names}"
     )
 }
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn the_dispatcher_knows_the_functions_beyond_the_standard() {
-        assert_eq!(super::variant::BEYOND_THE_STANDARD, super::linear_c::NAMES);
-    }
-}

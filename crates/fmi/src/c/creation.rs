@@ -50,8 +50,7 @@ pub(crate) fn create<U: Unit>(
                 report(Status::Warning, Category::Warning, warning);
             }
         }
-        let own = library::own_path().ok().and_then(|path| path.canonicalize().ok());
-        places.extend(own.and_then(|library| resources::beside(&library)));
+        places.extend(library::own_folder().ok().and_then(|folder| resources::beside(&folder)));
         let defaults = load::<U>(&places)?;
         let token = check(&arguments, given, &(arguments.expected)(U::data(&defaults)))?;
         let start = start_values::find::<U>(&places, token, &defaults)?;
@@ -68,8 +67,8 @@ pub(crate) fn create<U: Unit>(
         Version::Two => Log::new(sink, arguments.debug),
         Version::Three => Log::errors_without_debug(sink, arguments.debug),
     };
-    if let Some(remark) = dispatch::remark() {
-        log.send(Status::Ok, Category::Events, &remark);
+    if let Some((status, category, text)) = dispatch::remark() {
+        log.send(status, category, &text);
     }
     Some(Slave::with(master, log, start))
 }

@@ -5,33 +5,39 @@
 //! instances there, until the last instance is freed; then it closes `Name-avx2`. So an instance is used only by the library
 //! that created it, and a host that unloads `Name` after its instances leaves nothing loaded.
 //!
-//! `Name` runs by itself if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0", or if there is no `Name-avx2` of the same build.
+//! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0",
+//! or if `Name-avx2` is not the file of its build. `Name` contains the hash of that file and compares it before the system opens the
+//! file, because to open a damaged or strange library can already end the host.
 
-use std::ffi::{CStr, CString, c_char, c_void};
+use std::ffi::{CStr, c_void};
+use std::fs;
 use std::path::Path;
-use std::ptr::{self, null_mut};
+use std::ptr::null_mut;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::entry::contain;
 use super::instances::INSTANCES;
 use super::library::{self, Library};
+use crate::hash;
+use crate::log::{Category, Status};
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
 
-/// The function by which a library recognises its variant: it takes the build, and returns the number of instances, or null if its
-/// own build is another one.
+/// The function by which a library opens its variant: it returns the number of instances.
 const HANDSHAKE: &CStr = c"pushbeltVariant";
-type Handshake = unsafe extern "C" fn(*const c_char) -> *const AtomicUsize;
+type Handshake = unsafe extern "C" fn() -> *const AtomicUsize;
 
-/// Why the library of a portable build runs, for the log; empty otherwise.
-static REMARK: Mutex<String> = Mutex::new(String::new());
+/// A message for the log.
+type Remark = (Status, Category, String);
+
+/// Why the library of a portable build runs.
+static REMARK: Mutex<Option<Remark>> = Mutex::new(None);
 
 /// What the log of a new instance has about the choice of the library.
-pub(crate) fn remark() -> Option<String> {
-    let remark = locked(&REMARK).clone();
-    (!remark.is_empty()).then_some(remark)
+pub(crate) fn remark() -> Option<Remark> {
+    locked(&REMARK).clone()
 }
 
 /// What an exported function does with instances.
@@ -81,12 +87,6 @@ const fn contains(text: &str, part: &str) -> bool {
     false
 }
 
-/// Whether a library opens a variant: the one of a portable build without AVX2.
-#[must_use]
-pub const fn has_variant(build: Option<&str>, with_avx2: bool) -> bool {
-    build.is_some() && !with_avx2
-}
-
 /// A text that ends with a zero, in constants too.
 ///
 /// # Panics
@@ -124,10 +124,8 @@ impl Forward {
 /// The variant of a library.
 pub struct Dispatch {
     model: &'static str,
-    /// Identifies the build; none in a build that has no variant.
-    build: Option<&'static str>,
-    /// Names of the exported functions.
-    names: &'static [&'static [&'static str]],
+    /// Identifies the file of the variant, as [`hash::of_file`]; none in a library that has no variant.
+    variant: Option<&'static str>,
     /// The present opening of the variant, counted from 1; 0 while it is closed.
     opening: AtomicUsize,
     state: Mutex<State>,
@@ -151,18 +149,12 @@ struct Variant {
 unsafe impl Send for Variant {}
 
 impl Dispatch {
-    /// The dispatcher of the library of a model. `build` is the same in a library and its variant, and in no other library. A variant
-    /// without one of the functions of these names is refused.
+    /// The dispatcher of the library of a model; `variant` is the hash of its variant's file ([`hash::of_file`]).
     #[must_use]
-    pub const fn new(
-        model: &'static str,
-        build: Option<&'static str>,
-        names: &'static [&'static [&'static str]],
-    ) -> Self {
+    pub const fn new(model: &'static str, variant: Option<&'static str>) -> Self {
         Self {
             model,
-            build,
-            names,
+            variant,
             opening: AtomicUsize::new(0),
             state: Mutex::new(State {
                 calls: 0,
@@ -172,36 +164,22 @@ impl Dispatch {
         }
     }
 
-    /// The number of instances of this library, for a library of the same build; null for others.
-    ///
-    /// # Safety
-    /// `build` is null or ends with a zero.
-    pub unsafe fn handshake(&self, build: *const c_char) -> *const c_void {
-        if build.is_null() {
-            return ptr::null();
-        }
-        // SAFETY: not null; the caller grants the zero.
-        let build = unsafe { CStr::from_ptr(build) };
-        if self.build.is_none_or(|own| own.as_bytes() != build.to_bytes()) {
-            return ptr::null();
-        }
-        "the library for processors with AVX2 runs".clone_into(&mut locked(&REMARK));
-        (&raw const INSTANCES).cast()
-    }
-
     /// Keeps the choice of the library until [`Self::leave`], and makes one for a call that creates the first instance.
-    fn enter(&self, build: &str, kind: Kind) {
+    fn enter(&self, variant: &str, kind: Kind) {
         let mut state = locked(&self.state);
         state.calls += 1;
         let is_first = state.calls == 1 && INSTANCES.load(Ordering::SeqCst) == 0;
         if kind == Kind::Create && state.open.is_none() && is_first {
-            match self.find(build) {
+            match self.find(variant) {
                 Ok(variant) => {
                     state.open = Some(variant);
                     state.openings += 1;
                     self.opening.store(state.openings, Ordering::Release);
                 }
-                Err(why) => *locked(&REMARK) = format!("the library for all processors runs: {why}"),
+                Err(why) => {
+                    let text = format!("the slower library for all processors runs: {why}");
+                    *locked(&REMARK) = Some((Status::Warning, Category::Warning, text));
+                }
             }
         }
     }
@@ -239,7 +217,7 @@ impl Dispatch {
     ///
     /// # Errors
     /// Why this library runs by itself.
-    fn find(&self, build: &str) -> Result<Variant, String> {
+    fn find(&self, variant: &str) -> Result<Variant, String> {
         if !has_avx2() {
             return Err("the processor has no AVX2".to_owned());
         }
@@ -247,45 +225,50 @@ impl Dispatch {
             return Err(format!("{SWITCH} is 0"));
         }
         let name = format!("{}-avx2{}", self.model, std::env::consts::DLL_SUFFIX);
-        self.open(&library::own_path()?.with_file_name(name), build)
+        let path = library::own_folder()?.join(name);
+        open(&path, variant).map_err(|why| format!("{}: {why}", path.display()))
     }
+}
 
-    fn open(&self, path: &Path, build: &str) -> Result<Variant, String> {
-        let refused = |why: &str| format!("{}: {why}", path.display());
-        // Without this check the message would be that of the operating system.
-        if !path.is_file() {
-            return Err(refused("there is no such file"));
-        }
-        // SAFETY: it is in the folder of this library under its name, so it is as trusted as this one. Its initialisation is that of
-        // Rust's standard library.
-        let library = unsafe { Library::open(path) }.map_err(|why| refused(&why))?;
-        let handshake = library.find(HANDSHAKE);
-        let build = CString::new(build).unwrap_or_default();
-        let instances = if handshake.is_null() {
-            ptr::null()
-        } else {
-            // SAFETY: the function of this name has this type, and the text ends with a zero.
-            unsafe { std::mem::transmute::<*mut c_void, Handshake>(handshake)(build.as_ptr()) }
-        };
-        if instances.is_null() {
-            return Err(refused("it is of another build"));
-        }
-        let is_missing = |name: &&str| library.find(&CString::new(*name).unwrap_or_default()).is_null();
-        if let Some(missing) = self.names.iter().copied().flatten().copied().find(is_missing) {
-            return Err(refused(&format!("it has no {missing}")));
-        }
-        Ok(Variant { library, instances })
+/// Opens a variant if it is the file with this hash.
+fn open(path: &Path, variant: &str) -> Result<Variant, String> {
+    // Without these checks the message would be that of the operating system, and a pipe would keep the host waiting.
+    let found = fs::metadata(path).map_err(|_| "there is no such file")?;
+    if !found.is_file() || !variant.starts_with(&format!("{}-", found.len())) {
+        return Err(format!(
+            "it has {} bytes and is not the file of this build",
+            found.len()
+        ));
     }
+    if hash::of_file(&fs::read(path).map_err(|error| error.to_string())?) != variant {
+        return Err("its content is not that of this build".to_owned());
+    }
+    // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
+    let library = unsafe { Library::open(path) }?;
+    let handshake = library.find(HANDSHAKE);
+    if handshake.is_null() {
+        return Err("it has no handshake".to_owned());
+    }
+    // SAFETY: the library exports the function of this name, with this type.
+    let instances = unsafe { std::mem::transmute::<*mut c_void, Handshake>(handshake)() };
+    Ok(Variant { library, instances })
+}
+
+/// The number of instances of this library, for the library whose variant it is.
+pub fn handshake() -> *const c_void {
+    let text = "the library for processors with AVX2 runs".to_owned();
+    *locked(&REMARK) = Some((Status::Ok, Category::Events, text));
+    (&raw const INSTANCES).cast()
 }
 
 /// Makes the call of an exported function, here or in the variant. A call that creates or frees an instance keeps the variant open.
 pub fn through<T>(dispatch: Option<&Dispatch>, forward: &Forward, call: impl FnOnce(*mut c_void) -> T) -> T {
     let held = match (forward.kind, dispatch) {
-        (Kind::Create | Kind::Free, Some(dispatch)) => dispatch.build.map(|build| (dispatch, build)),
+        (Kind::Create | Kind::Free, Some(dispatch)) => dispatch.variant.map(|variant| (dispatch, variant)),
         _ => None,
     };
-    if let Some((dispatch, build)) = held {
-        contain((), || dispatch.enter(build, forward.kind));
+    if let Some((dispatch, variant)) = held {
+        contain((), || dispatch.enter(variant, forward.kind));
     }
     let function = match (forward.kind, dispatch) {
         (Kind::Without, _) | (_, None) => null_mut(),

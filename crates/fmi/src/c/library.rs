@@ -34,24 +34,54 @@ impl Drop for Library {
     }
 }
 
-/// The absolute path of the library, or of the program, that contains this code.
+/// The folder of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
+/// working directory has an effect.
 ///
 /// # Errors
 /// The operating system has no path for it.
-pub fn own_path() -> Result<PathBuf, String> {
-    let path = system::own_path().ok_or("the path of this library is unknown")?;
-    std::path::absolute(&path).map_err(|error| format!("{}: {error}", path.display()))
+pub fn own_folder() -> Result<PathBuf, String> {
+    let path = own_path();
+    let folder = path.as_deref().and_then(Path::parent).map(Path::to_owned);
+    folder.ok_or_else(|| "the path of this library is unknown".to_owned())
 }
 
 /// A byte of this library, whose address identifies the library.
 static HERE: u8 = 0;
 
+/// The path of the file that the library was loaded from, without links. `dladdr` has the path that the host gave to `dlopen`,
+/// which may be relative to another working directory than that of today.
+#[cfg(target_os = "linux")]
+fn own_path() -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt as _;
+
+    let here = (&raw const HERE).addr();
+    let maps = std::fs::read("/proc/self/maps").ok()?;
+    // `7f0000000000-7f0000001000 r--p 00000000 08:01 1234    /path`
+    maps.split(|byte| *byte == b'\n').find_map(|line| {
+        let range = std::str::from_utf8(line.split(|byte| *byte == b' ').next()?).ok()?;
+        let (from, to) = range.split_once('-')?;
+        let number = |text| usize::from_str_radix(text, 16).ok();
+        let path = &line[line.iter().position(|byte| *byte == b'/')?..];
+        (number(from)?..number(to)?)
+            .contains(&here)
+            .then(|| std::ffi::OsStr::from_bytes(path).into())
+    })
+}
+
+/// The path that the system has kept since the library was loaded, without links. A relative one is of no use.
+#[cfg(not(target_os = "linux"))]
+fn own_path() -> Option<PathBuf> {
+    system::own_path()
+        .filter(|path| path.is_absolute())?
+        .canonicalize()
+        .ok()
+}
+
 #[cfg(unix)]
 mod system {
-    use std::ffi::{CStr, CString, OsStr, c_void};
-    use std::mem::MaybeUninit;
+    use std::ffi::{CStr, CString, c_void};
     use std::os::unix::ffi::OsStrExt as _;
-    use std::path::{Path, PathBuf};
+    use std::path::Path;
 
     pub unsafe fn open(path: &Path) -> Result<*mut c_void, String> {
         let path = CString::new(path.as_os_str().as_bytes()).map_err(|error| error.to_string())?;
@@ -81,13 +111,14 @@ mod system {
         unsafe { libc::dlclose(handle) };
     }
 
-    pub fn own_path() -> Option<PathBuf> {
-        let mut found = MaybeUninit::<libc::Dl_info>::zeroed();
+    #[cfg(not(target_os = "linux"))]
+    pub fn own_path() -> Option<std::path::PathBuf> {
+        let mut found = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
         // SAFETY: `dladdr` fills the structure, or returns zero. The name ends with a zero and is valid while the library is loaded.
         unsafe {
             let known = libc::dladdr((&raw const super::HERE).cast(), found.as_mut_ptr()) != 0;
             let name = found.assume_init().dli_fname;
-            (known && !name.is_null()).then(|| OsStr::from_bytes(CStr::from_ptr(name).to_bytes()).into())
+            (known && !name.is_null()).then(|| std::ffi::OsStr::from_bytes(CStr::from_ptr(name).to_bytes()).into())
         }
     }
 }

@@ -114,7 +114,7 @@ macro_rules! __takes_instance {
 #[macro_export]
 macro_rules! __here_or_in_variant {
     ($dispatch:expr, $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
-        if const { $crate::dispatch::has_variant(option_env!("PUSHBELT_BUILD"), cfg!(target_feature = "avx2")) } {
+        if const { option_env!("PUSHBELT_VARIANT").is_some() } {
             static FORWARD: $crate::dispatch::Forward = $crate::dispatch::Forward::new(
                 $crate::dispatch::c_string(concat!(stringify!($name), "\0")),
                 $crate::dispatch::Kind::of(stringify!($name), $crate::__takes_instance!($($argument)*)),
@@ -134,20 +134,15 @@ macro_rules! __here_or_in_variant {
     };
 }
 
-/// Exports the function by which a library recognises its variant: `pushbeltVariant`.
+/// Exports the function by which a library opens its variant: `pushbeltVariant`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! export_variant {
-    ($dispatch:expr) => {
-        /// For a library of the FMU that opens another one: the number of instances of this library, or null if `build` is
-        /// another build.
-        ///
-        /// # Safety
-        /// `build` is null or ends with a zero.
+    () => {
+        /// For a library of the FMU that opens another one: the number of instances of this library.
         #[cfg_attr(not(test), unsafe(no_mangle))]
-        pub unsafe extern "C" fn pushbeltVariant(build: *const $crate::libc::c_char) -> *const $crate::libc::c_void {
-            // SAFETY: as the caller grants.
-            unsafe { $dispatch.handshake(build) }
+        pub extern "C" fn pushbeltVariant() -> *const $crate::libc::c_void {
+            $crate::dispatch::handshake()
         }
     };
 }
@@ -160,8 +155,7 @@ macro_rules! export {
         const _: () = {
             static DISPATCH: $crate::dispatch::Dispatch = $crate::dispatch::Dispatch::new(
                 <$unit as $crate::Unit>::IDENTITY.name,
-                option_env!("PUSHBELT_BUILD"),
-                &[$crate::fmi2::NAMES, $crate::fmi3::NAMES],
+                option_env!("PUSHBELT_VARIANT"),
             );
             const _: () = {
                 $crate::export_fmi2!($unit, Some(&DISPATCH));
@@ -169,7 +163,7 @@ macro_rules! export {
             const _: () = {
                 $crate::export_fmi3!($unit, Some(&DISPATCH));
             };
-            $crate::export_variant!(DISPATCH);
+            $crate::export_variant!();
         };
     };
 }

@@ -378,6 +378,8 @@ fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
     // The host goes straight from instantiation to the stored state: no stop time.
     let (mut fresh, messages) = self::slave();
     assert_eq!(fresh.restore(&found), Status::Ok);
+    let again = fresh.save().1.expect("stored");
+    assert!(fresh.serialize(&again).1 == Some(bytes), "stored again bit for bit");
     assert_eq!(fresh.do_step(1.0, 5.0), Status::Ok, "{messages:?}");
     // A stop time of an instance holds for a state of an earlier run too.
     assert_eq!(slave.reset(), Status::Ok);

@@ -1,4 +1,4 @@
-//! The variables that select one of the paper's belts.
+//! `PushbeltPaper.fmu`: the variator with the belts of the paper's comparison, and the variables that select one.
 
 use crate::belts::{Rotated, Travels, on_mesh};
 use crate::centred::Centred;
