@@ -92,7 +92,7 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
-        let started = unit.variator.initialise(experiment.start, &settings.inputs);
+        let started = unit.variator.initialise(0.0, &settings.inputs);
         unit.move_messages(remarks);
         started.map_err(|error| error.to_string())?;
         Ok(unit)

@@ -502,9 +502,8 @@ impl Unit for MapUnit {
         check(settings)
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::blank_with(settings)?;
-        unit.time = experiment.start;
         unit.initialise(remarks);
         unit.log_outside(remarks);
         Ok(unit)
