@@ -88,16 +88,19 @@ impl File<'_> {
         };
         let count = shift_utilisations.len();
         grid.check_size(count.max(2) - 1, [utilisation.len(), share.len(), count * excess.len()])?;
-        let numbers = |name: &str, width: usize, range: Range| {
-            self.numbers(name, grid.lines * logs.len() * width, range)
-        };
+        let numbers =
+            |name: &str, width: usize, range: Range| self.numbers(name, grid.lines * logs.len() * width, range);
         let refined = |name: &str, along: &[f64], count: usize, range: Range| -> Result<(Even, Vec<f64>), String> {
             Ok(grid.refined(&numbers(name, along.len(), range)?, along, count))
         };
         let pairs = |name: &str, range: Range| -> Result<Vec<f64>, String> {
             let [least, most] = range;
             let values = numbers(name, 2, [-most, most])?;
-            match values.chunks(2).flat_map(|pair| [-pair[0], pair[1]]).find(|size| *size < least) {
+            match values
+                .chunks(2)
+                .flat_map(|pair| [-pair[0], pair[1]])
+                .find(|size| *size < least)
+            {
                 None => Ok(grid.along_ratio(&values, 2)),
                 Some(_) => Err(format!(
                     "the table {name} must have values of {} to {} in direction -1 and of {least} to {most} in direction 1",
