@@ -199,7 +199,7 @@ fn within(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String
     match values.iter().position(|value| !(least..=most).contains(value)) {
         None => Ok(()),
         Some(at) => Err(format!(
-            "{name} has the value {} in place {}, which is out of range: {least} to {most}",
+            "{name} has the value {:?} in place {}, which is out of range: {least} to {most}",
             values[at],
             at + 1
         )),

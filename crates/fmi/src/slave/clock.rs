@@ -43,7 +43,7 @@ impl Clock {
             });
         }
         refused(format!(
-            "the start time {time} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for steps; is it in seconds?"
+            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for steps; is it in seconds?"
         ))
     }
 
