@@ -20,7 +20,7 @@ pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
     if !data.is_file() {
         return Err("this is not a file".to_owned());
     }
-    let too_large = |size: u64| Err(format!("it has {size} bytes or more, and at most {largest} are read"));
+    let too_large = |size: u64| Err(format!("it has {size} bytes, more than {largest} bytes"));
     if data.len() > largest {
         return too_large(data.len());
     }

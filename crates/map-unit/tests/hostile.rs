@@ -66,7 +66,7 @@ fn a_folder_and_a_large_file_are_refused_unread() {
     file.set_len(1 << 40).expect("a length");
     let why = folder.refused();
     assert!(
-        why.contains("1099511627776 bytes") && why.contains("at most 16777216"),
+        why.contains("1099511627776 bytes") && why.contains("more than 16777216"),
         "{why}"
     );
 }
