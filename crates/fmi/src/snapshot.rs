@@ -40,7 +40,7 @@ impl<U: Unit> Snapshot<U> {
     pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
         let mut tape = Tape::writer();
         self.clone().serialize(table, &mut tape)?;
-        Ok(bytes::seal(guid, &tape.into_bytes()))
+        bytes::seal(guid, &tape.into_bytes())
     }
 
     /// The state that bytes of an FMU with this GUID hold. `defaults` are settings with the data of the model.

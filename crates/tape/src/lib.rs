@@ -42,7 +42,7 @@ impl<'a> Tape<'a> {
         matches!(self.0, Mode::Read(_))
     }
 
-    /// What has been written; empty if the tape was read.
+    /// What has been written; empty if the tape was read, or if there was no memory for it.
     #[must_use]
     pub fn into_bytes(self) -> Vec<u8> {
         match self.0 {
@@ -72,7 +72,10 @@ impl<'a> Tape<'a> {
     /// Writes `value`, or reads as many bytes; `value` itself if there are too few.
     fn word<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         match &mut self.0 {
-            Mode::Write(bytes) => bytes.extend_from_slice(&value),
+            Mode::Write(bytes) => match bytes.try_reserve(N) {
+                Ok(()) => bytes.extend_from_slice(&value),
+                Err(_) => self.0 = Mode::Read(None),
+            },
             Mode::Read(rest) => {
                 if let Some((word, after)) = rest.and_then(|bytes| bytes.split_first_chunk::<N>()) {
                     *rest = Some(after);
