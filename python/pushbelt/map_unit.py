@@ -5,6 +5,7 @@ The FMU's token is the exclusive or of a hash of its description and a hash of i
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import re
@@ -104,9 +105,9 @@ def _rounded(values: Array) -> Any:
 
 
 def hash_of(content: bytes) -> int:
-    """The hash of the tables in the token: FNV-1a with 128 bits (Fowler, Noll, Vo)."""
+    """The hash of the tables in the token, without a byte-order mark: FNV-1a with 128 bits (Fowler, Noll, Vo)."""
     found, mask = _START, (1 << 128) - 1
-    for byte in content:
+    for byte in content.removeprefix(codecs.BOM_UTF8):
         found = ((found ^ byte) * _PRIME) & mask
     return found
 

@@ -8,7 +8,7 @@ use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, 
 use crate::tape::Tape;
 use crate::variator::belt_ring::BeltRing;
 use crate::variator::run::{self, Event, StepError, Variator};
-use crate::variator::settings::{Inputs, ParameterError, Parameters, Readings, range_of};
+use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -41,6 +41,7 @@ impl<R: Rings> UnitWith<R> {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
         let ring = ring_of(&settings.rings, &parameters).map_err(|error| error.to_string())?;
+        find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         Ok(Self {
             variator,
@@ -92,7 +93,7 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
-        let started = unit.variator.initialise(experiment.start, &settings.inputs);
+        let started = unit.variator.initialise(0.0, &settings.inputs);
         unit.move_messages(remarks);
         started.map_err(|error| error.to_string())?;
         Ok(unit)
@@ -170,6 +171,25 @@ impl<R: Rings> Unit for UnitWith<R> {
             span: moment.span,
         })
     }
+}
+
+/// Memory of a cell with its share of the matrices, bytes, where the start has a copy (measured with 16 cells in an element: half).
+const CELL: usize = 24_000;
+
+/// Looks for the memory of a mesh: within the model a failed allocation would end the process.
+fn find_memory(mesh: &Mesh) -> Result<(), String> {
+    let elements = [mesh.primary_arc, mesh.secondary_arc, mesh.strand, mesh.strand];
+    let count = |count: i32| usize::try_from(count).unwrap_or_default();
+    let elements: usize = elements.into_iter().map(count).sum();
+    let bytes = (CELL * count(mesh.cells_per_element)).saturating_mul(elements);
+    let found = Vec::<u8>::new().try_reserve_exact(bytes);
+    found.map_err(|_| {
+        format!(
+            "mesh.primaryArc, mesh.secondaryArc, mesh.strand and mesh.cellsPerElement make {elements} elements, for which there is no \
+             memory of {} MB: choose fewer",
+            bytes / 1_000_000
+        )
+    })
 }
 
 /// The ring that is chosen, from a choice that is checked.

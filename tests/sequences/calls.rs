@@ -211,7 +211,7 @@ fn slot() -> impl Strategy<Value = usize> {
 pub fn setup() -> impl Strategy<Value = (Option<f64>, f64, Option<f64>)> {
     (
         prop_oneof![Just(None), Just(Some(1e-3)), bad_number().prop_map(Some)],
-        prop_oneof![3 => Just(0.0), 1 => Just(1e6), 1 => bad_number()],
+        prop_oneof![3 => Just(0.0), 1 => Just(1e6), 1 => Just(1.7e9), 1 => bad_number()],
         prop_oneof![2 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)],
     )
 }

@@ -19,8 +19,15 @@ const HEAD: usize = 8 + 4 + 16 + 8;
 const CHECKSUM: usize = 16;
 
 /// The content as a stored state of the FMU with this GUID.
-pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(HEAD + content.len() + CHECKSUM);
+///
+/// # Errors
+/// There is no content, or no memory for a copy.
+pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let size = HEAD + content.len() + CHECKSUM;
+    if content.is_empty() || bytes.try_reserve_exact(size).is_err() {
+        return Err("there is no memory for the bytes of the state".to_owned());
+    }
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&hash::of_bytes(guid.as_bytes()).to_le_bytes());
@@ -28,7 +35,7 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     bytes.extend_from_slice(content);
     let checksum = hash::of_words(&bytes);
     bytes.extend_from_slice(&checksum.to_le_bytes());
-    bytes
+    Ok(bytes)
 }
 
 /// The content, if the bytes are complete and a state of this FMU.
@@ -73,14 +80,17 @@ mod tests {
 
     #[test]
     fn sealed_bytes_are_opened() {
-        for content in [&b""[..], b"x", &[7; 1000]] {
-            assert_eq!(open("{a}", &seal("{a}", content)), Ok(content));
+        for content in [&b"x"[..], &[7; 1000]] {
+            let bytes = seal("{a}", content).expect("bytes");
+            assert_eq!(open("{a}", &bytes), Ok(content));
         }
+        // What a tape without memory leaves.
+        assert!(seal("{a}", b"").is_err());
     }
 
     #[test]
     fn every_damage_is_found() {
-        let bytes = seal("{a}", b"content");
+        let bytes = seal("{a}", b"content").expect("bytes");
         for end in 0..bytes.len() {
             assert!(open("{a}", &bytes[..end]).is_err(), "{end} bytes");
         }

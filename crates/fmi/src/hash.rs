@@ -14,7 +14,8 @@ pub fn of_bytes(bytes: &[u8]) -> u128 {
 }
 
 /// Hash of bytes taken eight at a time, the last ones filled up with zeros: for long states.
-pub(crate) fn of_words(bytes: &[u8]) -> u128 {
+#[must_use]
+pub fn of_words(bytes: &[u8]) -> u128 {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut last = [0; 8];
     last[..rest.len()].copy_from_slice(rest);

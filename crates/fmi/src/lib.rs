@@ -47,7 +47,7 @@ pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
 #[forbid(unsafe_code)]
-mod resources;
+pub mod resources;
 #[forbid(unsafe_code)]
 pub mod si;
 #[forbid(unsafe_code)]

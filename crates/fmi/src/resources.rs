@@ -1,9 +1,46 @@
-//! The resource location: where the importer has unpacked the archive's `resources` directory.
+//! The resource location: where the importer has unpacked the archive's `resources` directory; and the content of its files.
 //!
 //! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and percent signs encoded or not,
 //! or nothing. So there are several places to look in; the last one is beside the library.
 
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+
+/// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file.
+///
+/// # Errors
+/// It is something else, too large, or unreadable. The reason, as a sentence without the path.
+pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
+    let data = match path.metadata() {
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
+        found => found.map_err(|error| error.to_string())?,
+    };
+    // To open a pipe would wait for its other end, and a device may have no end.
+    if !data.is_file() {
+        return Err("this is not a file".to_owned());
+    }
+    let too_large = |size: u64| Err(format!("it has {size} bytes, more than {largest} bytes"));
+    if data.len() > largest {
+        return too_large(data.len());
+    }
+    let mut bytes = Vec::new();
+    let reserved = bytes.try_reserve_exact(usize::try_from(data.len()).unwrap_or(usize::MAX));
+    reserved.map_err(|error| format!("{} bytes: {error}", data.len()))?;
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let read = file.take(largest + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > largest {
+        return too_large(largest + 1);
+    }
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+    }
+    Ok(Some(bytes))
+}
+
+/// U+FEFF in UTF-8, with which some editors begin a text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The places that a resource location may mean, the most likely one first; none for an empty location.
 ///

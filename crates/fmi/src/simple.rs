@@ -45,10 +45,11 @@ pub trait SimpleModel: Clone {
     fn serialize(&mut self, tape: &mut Tape<'_>);
 }
 
-/// The unit of a [`SimpleModel`]: the model and the present time.
+/// The unit of a [`SimpleModel`]: the model, the start time and the time since then. Times of the model are those of the master.
 #[derive(Clone, Debug)]
 pub struct SimpleUnit<M> {
     model: M,
+    start: f64,
     time: f64,
 }
 
@@ -68,8 +69,13 @@ impl<M: SimpleModel> Unit for SimpleUnit<M> {
     }
 
     fn start(settings: &M::Settings, experiment: &Experiment, _: &mut Vec<Remark>) -> Result<Self, String> {
-        let time = experiment.start;
-        M::start(settings, time).map(|model| Self { model, time })
+        let start = experiment.start;
+        let model = M::start(settings, start)?;
+        Ok(Self {
+            model,
+            start,
+            time: 0.0,
+        })
     }
 
     fn time(&self) -> f64 {
@@ -86,7 +92,8 @@ impl<M: SimpleModel> Unit for SimpleUnit<M> {
         settings: &M::Settings,
         _: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        self.model.advance(settings, self.time, step.to)?;
+        let [from, to] = [self.time, step.to].map(|time| self.start + time);
+        self.model.advance(settings, from, to)?;
         self.time = step.to;
         Ok(())
     }

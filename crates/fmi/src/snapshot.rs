@@ -1,6 +1,7 @@
 //! The whole dynamic state of an instance, and its conversion to bytes and back.
 
 use super::bytes;
+use super::slave::Clock;
 use super::state::State;
 use super::table::{Access, Causality, Kind, Table, Value};
 use super::unit::{Experiment, Unit};
@@ -14,8 +15,8 @@ pub struct Snapshot<U: Unit> {
     /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
     pub(super) rates: Option<U::Settings>,
     pub(super) experiment: Experiment,
-    /// Communication point at which the next step begins, by the master's sum of steps, s.
-    pub(super) point: f64,
+    /// Communication point at which the next step begins.
+    pub(super) clock: Clock,
     /// Present from the first calculated reading in initialisation mode on. A setting changed in that mode removes it.
     pub(super) unit: Option<U>,
 }
@@ -27,7 +28,7 @@ impl<U: Unit> Snapshot<U> {
             settings,
             rates: None,
             experiment: Experiment::default(),
-            point: 0.0,
+            clock: Clock::default(),
             unit: None,
         }
     }
@@ -39,7 +40,7 @@ impl<U: Unit> Snapshot<U> {
     pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
         let mut tape = Tape::writer();
         self.clone().serialize(table, &mut tape)?;
-        Ok(bytes::seal(guid, &tape.into_bytes()))
+        bytes::seal(guid, &tape.into_bytes())
     }
 
     /// The state that bytes of an FMU with this GUID hold. `defaults` are settings with the data of the model.
@@ -57,6 +58,15 @@ impl<U: Unit> Snapshot<U> {
         snapshot.serialize(table, &mut tape)?;
         let fits = tape.finish();
         fits.map_err(|Mismatch| "the stored state does not fit this version of the model".to_string())?;
+        snapshot.experiment = snapshot.experiment.checked().map_err(|error| error.to_string())?;
+        if let Some(unit) = &snapshot.unit
+            && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
+        {
+            return Err(format!(
+                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
+                unit.time()
+            ));
+        }
         Ok(snapshot)
     }
 
@@ -72,7 +82,7 @@ impl<U: Unit> Snapshot<U> {
         let Experiment { tolerance, start, .. } = &mut self.experiment;
         tape.option(tolerance);
         tape.real(start);
-        tape.real(&mut self.point);
+        self.clock.serialize(tape);
         serialize_settings(table, &mut self.settings, tape);
         let mut has_rates = self.rates.is_some();
         tape.flag(&mut has_rates);
@@ -120,9 +130,6 @@ fn serialize_rates<S, R>(table: &Table<S, R>, rates: &mut S, tape: &mut Tape<'_>
     for (get, set) in real_inputs(table) {
         let mut rate = get(rates);
         tape.real(&mut rate);
-        if !rate.is_finite() {
-            tape.reject();
-        }
         set(rates, rate);
     }
 }

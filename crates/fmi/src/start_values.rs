@@ -7,10 +7,9 @@
 //! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
 //! has another end, so the library refuses to run it without its file.
 
-use std::fs::File;
-use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use super::resources::content;
 use super::table::{Kind, Table, Value};
 use super::unit::Unit;
 
@@ -80,31 +79,11 @@ pub(crate) fn find<U: Unit>(
 pub fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
-    match text(&path).map_err(unusable)? {
-        None => Ok(None),
-        Some(text) => parse(&text, &U::table(), defaults).map(Some).map_err(unusable),
-    }
-}
-
-/// The content of the file, if there is one.
-fn text(path: &Path) -> Result<Option<String>, String> {
-    let data = match path.metadata() {
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
-        found => found.map_err(|error| error.to_string())?,
+    let Some(bytes) = content(&path, LARGEST).map_err(unusable)? else {
+        return Ok(None);
     };
-    if !data.is_file() {
-        return Err("this is not a file".to_string());
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let read = file.take(LARGEST + 1).read_to_end(&mut bytes);
-    read.map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(format!("it has more than {LARGEST} bytes"));
-    }
-    String::from_utf8(bytes)
-        .map(Some)
-        .map_err(|_| "it is not text in UTF-8".to_string())
+    let text = String::from_utf8(bytes).map_err(|_| unusable("it is not text in UTF-8".to_owned()))?;
+    parse(&text, &U::table(), defaults).map(Some).map_err(unusable)
 }
 
 fn parse<S: Clone, R>(text: &str, table: &Table<S, R>, defaults: &S) -> Result<S, String> {

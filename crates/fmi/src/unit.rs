@@ -9,7 +9,7 @@ use std::path::Path;
 pub struct Experiment {
     /// Relative tolerance, if the master prescribes one.
     pub tolerance: Option<f64>,
-    /// Start time, s.
+    /// Time of the master at the start, s. The unit counts its own time from there.
     pub start: f64,
     /// Time beyond which the master does not step, if it is defined, s.
     pub stop: Option<f64>,
@@ -103,7 +103,7 @@ pub struct Moment<R> {
     pub span: f64,
 }
 
-/// A communication step: where it begins and ends, how the inputs change, and the unit's own data for it.
+/// A communication step: where it begins and ends in the unit's time, how the inputs change, and the unit's own data for it.
 pub struct CommunicationStep<U: Unit> {
     /// Time at which it begins, s.
     pub from: f64,
@@ -160,13 +160,13 @@ pub trait Unit: Clone + Sized {
         Ok(())
     }
 
-    /// Builds the model and finds its state at the start.
+    /// Builds the model and finds its state at the start, the unit's time 0.
     ///
     /// # Errors
     /// The reason, as a sentence.
     fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
 
-    /// The present time, s.
+    /// The present time since the start, s.
     fn time(&self) -> f64;
 
     /// Readings at the present time; elements of arrays only if `elements` is true. During a run they depend on inputs through the

@@ -3,7 +3,8 @@
 //! | module | content |
 //! |---|---|
 //! | [`cubic`] | monotone cubic interpolation, to refine a table |
-//! | [`tables`] | the tables: read from JSON, refined, evaluated |
+//! | [`mod@file`] | the file of the tables: read from JSON, checked, refined |
+//! | [`tables`] | the tables, evaluated |
 //! | [`settings`] | parameters, inputs, outputs |
 //! | [`law`] | torques, losses and shift rate of a state |
 //! | [`stage`] | one implicit stage |
@@ -13,6 +14,8 @@
 
 #[forbid(unsafe_code)]
 pub mod cubic;
+#[forbid(unsafe_code)]
+pub mod file;
 #[forbid(unsafe_code)]
 pub mod law;
 #[forbid(unsafe_code)]

@@ -9,6 +9,7 @@ use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
 
+use crate::file::THRUST_RATIO;
 use crate::law::{FADING_SPEED, Frame, Law, Radii, State};
 use crate::settings::{Axial, Drive, Inputs, PulleyOutputs, Readings, Settings};
 use crate::stage::{SPEED_LAG, Stage};
@@ -23,6 +24,11 @@ const SHORTEST: f64 = 1e-7;
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Times closer than this are the same, s.
 const INSTANT: f64 = 1e-12;
+/// Steps that a communication step may take, and how many times as many as of the longest ones.
+const MOST_STEPS: f64 = 1e5;
+const MOST_PER_LONGEST: f64 = 100.0;
+/// Largest speed in a stored state, rad/s, far beyond what a shaft stands.
+const LARGEST_SPEED: f64 = 1e9;
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -274,8 +280,12 @@ impl MapUnit {
     /// Steps to a time, s, at which the inputs are `to`.
     fn run_to(&mut self, end: f64, to: [f64; 6]) -> Result<(), StepFailure> {
         let mut longest = LONGEST;
-        while end - self.time > INSTANT {
-            let left = end - self.time;
+        let whole = end - self.time;
+        let mut left = whole;
+        // A count, so that the loop ends whatever the tables and inputs are.
+        let most = MOST_STEPS + MOST_PER_LONGEST * whole / LONGEST;
+        let mut steps = 0.0;
+        while left > INSTANT {
             let count = (left / longest - 1e-9).ceil().max(1.0);
             let duration = left / count;
             let share = if count > 1.0 { duration / left } else { 1.0 };
@@ -284,17 +294,18 @@ impl MapUnit {
             } else {
                 to
             };
+            steps += 1.0;
             if self.step(duration, next) {
-                self.time = if count > 1.0 { self.time + duration } else { end };
+                left = if count > 1.0 { left - duration } else { 0.0 };
                 longest = (2.0 * longest).min(LONGEST);
             } else {
                 longest = 0.5 * duration;
-                if longest < SHORTEST {
-                    return Err(StepFailure::Discarded(format!(
-                        "the equations have no solution at {} s, even in steps of {SHORTEST} s",
-                        self.time
-                    )));
-                }
+            }
+            if longest < SHORTEST || steps > most {
+                return Err(StepFailure::Discarded(format!(
+                    "the equations have no solution at {} s in steps of {longest:.1e} s: set loads that the belt can carry",
+                    end - left
+                )));
             }
         }
         self.acting = to;
@@ -502,9 +513,8 @@ impl Unit for MapUnit {
         check(settings)
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::blank_with(settings)?;
-        unit.time = experiment.start;
         unit.initialise(remarks);
         unit.log_outside(remarks);
         Ok(unit)
@@ -558,21 +568,17 @@ impl Unit for MapUnit {
             secondary,
             log_ratio,
         } = &mut self.state;
-        for value in [primary, secondary, log_ratio, &mut self.time, &mut self.thrust_ratio] {
-            tape.real(value);
+        for speed in [primary, secondary] {
+            tape.within(speed, -LARGEST_SPEED, LARGEST_SPEED);
         }
+        let [least, most] = self.radii.stops;
+        tape.within(log_ratio, least, most);
+        tape.real(&mut self.time);
+        let [least, most] = THRUST_RATIO;
+        tape.within(&mut self.thrust_ratio, least, most);
         for value in &mut self.acting {
-            tape.real(value);
+            tape.within(value, -LARGEST_SPEED, LARGEST_SPEED);
         }
         tape.flag(&mut self.logged);
-        let sound = [
-            self.state.primary,
-            self.state.secondary,
-            self.state.log_ratio,
-            self.thrust_ratio,
-        ];
-        if sound.iter().chain(&self.acting).any(|value| !value.is_finite()) || self.thrust_ratio <= 0.0 {
-            tape.reject();
-        }
     }
 }

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Value;
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
+use pushbelt_map_unit::file::FILE;
 use pushbelt_map_unit::law::{Law, Radii, State, primary_radius};
 use pushbelt_map_unit::settings::{Axial, Drive, Readings, Settings};
-use pushbelt_map_unit::tables::{FILE, Tables};
+use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 
 fn root() -> PathBuf {

@@ -193,9 +193,11 @@ impl Newton {
         } else {
             self.open = None;
         }
-        tape.real(&mut self.bound.left);
-        self.chord.serialize(tape);
-        tape.real(&mut self.alpha);
+        tape.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
+        tape.within(&mut self.alpha, 0.0, f64::INFINITY);
+        if self.alpha.is_finite() {
+            self.chord.serialize(tape);
+        }
         tape.real(&mut self.rate);
         tape.counter(&mut self.excess);
         let Counts {

@@ -197,13 +197,15 @@ impl Sdirk {
     /// Writes to a tape, or reads from it, all that later steps depend on.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         self.newton.serialize(tape);
-        tape.real(&mut self.step);
+        tape.within(&mut self.step, 0.0, f64::MAX);
         tape.option(&mut self.kept);
-        tape.real(&mut self.rough);
-        tape.real(&mut self.error);
+        tape.within(&mut self.rough, 0.0, 1.0);
+        tape.within(&mut self.error, 0.0, 1.0);
         tape.reals(&mut self.slope);
-        for stage in &mut self.stages {
-            tape.reals(&mut stage.y_dot);
+        if self.kept.is_some() {
+            for stage in &mut self.stages {
+                tape.reals(&mut stage.y_dot);
+            }
         }
         let open = std::mem::take(&mut self.open);
         for (stage, number) in self.stages.iter_mut().zip(1..) {

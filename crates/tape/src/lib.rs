@@ -42,7 +42,7 @@ impl<'a> Tape<'a> {
         matches!(self.0, Mode::Read(_))
     }
 
-    /// What has been written; empty if the tape was read.
+    /// What has been written; empty if the tape was read, or if there was no memory for it.
     #[must_use]
     pub fn into_bytes(self) -> Vec<u8> {
         match self.0 {
@@ -72,7 +72,10 @@ impl<'a> Tape<'a> {
     /// Writes `value`, or reads as many bytes; `value` itself if there are too few.
     fn word<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         match &mut self.0 {
-            Mode::Write(bytes) => bytes.extend_from_slice(&value),
+            Mode::Write(bytes) => match bytes.try_reserve(N) {
+                Ok(()) => bytes.extend_from_slice(&value),
+                Err(_) => self.0 = Mode::Read(None),
+            },
             Mode::Read(rest) => {
                 if let Some((word, after)) = rest.and_then(|bytes| bytes.split_first_chunk::<N>()) {
                     *rest = Some(after);
@@ -84,9 +87,24 @@ impl<'a> Tape<'a> {
         value
     }
 
-    /// A real number.
+    /// A real number. One that is read and not finite is rejected.
     pub fn real(&mut self, value: &mut f64) {
+        self.within(value, f64::MIN, f64::MAX);
+    }
+
+    /// Any real number: a marker, or one that is not in use.
+    pub fn any(&mut self, value: &mut f64) {
         *value = f64::from_le_bytes(self.word(value.to_le_bytes()));
+    }
+
+    /// A real number between limits, which may be infinite. One that is read and not between them is rejected.
+    pub fn within(&mut self, value: &mut f64, min: f64, max: f64) {
+        let found = f64::from_le_bytes(self.word(value.to_le_bytes()));
+        if (min..=max).contains(&found) {
+            *value = found;
+        } else {
+            self.reject();
+        }
     }
 
     /// Real numbers, as many as there are.
@@ -209,6 +227,28 @@ mod tests {
         assert_eq!(read(&bytes(), &mut found), Ok(()));
         assert_eq!(found, thing());
         assert!(found.numbers[0].is_sign_negative());
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_or_beyond_its_limits_is_rejected() {
+        let read = |number: f64, limits: Option<[f64; 2]>| {
+            let bytes = number.to_le_bytes();
+            let mut tape = Tape::reader(&bytes);
+            let mut found = 7.0;
+            match limits {
+                None => tape.real(&mut found),
+                Some([min, max]) => tape.within(&mut found, min, max),
+            }
+            tape.finish().map(|()| found)
+        };
+        assert_eq!(read(f64::MAX, None), Ok(f64::MAX));
+        for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(read(wild, None), Err(Mismatch), "{wild}");
+        }
+        let limits = Some([f64::NEG_INFINITY, 1.0]);
+        assert_eq!(read(f64::NEG_INFINITY, limits), Ok(f64::NEG_INFINITY));
+        assert_eq!(read(1.5, limits), Err(Mismatch));
+        assert_eq!(read(f64::NAN, limits), Err(Mismatch));
     }
 
     #[test]

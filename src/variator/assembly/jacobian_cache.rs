@@ -199,13 +199,19 @@ impl Origin {
         let mut slopes = [self.slopes; LANES];
         let Unknowns { position, value, rate } = &mut self.unknowns;
         for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
-            for slope in slopes {
-                tape.real(slope);
+            for slope in &mut *slopes {
+                tape.any(slope);
             }
+            // Where there are no derivatives, the unknowns are not in use.
+            let exists = slopes.iter().all(|slope| slope.is_finite());
             for values in [&mut *position, &mut *value, &mut *rate] {
                 for value in &mut values[..directions] {
                     let mut lanes = value.to_array();
-                    tape.real(&mut lanes[lane]);
+                    if exists {
+                        tape.real(&mut lanes[lane]);
+                    } else {
+                        tape.any(&mut lanes[lane]);
+                    }
                     *value = Lanes::new(lanes);
                 }
             }

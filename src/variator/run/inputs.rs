@@ -54,7 +54,7 @@ impl InputSegment {
     /// Writes to a tape, or reads from it.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
-        tape.real(&mut self.until);
+        tape.within(&mut self.until, f64::MIN, f64::INFINITY);
         for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
             tape.real(value);
         }

@@ -222,9 +222,9 @@ impl Stepper for RealTime {
         self.sdirk.serialize(tape);
         self.pending.serialize(tape);
         self.inputs.serialize(tape);
-        for value in [&mut self.clock, &mut self.reached, &mut self.share] {
-            tape.real(value);
-        }
+        tape.real(&mut self.clock);
+        tape.real(&mut self.reached);
+        tape.within(&mut self.share, TUNING.shortest, 1.0);
         tape.option(&mut self.open);
     }
 }

@@ -275,20 +275,22 @@ impl Variator {
         let [torque_s, torque_p] = self.external_torque.each_mut();
         for value in [
             &mut plant.time,
-            &mut plant.soft_start.from,
             &mut plant.system.friction_velocity,
-            &mut self.buckled,
-            &mut self.slipped,
             &mut self.initial_energy,
             &mut plant.energy.supplied,
             &mut plant.energy.lost,
             &mut plant.energy.moved,
             torque_s,
             torque_p,
-            &mut plant.system.parameters.friction.pulley,
-            &mut plant.system.parameters.friction.ring,
         ] {
             tape.real(value);
+        }
+        let friction = &mut plant.system.parameters.friction;
+        tape.within(&mut friction.pulley, 0.0, 1.0);
+        tape.within(&mut friction.ring, 0.0, 1.0);
+        // Times that may lie at −∞.
+        for time in [&mut plant.soft_start.from, &mut self.buckled, &mut self.slipped] {
+            tape.within(time, f64::NEG_INFINITY, f64::MAX);
         }
         // Where the next ramp starts.
         let mut present = plant.inputs.at(plant.time);

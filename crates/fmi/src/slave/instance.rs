@@ -2,9 +2,11 @@
 
 use libc::c_void;
 use std::any::Any;
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::step_in_progress::StepInProgress;
 use crate::fmi2::guid_with;
@@ -100,8 +102,8 @@ impl<U: Unit> Slave<U> {
     #[must_use]
     pub fn time(&self) -> f64 {
         match &self.now.unit {
-            Some(unit) if self.now.state == State::IntermediateUpdate => unit.time(),
-            Some(_) => self.now.point,
+            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.of_master(unit.time()),
+            Some(_) => self.now.clock.point,
             None => self.now.experiment.start,
         }
     }
@@ -128,7 +130,7 @@ impl<U: Unit> Slave<U> {
             let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
             self.log_remarks(&remarks);
             self.now.unit = Some(started.map_err(CallError::Failed)?);
-            self.now.point = self.now.experiment.start;
+            self.now.clock = Clock::start(self.now.experiment.start)?;
         }
         Ok(())
     }
@@ -165,7 +167,15 @@ impl<U: Unit> Slave<U> {
             } else {
                 (Status::Ok, Category::Events)
             };
-            self.log.send(status, category, &remark.text);
+            self.log.send(status, category, &self.with_start(&remark.text));
+        }
+    }
+
+    /// A text of the unit, and the start if it is not 0: times in it are those of the unit.
+    pub(super) fn with_start<'a>(&self, text: &'a str) -> Cow<'a, str> {
+        match self.now.experiment.start {
+            0.0 => text.into(),
+            start => format!("{text} (times in this message count from the start at {start} s)").into(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Calls that change the state of an instance: log, set-up, initialisation, event mode, end.
 
+use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
 use crate::log::Category;
@@ -29,7 +30,7 @@ impl<U: Unit> Slave<U> {
     /// Sets tolerance, start and stop time, in FMI 2.0.
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.allow(Call::SetupExperiment)?;
-        self.now.experiment = checked(experiment)?;
+        self.now.experiment = experiment.checked()?;
         Ok(())
     }
 
@@ -96,23 +97,24 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-/// An experiment, if its values are valid.
-fn checked(experiment: Experiment) -> Result<Experiment, CallError> {
-    let Experiment { tolerance, start, stop } = experiment;
-    if !start.is_finite() {
-        return refused(format!("the start time {start} is not a finite number"));
+impl Experiment {
+    /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink pass, is none.
+    pub(crate) fn checked(mut self) -> Result<Self, CallError> {
+        self.stop = self.stop.filter(|stop| *stop != f64::INFINITY);
+        let Self { tolerance, start, stop } = self;
+        Clock::start(start)?;
+        if let Some(stop) = stop
+            && (stop.is_nan() || stop < start)
+        {
+            return refused(format!(
+                "the stop time {stop} s is not at or after the start time {start} s"
+            ));
+        }
+        if let Some(tolerance) = tolerance
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return refused(format!("the tolerance {tolerance} is not above 0"));
+        }
+        Ok(self)
     }
-    if let Some(stop) = stop
-        && (!stop.is_finite() || stop < start)
-    {
-        return refused(format!(
-            "the stop time {stop} s is not at or after the start time {start} s"
-        ));
-    }
-    if let Some(tolerance) = tolerance
-        && !(tolerance.is_finite() && tolerance > 0.0)
-    {
-        return refused(format!("the tolerance {tolerance} is not above 0"));
-    }
-    Ok(experiment)
 }

@@ -12,10 +12,12 @@
 //! | `instance` | the instance, and the common parts of all calls |
 //! | `lifecycle` | log, set-up, initialisation, event mode, end |
 //! | `values` | reading and writing of variables |
+//! | `clock` | the time of the master and that of the unit |
 //! | `derivatives` | derivatives of inputs and outputs with respect to time |
 //! | `states` | stored states |
 //! | `steps` | communication steps, and how the last one ended |
 
+mod clock;
 mod derivatives;
 mod error;
 mod instance;
@@ -25,6 +27,7 @@ mod step_in_progress;
 mod steps;
 mod values;
 
+pub(crate) use clock::Clock;
 pub(crate) use error::refused;
 pub use error::{CallError, Outcome};
 pub use instance::{Environment, IntermediateUpdate, Master, Slave, Version};

@@ -1,12 +1,13 @@
 //! A communication step that has begun.
 
+use super::clock::Clock;
 use crate::unit::{CommunicationStep, Unit};
 
 /// A communication step in progress.
 pub(super) struct StepInProgress<U: Unit> {
     pub step: CommunicationStep<U>,
-    /// The communication point at which it ends, by the master's sum of steps, s.
-    pub end: f64,
+    /// The communication point at which it ends.
+    pub end: Clock,
     /// Whether it ends early.
     pub shortened: bool,
 }

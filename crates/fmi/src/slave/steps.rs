@@ -75,15 +75,20 @@ impl<U: Unit> Slave<U> {
     /// Begins a communication step of size `step` from `current`, s.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
-        let end = self.end_of_step(current, step)?;
         let Snapshot {
-            settings, rates, unit, ..
+            settings,
+            rates,
+            unit,
+            clock,
+            experiment,
+            ..
         } = &mut self.now;
+        let end = clock.after(current, step, U::IDENTITY.longest_step, experiment.stop)?;
         let unit = started(unit)?;
         let mut step = CommunicationStep {
             from: unit.time(),
             // A longer previous step may have ended on a coarser grid, just ahead of this time.
-            to: communication_point(end, step).max(unit.time()),
+            to: end.on_grid(step).max(unit.time()),
             rates: rates.take(),
             progress: U::Progress::default(),
         };
@@ -121,7 +126,7 @@ impl<U: Unit> Slave<U> {
         let unit = started(&mut self.now.unit)?;
         unit.update_outputs();
         let over = unit.is_over(&step.step);
-        let time = unit.time();
+        let time = self.now.clock.of_master(unit.time());
         self.step = Some(step);
         self.now.state = State::IntermediateUpdate;
         Ok(Next::Update(Update {
@@ -141,6 +146,7 @@ impl<U: Unit> Slave<U> {
         };
         self.now.state = State::StepComplete;
         if let Some(until) = until {
+            let until = self.now.clock.of_unit(until);
             self.end_step_at(&mut step, until)?;
         }
         self.after_internal_step(step)
@@ -166,10 +172,10 @@ impl<U: Unit> Slave<U> {
         self.finish_step(&step, event)
     }
 
-    /// Shortens a communication step so that it ends at a time, s, or at the present time if that is later.
+    /// Shortens a communication step so that it ends at a time of the unit, s, or at the present time if that is later.
     fn end_step_at(&mut self, step: &mut StepInProgress<U>, time: f64) -> Outcome {
         let unit = started(&mut self.now.unit)?;
-        if !unit.is_over(&step.step) && time < step.end {
+        if !unit.is_over(&step.step) && time < step.end.elapsed {
             unit.end_at(&mut step.step, time);
             step.shortened = true;
         }
@@ -180,13 +186,17 @@ impl<U: Unit> Slave<U> {
         let mut remarks = Vec::new();
         let unit = started(&mut self.now.unit)?;
         unit.finish(&step.step, &mut remarks);
-        let time = if step.shortened { unit.time() } else { step.end };
+        let clock = match step.shortened {
+            true => self.now.clock.back_at(unit.time()),
+            false => step.end,
+        };
+        let time = clock.point;
         self.log_remarks(&remarks);
         if let Some(event) = &event {
             let text = format!("event at {time} s: {event}");
             self.log.send(Status::Ok, Category::Events, &text);
         }
-        (self.now.state, self.now.point) = (State::StepComplete, time);
+        (self.now.state, self.now.clock) = (State::StepComplete, clock);
         Ok(Next::Ended(Ended {
             event: event.is_some(),
             early: step.shortened,
@@ -198,41 +208,7 @@ impl<U: Unit> Slave<U> {
     fn fail_step(&mut self, step: CommunicationStep<U>, failure: StepFailure) -> Result<Next, CallError> {
         self.now.rates = step.rates;
         self.now.state = State::StepFailed;
-        Err(CallError::Discarded(failure.to_string()))
-    }
-
-    /// Checks a step of size `step` from `current`, s; the communication point at which it ends, by the master's sum.
-    fn end_of_step(&self, current: f64, step: f64) -> Result<f64, CallError> {
-        let start = self.now.point;
-        let longest = U::IDENTITY.longest_step;
-        if !(current.is_finite() && step.is_finite() && step > 0.0) {
-            return refused(format!(
-                "a step of {step} s from {current} s is not a step forward in finite time"
-            ));
-        }
-        if step > longest {
-            return refused(format!(
-                "the step of {step} s is longer than the longest admissible step, {longest} s"
-            ));
-        }
-        if !same_time(current, start, step) {
-            return refused(format!(
-                "the step starts at {current} s, but the last one ended at {start} s"
-            ));
-        }
-        let end = current + step;
-        if end <= start {
-            return refused(format!(
-                "the step of {step} s is smaller than the rounding of the time {start} s"
-            ));
-        }
-        if let Some(stop) = self.now.experiment.stop
-            && end > stop
-            && !same_time(end, stop, step)
-        {
-            return refused(format!("the step to {end} s ends after the stop time {stop} s"));
-        }
-        Ok(end)
+        Err(CallError::Discarded(self.with_start(&failure.to_string()).into_owned()))
     }
 }
 
@@ -267,7 +243,7 @@ impl<U: Unit> Slave<U> {
 
     /// The time reached, s: `fmi2LastSuccessfulTime`.
     pub fn last_successful_time(&self, kind: i32) -> Result<f64, CallError> {
-        let reached = self.now.unit.as_ref().map(|_| self.now.point);
+        let reached = self.now.unit.as_ref().map(|_| self.now.clock.point);
         self.status(kind, StatusKind::LastSuccessfulTime, reached)
     }
 
@@ -288,36 +264,4 @@ fn started<U>(unit: &mut Option<U>) -> Result<&mut U, CallError> {
         Some(unit) => Ok(unit),
         None => refused("the unit is not initialised"),
     }
-}
-
-/// Rounding of a master that sums up its steps, as a share of the time.
-const ROUNDING_OF_TIME: f64 = 1e-9;
-/// The least difference between two communication points that is taken for rounding, as a share of the step.
-const LEAST_ROUNDING: f64 = 1e-6;
-/// The largest difference that is taken for rounding, as a share of the step: results hardly change by it.
-const LARGEST_ROUNDING: f64 = 1e-3;
-
-/// Whether two times are the same communication point, up to the rounding of a master that sums up its steps.
-fn same_time(a: f64, b: f64, step: f64) -> bool {
-    let size = a.abs().max(b.abs());
-    let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);
-    // The tolerance is at least the rounding of the time itself.
-    (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
-}
-
-/// The largest power of ten that a double holds exactly is 10²².
-const EXACT_POWERS_OF_TEN: f64 = 22.0;
-
-/// The end of a step on a decimal grid of about a millionth of the step. Masters reach the same point by different sums,
-/// which differ by some 1e-12; a model can amplify that to visible differences. On the grid all masters get the same bits.
-fn communication_point(time: f64, step: f64) -> f64 {
-    let digits = -(LEAST_ROUNDING * step).log10().floor();
-    if digits > EXACT_POWERS_OF_TEN {
-        return time;
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "at most 22")]
-    let grid = 10_f64.powi(digits.max(0.0) as i32);
-    let count = (time * grid).round();
-    let exact = 1.0 / f64::EPSILON;
-    if count.abs() < exact { count / grid } else { time }
 }

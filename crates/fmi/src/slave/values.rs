@@ -91,12 +91,10 @@ impl<U: Unit> Slave<U> {
         if !expanded.contains(&TIME) {
             return self.read(Type::Real, &expanded, values);
         }
-        let known: Vec<u32> = expanded
-            .iter()
-            .copied()
-            .filter(|reference| *reference != TIME)
-            .collect();
-        let mut found = vec![0.0; known.len()];
+        let mut known = memory_for(expanded.len())?;
+        known.extend(expanded.iter().filter(|reference| **reference != TIME));
+        let mut found = memory_for(known.len())?;
+        found.resize(known.len(), 0.0);
         self.read(Type::Real, &known, &mut found)?;
         let mut found = found.into_iter();
         for (value, reference) in values.iter_mut().zip(&*expanded) {
@@ -247,23 +245,39 @@ pub(super) fn check_count(variables: usize, values: usize, together: usize) -> O
 
 /// The value reference of each of `count` values: scalars, the elements of arrays, and the time.
 fn expand<'a, S, R>(table: &Table<S, R>, references: &'a [u32], count: usize) -> Result<Cow<'a, [u32]>, CallError> {
-    let mut expanded = Cow::Borrowed(references);
-    if references.iter().any(|reference| table.array_of(*reference).is_some()) {
-        let mut elements = Vec::new();
-        for &reference in references {
-            match table.array_of(reference) {
-                None => elements.push(reference),
-                Some(array) if array.first == reference => elements.extend(array.elements()),
-                Some(array) => {
-                    return refused(format!(
-                        "the value reference {reference} is that of an element of {}: use the array, value reference {}",
-                        array.name, array.first
-                    ));
-                }
+    let mut together = 0;
+    for &reference in references {
+        match table.array_of(reference) {
+            None => together += 1,
+            Some(array) if array.first == reference => together += array.elements().len(),
+            Some(array) => {
+                return refused(format!(
+                    "the value reference {reference} is that of an element of {}: use the array, value reference {}",
+                    array.name, array.first
+                ));
             }
         }
-        expanded = Cow::Owned(elements);
     }
-    check_count(references.len(), count, expanded.len())?;
-    Ok(expanded)
+    // Before memory is taken.
+    check_count(references.len(), count, together)?;
+    if together == references.len() {
+        return Ok(Cow::Borrowed(references));
+    }
+    let mut expanded = memory_for(together)?;
+    for &reference in references {
+        match table.array_of(reference) {
+            None => expanded.push(reference),
+            Some(array) => expanded.extend(array.elements()),
+        }
+    }
+    Ok(Cow::Owned(expanded))
+}
+
+/// An empty list with memory for as many items as a host asks for.
+fn memory_for<T>(count: usize) -> Result<Vec<T>, CallError> {
+    let mut list = Vec::new();
+    match list.try_reserve_exact(count) {
+        Ok(()) => Ok(list),
+        Err(error) => refused(format!("memory for {count} values: {error}")),
+    }
 }

@@ -8,3 +8,4 @@ mod fmi3;
 mod simple;
 mod slave;
 mod tank;
+mod times;

@@ -483,7 +483,16 @@ fn invalid_experiments_are_refused() {
             ..good
         },
         Experiment {
-            stop: Some(f64::INFINITY),
+            stop: Some(f64::NAN),
+            ..good
+        },
+        Experiment {
+            stop: Some(f64::NEG_INFINITY),
+            ..good
+        },
+        Experiment {
+            start: 1e14,
+            stop: None,
             ..good
         },
         Experiment {

@@ -177,14 +177,14 @@ impl Unit for Tank {
         Ok(())
     }
 
-    fn start(valves: &Valves, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         Self::check(valves)?;
         remarks.push(Remark {
             warning: valves.start > 5.0,
             text: format!("filled to 100%s {}", valves.start),
         });
         Ok(Self {
-            time: experiment.start,
+            time: 0.0,
             level: valves.start,
             flow: [0.0; 2],
             gauges: Gauges::default(),

@@ -1,0 +1,169 @@
+//! The time of an instance: that of the master, and that of its unit, which counts from the start of the run.
+//!
+//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any time of the master. Where the
+//! master's times are too coarse for its steps, the unit's time is the sum of these steps.
+
+use super::error::{CallError, refused};
+use pushbelt_tape::Tape;
+
+/// Latest time and earliest time of a master, s, some three thousand years.
+const LATEST: f64 = 1e11;
+/// The shortest step is so many times the rounding of the time at its end.
+const LEAST_STEP: f64 = 16.0;
+/// Rounding of a master that sums up its steps, as a share of the time.
+const ROUNDING_OF_TIME: f64 = 1e-9;
+/// The least difference between two communication points that is taken for rounding, as a share of the step.
+const LEAST_ROUNDING: f64 = 1e-6;
+/// The largest difference that is taken for rounding, as a share of the step: results hardly change by it.
+const LARGEST_ROUNDING: f64 = 1e-3;
+
+/// Times at a communication point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Clock {
+    /// Time of the master, by its own sum of steps, s.
+    pub point: f64,
+    /// Time since the start, s.
+    pub elapsed: f64,
+    /// Time of the master at the unit's time 0, s.
+    origin: f64,
+}
+
+impl Clock {
+    /// The clock at the start of a run.
+    ///
+    /// # Errors
+    /// The master's time is out of range.
+    pub fn start(time: f64) -> Result<Self, CallError> {
+        // False for NaN.
+        if time.abs() <= LATEST {
+            return Ok(Self {
+                point: time,
+                elapsed: 0.0,
+                origin: time,
+            });
+        }
+        refused(format!(
+            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for steps; is it in seconds?"
+        ))
+    }
+
+    /// The clock after a step of size `step` from the master's time `current`, s, which is at most `longest`.
+    ///
+    /// # Errors
+    /// The step is no step forward from this point, or ends after the stop time.
+    pub fn after(&self, current: f64, step: f64, longest: f64, stop: Option<f64>) -> Result<Self, CallError> {
+        let start = self.point;
+        if !(current.is_finite() && step.is_finite() && step > 0.0) {
+            return refused(format!(
+                "a step of {step} s from {current} s is not a step forward in finite time"
+            ));
+        }
+        if step > longest {
+            return refused(format!(
+                "the step of {step} s is longer than the longest admissible step, {longest} s"
+            ));
+        }
+        if !same_time(current, start, step) {
+            return refused(format!(
+                "the step starts at {current} s, but the last one ended at {start} s"
+            ));
+        }
+        let end = current + step;
+        let rounding = f64::EPSILON * end.abs().max(self.origin.abs());
+        if end <= start || step < LEAST_STEP * rounding {
+            return refused(format!(
+                "the step of {step} s is too small for the rounding of the time {start} s: at least {:.1e} s",
+                LEAST_STEP * rounding
+            ));
+        }
+        if end > LATEST {
+            return refused(format!("the step ends at {end} s, after the latest time, {LATEST:e} s"));
+        }
+        if let Some(stop) = stop
+            && end > stop
+            && !same_time(end, stop, step)
+        {
+            return refused(format!("the step to {end} s ends after the stop time {stop} s"));
+        }
+        if rounding <= LEAST_ROUNDING * step {
+            let elapsed = end - self.origin;
+            return Ok(Self {
+                point: end,
+                elapsed,
+                ..*self
+            });
+        }
+        let elapsed = self.elapsed + step;
+        Ok(Self {
+            point: end,
+            elapsed,
+            origin: end - elapsed,
+        })
+    }
+
+    /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of about a millionth of the step. Masters
+    /// reach the same point by different sums, which differ by some 1e-12; a model can amplify that to visible differences.
+    /// On the grid all masters get the same bits.
+    pub fn on_grid(&self, step: f64) -> f64 {
+        let time = self.elapsed;
+        let digits = -(LEAST_ROUNDING * step).log10().floor();
+        if digits > EXACT_POWERS_OF_TEN {
+            return time;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "at most 22")]
+        let grid = 10_f64.powi(digits.max(0.0) as i32);
+        let count = (time * grid).round();
+        let exact = 1.0 / f64::EPSILON;
+        if count.abs() < exact { count / grid } else { time }
+    }
+
+    /// The clock at a time of the unit before this point, s.
+    pub fn back_at(&self, elapsed: f64) -> Self {
+        Self {
+            point: self.of_master(elapsed),
+            elapsed,
+            ..*self
+        }
+    }
+
+    /// Time of the master at a time of the unit, s.
+    pub fn of_master(&self, elapsed: f64) -> f64 {
+        self.origin + elapsed
+    }
+
+    /// Time of the unit at a time of the master, s.
+    pub fn of_unit(&self, time: f64) -> f64 {
+        time - self.origin
+    }
+
+    /// Whether a time of the unit, s, is that of this point, after steps of at most `longest`, s.
+    pub fn agrees_with(&self, time: f64, longest: f64) -> bool {
+        (time - self.elapsed).abs() <= LEAST_ROUNDING * longest
+    }
+
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        let Self { point, elapsed, origin } = self;
+        tape.real(point);
+        tape.real(elapsed);
+        tape.real(origin);
+        let rounding = LEAST_STEP * f64::EPSILON * LATEST;
+        let sound = point.abs() <= LATEST
+            && (0.0..=2.0 * LATEST).contains(elapsed)
+            && (*origin + *elapsed - *point).abs() <= rounding;
+        if !sound {
+            tape.reject();
+        }
+    }
+}
+
+/// The largest power of ten that a double holds exactly is 10²².
+const EXACT_POWERS_OF_TEN: f64 = 22.0;
+
+/// Whether two times are the same communication point, up to the rounding of a master that sums up its steps.
+fn same_time(a: f64, b: f64, step: f64) -> bool {
+    let size = a.abs().max(b.abs());
+    let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);
+    // The tolerance is at least the rounding of the time itself.
+    (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
+}

@@ -1,0 +1,312 @@
+//! What a stranger hands to the map unit: files of tables, times, stored states.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use pushbelt_fmi::log::Log;
+use pushbelt_fmi::slave::{CallError, Master, Type};
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
+use pushbelt_fmi::{Slave, Tape};
+use pushbelt_map_unit::file::FILE;
+use pushbelt_map_unit::settings::{Drive, Settings};
+use pushbelt_map_unit::tables::Tables;
+use pushbelt_map_unit::unit::MapUnit;
+use serde_json::{Value, json};
+
+fn maps() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps")
+}
+
+fn settings() -> Settings {
+    MapUnit::load(Some(&maps())).expect("the checked-in tables")
+}
+
+// Files
+
+/// A folder of its own for a file of tables; removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("pushbelt maps {name} {}", std::process::id()));
+        fs::create_dir_all(&path).expect("a folder");
+        Self(path)
+    }
+
+    fn file(&self) -> PathBuf {
+        self.0.join(FILE)
+    }
+
+    /// Why the file can't be used: one line that names it.
+    fn refused(&self) -> String {
+        let why = Tables::read(&self.0).map(drop).expect_err("a file that can't be used");
+        assert!(
+            why.contains(&self.file().display().to_string()) && !why.contains('\n'),
+            "{why}"
+        );
+        why
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What is left in the temporary folder does no harm.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_folder_and_a_large_file_are_refused_unread() {
+    let folder = Folder::new("kinds");
+    fs::create_dir(folder.file()).expect("a folder");
+    assert!(folder.refused().contains("not a file"));
+    fs::remove_dir(folder.file()).expect("the folder");
+    // Sparse: it takes no room.
+    let file = fs::File::create(folder.file()).expect("a file");
+    file.set_len(1 << 40).expect("a length");
+    let why = folder.refused();
+    assert!(
+        why.contains("1099511627776 bytes") && why.contains("more than 16777216"),
+        "{why}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_and_a_device_are_refused_unread() {
+    let folder = Folder::new("devices");
+    let made = std::process::Command::new("mkfifo").arg(folder.file()).status();
+    assert!(made.expect("mkfifo").success());
+    assert!(folder.refused().contains("not a file"));
+    fs::remove_file(folder.file()).expect("the pipe");
+    std::os::unix::fs::symlink("/dev/zero", folder.file()).expect("a link");
+    assert!(folder.refused().contains("not a file"));
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_tables() {
+    let folder = Folder::new("mark");
+    let text = fs::read(maps().join(FILE)).expect("the tables");
+    fs::write(folder.file(), [b"\xef\xbb\xbf", &*text].concat()).expect("a file");
+    let found = Tables::read(&folder.0).expect("the same tables");
+    assert_eq!(found.hash, Tables::read(&maps()).expect("the tables").hash);
+}
+
+/// Why the checked-in document is refused after a change.
+fn refused(change: impl FnOnce(&mut Value)) -> String {
+    let text = fs::read(maps().join(FILE)).expect("the tables");
+    let mut document: Value = serde_json::from_slice(&text).expect("JSON");
+    change(&mut document);
+    let text = serde_json::to_vec(&document).expect("JSON");
+    Tables::of_bytes(&text)
+        .map(drop)
+        .expect_err("tables that can't be used")
+}
+
+/// The first number in nested lists.
+fn first(value: &mut Value) -> &mut Value {
+    match value {
+        Value::Array(items) => first(items.first_mut().expect("an item")),
+        number => number,
+    }
+}
+
+#[test]
+fn a_number_out_of_range_is_named() {
+    let parts = [
+        (
+            "parameters",
+            &[
+                "geometry.centerDistance",
+                "geometry.beltLength",
+                "geometry.wedgeAngle",
+                "belt.pitchOffset",
+            ][..],
+        ),
+        ("parameters", &["friction.fall", "friction.fallSpeed"]),
+        (
+            "axes",
+            &[
+                "force",
+                "speed",
+                "ratio",
+                "utilisation",
+                "direction",
+                "slipShare",
+                "shiftUtilisation",
+                "excess",
+            ],
+        ),
+        (
+            "tables",
+            &[
+                "thrustRatio",
+                "beltTorqueLoss",
+                "bearingLoad",
+                "capacity",
+                "capacitySlip",
+                "traction",
+                "shiftRate",
+            ],
+        ),
+    ];
+    for (part, names) in parts {
+        for name in names {
+            for wild in [1e308, -1e308] {
+                let why = refused(|document| match part {
+                    "parameters" => document[part][*name] = json!(wild),
+                    _ => *first(&mut document[part][*name]["values"]) = json!(wild),
+                });
+                assert!(why.contains(name) && why.contains("out of range"), "{name}: {why}");
+                assert!(why.contains(&format!("{wild:?}")), "{name}: {why}");
+            }
+        }
+    }
+    for (name, small) in [
+        ("capacity", -1e-300),
+        ("capacitySlip", -1e-300),
+        ("thrustRatio", 1e-300),
+    ] {
+        let why = refused(|document| *first(&mut document["tables"][name]["values"]) = json!(small));
+        assert!(why.contains(name), "{why}");
+    }
+    let why = refused(|document| document["axes"]["ratio"]["values"][1] = json!(0.397_304 + 1e-15));
+    assert!(why.contains("ratio") && why.contains("ascend"), "{why}");
+}
+
+#[test]
+fn tables_that_grow_too_large_are_refused_before_they_are_refined() {
+    let axis = |count: usize| -> Vec<f64> { (1..=count).map(|k| k as f64).collect() };
+    let why = refused(|document| document["axes"]["force"]["values"] = json!(axis(1000)));
+    assert!(why.contains("16777216") && why.contains("forces"), "{why}");
+    let why = refused(|document| {
+        for name in ["force", "speed"] {
+            document["axes"][name]["values"] = json!(axis(90_000));
+        }
+    });
+    assert!(why.contains("16777216"), "{why}");
+}
+
+// Times
+
+fn running(settings: &Settings, start: f64) -> Result<Slave<MapUnit>, CallError> {
+    let mut slave = Slave::with(Master::default(), Log::new(None, false), settings.clone());
+    slave.initialize(Experiment {
+        start,
+        ..Experiment::default()
+    })?;
+    slave.exit_initialization_mode()?;
+    Ok(slave)
+}
+
+/// Value references of the primary torque, and of both speeds and the ratio.
+const TORQUE: u32 = 101;
+const MOTION: [u32; 3] = [111, 211, 5];
+
+/// Motions after steps of 0.1 ms under a torque that jumps.
+fn motions(settings: &Settings, start: f64, sums: bool) -> Vec<[f64; 3]> {
+    let mut slave = running(settings, start).expect("a run");
+    let mut time = start;
+    let step = |k: u32| {
+        let torque = if k / 500 % 2 == 0 { 80.0 } else { 20.0 };
+        slave.set(Type::Real, &[TORQUE], &[torque]).expect("a torque");
+        slave.do_step(time, 1e-4).expect("a step");
+        time = if sums {
+            time + 1e-4
+        } else {
+            start + 1e-4 * f64::from(k + 1)
+        };
+        let mut found = [0.0; 3];
+        slave.get(Type::Real, &MOTION, &mut found).expect("values");
+        found
+    };
+    (0..2000).map(step).collect()
+}
+
+#[test]
+fn a_late_run_equals_one_from_zero() {
+    let settings = settings();
+    let expected = motions(&settings, 0.0, true);
+    for sums in [true, false] {
+        for (found, expected) in motions(&settings, 1.7e9, sums).iter().zip(&expected) {
+            for (a, b) in found.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-7 * b.abs(), "{found:?} {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_start_without_room_for_steps_is_refused() {
+    assert!(running(&settings(), 1e14).is_err());
+}
+
+/// A late time by way of the unit itself: the steps end.
+#[test]
+fn steps_at_a_late_time_end() {
+    let settings = settings();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
+    let mut bytes = written(&mut unit);
+    let time = 3 * 8;
+    bytes[time..time + 8].copy_from_slice(&1e14_f64.to_le_bytes());
+    let mut unit = read(&settings, &bytes).expect("a finite time, which the FMI layer compares with its own");
+    let mut step = CommunicationStep {
+        from: 1e14,
+        to: 1e14 + 1.0,
+        rates: None,
+        progress: (),
+    };
+    unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
+    assert_eq!(unit.time(), 1e14 + 1.0);
+}
+
+/// Loads without a solution end in an error after a number of steps that is bounded.
+#[test]
+fn a_step_without_a_solution_ends() {
+    let mut settings = settings();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
+    settings.inputs.primary.torque = f64::NAN;
+    let mut step = CommunicationStep {
+        from: 0.0,
+        to: 1e3,
+        rates: None,
+        progress: (),
+    };
+    let failed = unit.advance(&mut step, &settings, &mut Vec::new());
+    assert!(matches!(failed, Err(StepFailure::Discarded(_))), "{failed:?}");
+    assert_eq!(unit.time(), 0.0);
+}
+
+// Stored states
+
+fn written(unit: &mut MapUnit) -> Vec<u8> {
+    let mut tape = Tape::writer();
+    unit.serialize(&mut tape);
+    tape.into_bytes()
+}
+
+fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
+    let mut unit = MapUnit::blank(settings, &Experiment::default()).expect("a blank unit");
+    let mut tape = Tape::reader(bytes);
+    unit.serialize(&mut tape);
+    tape.finish().ok().map(|()| unit)
+}
+
+#[test]
+fn each_number_of_a_stored_state_is_checked() {
+    let mut settings = settings();
+    settings.primary.drive = Drive::Speed;
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
+    let bytes = written(&mut unit);
+    assert!(read(&settings, &bytes).is_some());
+    // Speeds, ln i, time, thrust ratio and six inputs.
+    for number in 0..11 {
+        for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308] {
+            let mut bytes = bytes.clone();
+            bytes[8 * number..8 * number + 8].copy_from_slice(&wild.to_le_bytes());
+            // Which time fits is checked by the FMI layer.
+            let fits = number == 3 && wild == 1e308;
+            assert_eq!(read(&settings, &bytes).is_some(), fits, "{number}: {wild}");
+        }
+    }
+}
