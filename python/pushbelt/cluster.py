@@ -28,6 +28,7 @@ from distributed import (
 )
 
 import pushbelt.fmu
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
 from . import slurm as jobs
@@ -48,7 +49,7 @@ QUEUE_TIMEOUT = 7 * 86400.0
 """Timeout for the first job of Slurm, which may wait in a queue, s."""
 
 
-class ClusterError(RuntimeError):
+class ClusterError(PushbeltError, RuntimeError):
     """The cluster cannot be reached, or the connection is lost."""
 
 

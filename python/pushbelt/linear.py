@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import PushbeltError
+
 if TYPE_CHECKING:
     import control
 
@@ -21,7 +23,7 @@ LOG_RATIO = "ln(ratio.geometric)"
 """Name of the state ln i."""
 
 
-class LinearPointError(RuntimeError):
+class LinearPointError(PushbeltError, RuntimeError):
     """There is no linear model at a working point, or the point differs from the requested one."""
 
 

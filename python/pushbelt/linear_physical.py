@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import PushbeltError
 from .linear import LOG_RATIO, Array, LinearModel
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
@@ -33,7 +34,7 @@ MOST_HERTZ = 1600.0
 """Frequency up to which modes are searched for the coordinates, Hz."""
 
 
-class NotPhysicalError(ValueError):
+class NotPhysicalError(PushbeltError, ValueError):
     """The slow modes of a point are not determined by the physical coordinates."""
 
 

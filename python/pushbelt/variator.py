@@ -14,6 +14,7 @@ import numpy as np
 from numpy.lib.recfunctions import unstructured_to_structured
 from numpy.typing import NDArray
 
+from .errors import PushbeltError, VariatorWarning
 from .fmu import cache, capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, parameter_set, pitch_radius, torque_capacity
@@ -58,11 +59,7 @@ Values = Mapping[str, Any]
 Parameters = str | os.PathLike[str] | Values
 
 
-class VariatorWarning(UserWarning):
-    """A warning of the FMU, for example that a run does not start from the requested state."""
-
-
-class SteadyStateError(RuntimeError):
+class SteadyStateError(PushbeltError, RuntimeError):
     """There is no steady state at a working point, or the belt slips through there."""
 
 

@@ -2,13 +2,13 @@
 //!
 //! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
 //! contains them for the library too: one `name = value` per line; truth values are `true` and `false`, items of enumerations
-//! are numbers; `#` begins a comment. An unreadable file is an error.
+//! are numbers; `#` begins a comment. An unreadable file is an error; a location that can't be searched is skipped.
 //!
 //! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
 //! has another end, so the library refuses to run it without its file.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::table::{Kind, Table, Value};
@@ -88,9 +88,9 @@ pub fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<
 
 /// The content of the file, if there is one.
 fn text(path: &Path) -> Result<Option<String>, String> {
-    let data = match path.metadata() {
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
-        found => found.map_err(|error| error.to_string())?,
+    // A location that can't be searched is no place: too long a name, a loop of links, a folder without permission.
+    let Ok(data) = path.metadata() else {
+        return Ok(None);
     };
     if !data.is_file() {
         return Err("this is not a file".to_string());

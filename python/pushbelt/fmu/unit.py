@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from fmpy import fmi2, logging
 
+from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
@@ -31,7 +32,7 @@ PROFILE_FIELDS = {
 }
 
 
-class UnitError(RuntimeError):
+class UnitError(PushbeltError, RuntimeError):
     """A call of the FMU failed. The message contains the log of the FMU."""
 
 

@@ -13,6 +13,8 @@ from typing import Any
 
 import fmpy
 
+from ..errors import PushbeltError
+
 LARGEST_FILE = 500_000_000
 """Largest unpacked size of an archive, bytes."""
 MOST_FILES = 10_000
@@ -20,7 +22,7 @@ LARGEST_JSON = 50_000_000
 """Largest size of a JSON file, bytes. A parameter set has 7 kB."""
 
 
-class InputFileError(ValueError):
+class InputFileError(PushbeltError, ValueError):
     """A file cannot be used. The message contains its name and the reason."""
 
 
@@ -130,7 +132,7 @@ def read_json(path: Path) -> Any:
 
 
 def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is not a number")
+    raise InputFileError(f"{name} is not a number")
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
