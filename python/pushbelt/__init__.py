@@ -17,25 +17,47 @@ from typing import TYPE_CHECKING, Any
 from ._version import __version__
 
 if TYPE_CHECKING:
+    from .errors import (
+        ArgumentError,
+        MissingFileError,
+        MissingPackageError,
+        PushbeltError,
+        UnknownNameError,
+        VariatorWarning,
+    )
     from .fmu.data import parameter_set
     from .fmu.files import default_fmu
     from .fmu.start_values import StartValueError
     from .fmu.unit import UnitError
+    from .fmu.untrusted import InputFileError
     from .linear import LinearModel, LinearPointError
     from .linear_grid import LinearGrid, load_linear
-    from .map_data import Maps
+    from .linear_physical import NotPhysicalError
+    from .map_data import MapError, Maps
     from .map_variator import MapVariator
-    from .variator import SteadyStateError, Variator, VariatorWarning
+    from .points import SteadyStateError
+    from .recording import Record
+    from .variator import Snapshot, Variator
 
 __all__ = [
+    "ArgumentError",
+    "InputFileError",
     "LinearGrid",
     "LinearModel",
     "LinearPointError",
+    "MapError",
     "MapVariator",
     "Maps",
+    "MissingFileError",
+    "MissingPackageError",
+    "NotPhysicalError",
+    "PushbeltError",
+    "Record",
+    "Snapshot",
     "StartValueError",
     "SteadyStateError",
     "UnitError",
+    "UnknownNameError",
     "Variator",
     "VariatorWarning",
     "__version__",
@@ -45,16 +67,26 @@ __all__ = [
 ]
 
 _MODULES = {
+    "ArgumentError": "errors",
+    "InputFileError": "fmu.untrusted",
     "LinearGrid": "linear_grid",
     "LinearModel": "linear",
     "LinearPointError": "linear",
+    "MapError": "map_data",
     "MapVariator": "map_variator",
     "Maps": "map_data",
+    "MissingFileError": "errors",
+    "MissingPackageError": "errors",
+    "NotPhysicalError": "linear_physical",
+    "PushbeltError": "errors",
+    "Record": "recording",
+    "Snapshot": "variator",
     "StartValueError": "fmu.start_values",
-    "SteadyStateError": "variator",
+    "SteadyStateError": "points",
     "UnitError": "fmu.unit",
+    "UnknownNameError": "errors",
     "Variator": "variator",
-    "VariatorWarning": "variator",
+    "VariatorWarning": "errors",
     "default_fmu": "fmu.files",
     "load_linear": "linear_grid",
     "parameter_set": "fmu.data",

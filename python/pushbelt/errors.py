@@ -1,6 +1,9 @@
-"""The base class of all errors of this package, and errors that several modules raise."""
+"""The base class of all errors of this package, errors that several modules raise, and warnings."""
 
 from __future__ import annotations
+
+import sys
+import warnings
 
 
 class PushbeltError(Exception):
@@ -28,3 +31,11 @@ class MissingPackageError(PushbeltError, ModuleNotFoundError):
 
 class VariatorWarning(UserWarning):
     """A warning of the FMU, for example that a run does not start from the requested state, or of this package."""
+
+
+def warn(text: str) -> None:
+    """Issues a VariatorWarning that is attributed to the first caller outside of this package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, VariatorWarning, stacklevel=level)

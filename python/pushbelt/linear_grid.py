@@ -16,7 +16,7 @@ from . import linear_interpolation
 from .errors import ArgumentError
 from .fmu.results import dataframe
 from .fmu.untrusted import InputFileError
-from .linear import LOG_RATIO, Array, LinearModel
+from .linear import Array, LinearModel, units_of_states
 
 if TYPE_CHECKING:
     import pandas
@@ -109,8 +109,11 @@ class LinearGrid:
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
             raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
-        if all(model is None for model in self.models.flat):
+        models = [model for model in self.models.flat if model is not None]
+        if not models:
             raise ArgumentError(f"{path} was not written: there is no linear model at any point")
+        if len(kinds := {(model.coordinates, model.sample_time) for model in models}) > 1:
+            raise ArgumentError(f"{path} was not written: coordinates or sample times differ: {', '.join(map(str, kinds))}")
         writers[path.suffix](self, path)
 
 
@@ -139,7 +142,6 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     remarks = str(found["remarks"][place])
     # Files of earlier versions have no coordinates.
     coordinates = str(found.get("coordinates", "modal"))
-    of_states = {LOG_RATIO: "1"} if LOG_RATIO in found["states"][place] else {}
     return LinearModel(
         a=found["A"][place][:n, :n],
         b=found["B"][place][:n],
@@ -152,7 +154,7 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
         given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
         values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | of_states,
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | units_of_states(found["states"][place]),
         frequency=float(found["frequency"]),
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),

@@ -60,8 +60,12 @@ def interpolated(models: Weighted) -> LinearModel:
         raise ArgumentError(
             "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
         )
-    if any((one.inputs, one.outputs, one.states) != (first.inputs, first.outputs, first.states) for one, _ in models):
-        raise ArgumentError("the models have different inputs or states and cannot be interpolated")
+
+    def kind(one: LinearModel) -> tuple[Any, ...]:
+        return one.inputs, one.outputs, one.states, one.sample_time
+
+    if any(kind(one) != kind(first) for one, _ in models):
+        raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
 
     def mean(of: Callable[[LinearModel], Any]) -> Any:
         return sum(weight * np.asarray(of(one)) for one, weight in models)

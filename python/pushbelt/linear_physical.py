@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import PushbeltError
-from .linear import LOG_RATIO, Array, LinearModel
+from .linear import LOG_RATIO, Array, LinearModel, units_of_states
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
@@ -83,7 +83,7 @@ def physical(model: LinearModel) -> LinearModel:
         b[n] -= (a[n, n] + natural) * direct / natural
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
-    units = {**model.units, **{name: model.units.get(name, "1") for name in names}}
+    units = {**model.units, **units_of_states(names)}
     return replace(
         model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
     )

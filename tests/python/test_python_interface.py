@@ -75,7 +75,7 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(fmu: Path, belt: Variator) -
     assert found.index.name == "time" and set(times) <= set(found.index.to_numpy().round(12))
     assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
     assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
-    with Variator("bench168", COARSE, fmu=fmu) as other:
+    with Variator("bench168", {**COARSE, "inputs.ramp": -1.0}, fmu=fmu) as other:
         other.set({"primary.torque": 44.0, "primary.clampingForce": 12e3})
         other.start()
         for at, before in zip(found.index[1:], found.index[:-1], strict=True):

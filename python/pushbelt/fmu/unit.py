@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import shutil
+import tempfile
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -20,6 +24,8 @@ from .geometry import Array
 from .results import Profile
 from .untrusted import unpacked
 
+FOLDER_VARIABLE = "PUSHBELT_CACHE"
+"""Environment variable with the folder of unpacked FMUs."""
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
     "position": "position",
@@ -71,6 +77,11 @@ class Archive:
         """Version in the model description."""
         return self.description.version or ""
 
+    @cached_property
+    def variables(self) -> dict[str, Any]:
+        """The variables of the model description by name."""
+        return {variable.name: variable for variable in self.description.modelVariables}
+
     @property
     def units(self) -> dict[str, str]:
         """Units of all variables by name."""
@@ -111,8 +122,7 @@ class Variator:
     """Logs of the existing instances, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
-        description = archive.description
-        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
         self._freed = False
@@ -124,12 +134,7 @@ class Variator:
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
-        self._slave = fmi2.FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=str(archive.directory),
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
+        self._slave = _slave(archive, name)
         self._call(self._slave.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
@@ -329,6 +334,39 @@ class Variator:
         log = self._logs.get(environment)
         if log is not None:
             log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+
+
+_LOADING = threading.Lock()
+"""fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
+
+
+def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
+    """The library of an FMU. Raises UnitError if it cannot be loaded."""
+    with _LOADING:
+        here = os.getcwd()
+        try:
+            return fmi2.FMU2Slave(
+                guid=archive.description.guid,
+                unzipDirectory=str(archive.directory),
+                modelIdentifier=archive.description.coSimulation.modelIdentifier,
+                instanceName=name,
+            )
+        except Exception as error:
+            why = not_executable(archive.directory) or str(error).strip()
+            raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
+        finally:
+            os.chdir(here)
+
+
+def not_executable(folder: Path) -> str | None:
+    """Remark on a folder whose file system does not allow execution; None otherwise."""
+    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(folder).f_flag & os.ST_NOEXEC):
+        return None
+    temporary = Path(tempfile.gettempdir()) in folder.parents
+    return (
+        f"the file system of {folder} does not allow execution (noexec): let the environment variable "
+        f"{'TMPDIR' if temporary else FOLDER_VARIABLE} name another folder"
+    )
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import stat
 import zipfile
 from collections.abc import Iterator, Mapping
@@ -18,6 +19,8 @@ from ..errors import PushbeltError
 LARGEST_FILE = 500_000_000
 """Largest unpacked size of an archive, bytes."""
 MOST_FILES = 10_000
+IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")
+"""A name in C."""
 LARGEST_JSON = 50_000_000
 """Largest size of a JSON file, bytes. A parameter set has 7 kB."""
 
@@ -80,7 +83,12 @@ def described(path: Path) -> Any:
     """The model description of an FMU, read from the archive. Raises the same errors as `unpacked`."""
     checked_archive(path)
     with _named(path):
-        return fmpy.read_model_description(str(path))
+        description = fmpy.read_model_description(str(path))
+    for kind in (description.coSimulation, description.modelExchange):
+        # It is the name of the library, so it could lead out of the folder.
+        if kind is not None and not IDENTIFIER.fullmatch(kind.modelIdentifier):
+            raise InputFileError(f"{path} is not a usable FMU: its modelIdentifier {kind.modelIdentifier!r} is not a name in C")
+    return description
 
 
 class OfFmu:
