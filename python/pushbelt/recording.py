@@ -58,9 +58,9 @@ class Recording:
         self._due = -math.inf
 
     def add(self, row: NDArray[np.float64]) -> None:
-        """Offers a row, which is kept if it is due."""
+        """Offers a row, which is kept if it is due. It must not change afterwards."""
         time = float(row[0])
-        self._latest = row[self._chosen]
+        self._latest = row
         if self._interval is None:
             due = self._offered % self._stride == 0
             self._offered += 1
@@ -70,7 +70,7 @@ class Recording:
                 begin = time if self._due == -math.inf else self._due
                 self._due = begin + (math.floor((time - begin) / self._interval + 1e-9) + 1) * self._interval
         if due:
-            self._values.extend(self._latest)
+            self._values.frombytes(row[self._chosen].tobytes())
             if self._most is not None and self._kept > self._most:
                 self._values = array("d", self._rows[::2].tobytes())
                 self._stride *= 2
@@ -102,5 +102,5 @@ class Recording:
         rows = np.empty((len(self), len(self._chosen)))
         rows[: self._kept] = self._rows
         if self._has_more():
-            rows[-1] = self._latest
+            rows[-1] = self._latest[self._chosen]
         return rows.view(self._type).reshape(-1)

@@ -93,6 +93,8 @@ class Variator(LinearPoints):
             else os.fspath(parameters)
         )
         archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
+        if "ring.model" not in archive.variables:
+            raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
         described = {
             v.name: v.start for v in archive.variables.values() if v.causality in SETTABLE and v.start is not None
         }

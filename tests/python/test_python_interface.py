@@ -238,6 +238,20 @@ def test_the_pages_travel_in_the_wheel() -> None:
     assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("page", ["README.md", "docs/introduction.md"])
+def test_the_first_program_prints_what_stands_there_whatever_the_order_of_outputs(
+    page: str, fmu: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    program, printed = re.search(r"```python\n(import numpy.*?)```\n\nIt prints:\n\n```\n(.*?)```", text, re.DOTALL).groups()
+    program = program.replace("target/PushbeltVariator.fmu", fmu.as_posix())
+    for given in ('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', '["slip", "efficiency", "belt.speed", "ratio.geometric", "thrustRatio"]'):
+        exec(compile(program.replace('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', given), page, "exec"), {})
+        lines = capsys.readouterr().out.splitlines(keepends=True)
+        # fmpy warns of speed set points that are not wired.
+        assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed
+
+
 def test_the_first_program_of_the_introduction(
     fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,13 +15,16 @@ import fmpy
 import platformdirs
 
 from ..errors import warn
-from .unit import FOLDER_VARIABLE, Archive
-from .untrusted import InputFileError, described
+from .unit import Archive, refuse_others
+from .untrusted import InputFileError, described, named
+
+VARIABLE = "PUSHBELT_CACHE"
+"""Environment variable with the folder of the cache."""
 
 
 def folder() -> Path:
     """The folder of the cache: that of the environment variable `PUSHBELT_CACHE`, or the user's. It may not exist."""
-    named = os.environ.get(FOLDER_VARIABLE)
+    named = os.environ.get(VARIABLE)
     return Path(named) if named else Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
 
 
@@ -36,23 +39,25 @@ def unpacked(fmu: Path) -> Archive:
     remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the archive is in a temporary folder
     of this process.
 
-    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU or has no binary for this machine.
+    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU or has no binary for this
+    machine, UnitError if it is for another version of FMI.
     """
     name = hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     description = described(fmu)
+    refuse_others(description)
     place = folder() / name
     try:
         _complete(fmu, place)
     except OSError as error:
         place = _temporary() / name
-        warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {FOLDER_VARIABLE} names another folder")
+        warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {VARIABLE} names another folder")
         _complete(fmu, place)
     binaries = sorted(path.name for path in (place / "binaries").glob("*"))
     if fmpy.platform not in binaries:
         raise InputFileError(
             f"{fmu} has no binary for this machine ({fmpy.platform}), only for {', '.join(binaries)}"
         )
-    return Archive(place, description)
+    return Archive(place, description, VARIABLE)
 
 
 @lru_cache(maxsize=1)
@@ -65,7 +70,7 @@ def _temporary() -> Path:
 
 def _complete(fmu: Path, place: Path) -> None:
     """Unpacks the files that are not in a folder in their size. Each appears at once, so other processes never read a part of it."""
-    with zipfile.ZipFile(fmu) as archive:
+    with named(fmu), zipfile.ZipFile(fmu) as archive:
         for entry in archive.infolist():
             path = place / entry.filename
             if entry.is_dir() or (path.is_file() and path.stat().st_size == entry.file_size):

@@ -6,7 +6,6 @@ import ctypes
 import json
 import os
 import shutil
-import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -24,8 +23,6 @@ from .geometry import Array
 from .results import Profile
 from .untrusted import unpacked
 
-FOLDER_VARIABLE = "PUSHBELT_CACHE"
-"""Environment variable with the folder of unpacked FMUs."""
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
     "position": "position",
@@ -57,6 +54,8 @@ class Archive:
 
     directory: Path
     description: Any
+    moved_by: str = "TMPDIR"
+    """Environment variable that names another folder for it."""
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
@@ -342,30 +341,39 @@ _LOADING = threading.Lock()
 
 def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
+    described = archive.description
+    refuse_others(described)
     with _LOADING:
         here = os.getcwd()
         try:
             return fmi2.FMU2Slave(
-                guid=archive.description.guid,
+                guid=described.guid,
                 unzipDirectory=str(archive.directory),
-                modelIdentifier=archive.description.coSimulation.modelIdentifier,
+                modelIdentifier=described.coSimulation.modelIdentifier,
                 instanceName=name,
             )
         except Exception as error:
-            why = not_executable(archive.directory) or str(error).strip()
+            why = _not_executable(archive) or str(error).strip()
             raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
         finally:
             os.chdir(here)
 
 
-def not_executable(folder: Path) -> str | None:
-    """Remark on a folder whose file system does not allow execution; None otherwise."""
-    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(folder).f_flag & os.ST_NOEXEC):
+def refuse_others(description: Any) -> None:
+    """Raises UnitError for the model description of an FMU that this module cannot call."""
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        raise UnitError(
+            f"{description.modelName} of FMI {description.fmiVersion} cannot be called: a unit for co-simulation of FMI 2.0 is needed"
+        )
+
+
+def _not_executable(archive: Archive) -> str | None:
+    """Remark on a file system that does not allow execution; None otherwise."""
+    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
         return None
-    temporary = Path(tempfile.gettempdir()) in folder.parents
     return (
-        f"the file system of {folder} does not allow execution (noexec): let the environment variable "
-        f"{'TMPDIR' if temporary else FOLDER_VARIABLE} name another folder"
+        f"the file system of {archive.directory} does not allow execution (noexec): let the environment variable {archive.moved_by} name "
+        "another folder"
     )
 
 

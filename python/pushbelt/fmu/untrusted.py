@@ -75,14 +75,14 @@ def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
     Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
     """
     description = described(path)
-    with _named(path):
+    with named(path):
         return Path(fmpy.extract(str(path), directory)), description
 
 
 def described(path: Path) -> Any:
     """The model description of an FMU, read from the archive. Raises the same errors as `unpacked`."""
     checked_archive(path)
-    with _named(path):
+    with named(path):
         description = fmpy.read_model_description(str(path))
     for kind in (description.coSimulation, description.modelExchange):
         # It is the name of the library, so it could lead out of the folder.
@@ -113,7 +113,7 @@ class OfFmu:
 
 
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
+def named(path: Path) -> Iterator[None]:
     """Adds the file name to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
     try:
         yield
