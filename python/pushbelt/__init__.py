@@ -1,6 +1,7 @@
 """Python around the pushbelt FMU.
 
-- `Variator`: a variator over time, its steady states and linear models (`linear`, `linear_grid`); `cli`: the command `pushbelt`.
+- `Variator`: a variator over time (`input_table`, `recording`), its steady states (`points`) and linear models (`linear_points`, `linear`,
+  `linear_grid`); `errors`: the base class of all errors; `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports; `cluster`: tasks on a
   cluster; `map_data`: data sets of maps; `map_unit`, `map_variator`: variators from maps, as an FMU and in numpy.

@@ -20,6 +20,7 @@ BOUND = {name: version for name, version in re.findall(r'"([\w-]+)>=([\d.]+)"', 
 SMOKE = """
 import sys, numpy, pandas, pushbelt
 with pushbelt.Variator("bench168", {"ring.model": "ALE0"}, record=pushbelt.Record(interval=2e-3)) as variator:
+    assert len(variator.outputs) == 0
     inputs = pandas.DataFrame({"primary.torque": [40.0, 60.0, 50.0]}, index=[0.0, 0.01, 0.01]).iloc[:2]
     run = variator.simulate(inputs, step=1e-3)
     assert len(run) == 6 and run["slip"].iloc[-1] > run["slip"].iloc[0]

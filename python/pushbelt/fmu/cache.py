@@ -39,12 +39,12 @@ def unpacked(fmu: Path) -> Archive:
     remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the archive is in a temporary folder
     of this process.
 
-    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU or has no binary for this
-    machine, UnitError if it is for another version of FMI.
+    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU of FMI 2.0 with a
+    binary for this machine.
     """
     name = hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     description = described(fmu)
-    refuse_others(description)
+    refuse_others(fmu, description)
     place = folder() / name
     try:
         _complete(fmu, place)

@@ -21,7 +21,7 @@ from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
-from .untrusted import unpacked
+from .untrusted import InputFileError, unpacked
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -342,7 +342,7 @@ _LOADING = threading.Lock()
 def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
     described = archive.description
-    refuse_others(described)
+    refuse_others(described.modelName, described)
     with _LOADING:
         here = os.getcwd()
         try:
@@ -359,12 +359,10 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
             os.chdir(here)
 
 
-def refuse_others(description: Any) -> None:
-    """Raises UnitError for the model description of an FMU that this module cannot call."""
+def refuse_others(fmu: Path | str, description: Any) -> None:
+    """Raises InputFileError for an FMU that this module cannot call."""
     if description.fmiVersion != "2.0" or description.coSimulation is None:
-        raise UnitError(
-            f"{description.modelName} of FMI {description.fmiVersion} cannot be called: a unit for co-simulation of FMI 2.0 is needed"
-        )
+        raise InputFileError(f"{fmu} of FMI {description.fmiVersion} cannot be called: a unit for co-simulation of FMI 2.0 is needed")
 
 
 def _not_executable(archive: Archive) -> str | None:

@@ -56,14 +56,18 @@ class Variable:
 
     def __repr__(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
-        names = {number: name for name, number in self.items.items()}
-        start = "" if self.start is None else f", start {names.get(self.start, f'{self.start:g}')}{unit}"
+        parts = [f"{self.variability} {self.causality}"]
+        if self.start is not None:
+            named = {number: name for name, number in self.items.items()}
+            shown = str(self.start) if self.type == "Boolean" else named.get(self.start, f"{self.start:g}")
+            parts.append(f"start {shown}{unit}")
         if self.items:
-            span = f", one of {', '.join(self.items)}"
-        else:
-            ends = [*((f"from {self.min:g}",) if self.min is not None else ()), *((f"to {self.max:g}",) if self.max is not None else ())]
-            span = f", {' '.join(ends)}{unit}" if ends else "" if start else f",{unit}" if unit else ""
-        return f"<{self.name}: {self.variability} {self.causality}{start}{span}; {self.description}>"
+            parts.append(f"one of {', '.join(self.items)}")
+        elif self.min is not None and self.max is not None:
+            parts.append(f"range {self.min:g} to {self.max:g}{unit}")
+        elif unit and self.start is None:
+            parts.append(self.unit)
+        return f"<{self.name}: {', '.join(parts)}; {self.description}>"
 
 
 class Variables(Mapping[str, Variable]):
@@ -86,7 +90,7 @@ class Variables(Mapping[str, Variable]):
 
     def __repr__(self) -> str:
         counts = Counter(one.causality for one in self._all.values())
-        return f"<Variables: {', '.join(f'{count} of causality {kind}' for kind, count in counts.items())}>"
+        return f"<Variables: {', '.join(f'{count} {kind}s' for kind, count in counts.items())}>"
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over the names, with a column for each attribute. Needs `pushbelt[maps]`."""
