@@ -42,7 +42,8 @@ class Recording:
     def __init__(self, names: Iterable[str], record: Record) -> None:
         """`names` are those of all values of a row."""
         places = {name: place for place, name in enumerate(names)}
-        columns = [name for name in places if name != "time"] if record.columns is None else record.columns
+        wanted = places if record.columns is None else record.columns
+        columns = list(dict.fromkeys(name for name in wanted if name != "time"))
         self._chosen = [places["time"], *(item(places, name, "run", "column") for name in columns)]
         self._type = np.dtype([(name, float) for name in ("time", *columns)])
         self._interval = record.interval

@@ -227,11 +227,11 @@ class Variator(LinearPoints):
 
     def reset(self, changes: Values | None = None) -> None:
         """Returns to the state before the start, with the start values of the beginning and these changes. Recorded outputs are removed."""
-        values = checked(self._declared, {**self._start, **(changes or {})})
-        self._open.restart(values)
-        self._start, self._values = values, dict(values)
+        self._start = checked(self._declared, {**self._start, **(changes or {})})
+        self._values = dict(self._start)
         self._recording.clear()
         self._now, self._warned = None, 0
+        self._open.restart(self._start)
 
     def snapshot(self) -> Snapshot:
         """The present state of the run, to which `restore` returns."""

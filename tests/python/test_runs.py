@@ -98,7 +98,7 @@ def test_an_hour_in_milliseconds_fits_in_a_hundred_megabytes(belt: Variator, row
 
 
 def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:
-    record = pushbelt.Record(columns=["slip", TORQUE], interval=4e-3)
+    record = pushbelt.Record(columns=["time", "slip", TORQUE, "slip"], interval=4e-3)
     with Variator("bench168", COARSE, fmu=fmu, record=record) as belt:
         for _ in range(10):
             state = belt.step(1e-3)

@@ -121,6 +121,7 @@ class Variator:
     """Logs of the existing instances, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
+        self._slave = _slave(archive, name)
         self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
@@ -133,7 +134,6 @@ class Variator:
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
-        self._slave = _slave(archive, name)
         self._call(self._slave.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
