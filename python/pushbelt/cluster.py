@@ -28,6 +28,7 @@ from distributed import (
 )
 
 import pushbelt.fmu
+from pushbelt import errors
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
@@ -136,7 +137,7 @@ def shipped(
     """
     name = f"pushbelt-{client.id}"
     try:
-        with by_value(pushbelt.fmu, sys.modules[__name__], *modules):
+        with by_value(pushbelt.fmu, errors, sys.modules[__name__], *modules):
             client.register_plugin(UnitPlugin(name, fmu, load))
     except Exception as error:  # Any exception type is possible, since it comes from a worker.
         raise ClusterError(f"a worker cannot load the FMU: {error}") from error

@@ -30,8 +30,8 @@ class Record:
     the recording stays below `LARGEST`."""
 
     def __post_init__(self) -> None:
-        if isinstance(self.columns, str):
-            raise ArgumentError(f"columns = {self.columns!r} is a text: a list of names is needed")
+        if self.columns is not None and (isinstance(self.columns, str) or not isinstance(self.columns, Iterable)):
+            raise ArgumentError(f"columns = {self.columns!r} is no list of names")
         if self.interval is not None and not (math.isfinite(self.interval) and self.interval > 0.0):
             raise ArgumentError(f"interval = {self.interval!r} s is not a number above 0")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,13 +73,13 @@ class Variator(LinearPoints):
         changes: Values | None = None,
         *,
         fmu: Path | None = None,
-        record: Record | None = None,
+        record: Record | Sequence[str] | None = None,
     ) -> None:
         """Creates a variator.
 
         `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start
         values. `changes` override them. Start values of inputs hold until `step` sets others. The default of `fmu` is
-        the FMU of the package. `record` has the columns of `outputs` and the time between their rows.
+        the FMU of the package. `record` has the columns of `outputs`, and as `Record` also the time between their rows.
 
         Raises StartValueError for a name or a value that the FMU does not accept, InputFileError or OSError for files
         that cannot be read.
@@ -93,17 +93,18 @@ class Variator(LinearPoints):
             else os.fspath(parameters)
         )
         archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
-        if "ring.model" not in archive.variables:
+        declared = archive.variables
+        if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
         described = {
-            v.name: v.start for v in archive.variables.values() if v.causality in SETTABLE and v.start is not None
+            v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None
         }
-        self._start = checked(archive.variables, {**described, **start_values(parameters), **(changes or {})})
+        self._start = checked(declared, {**described, **start_values(parameters), **(changes or {})})
         super().__init__(archive, self._start)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
         self._names = ("time", *names, "macroSlip")
-        self._record = record or Record()
+        self._record = record if isinstance(record, Record) else Record(record)
         self._recording = Recording(self._names, self._record)
         self._now: NDArray[np.float64] | None = None
         """The present row of outputs; None before the start."""

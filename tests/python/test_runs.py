@@ -111,8 +111,8 @@ def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:
         run = belt.simulate(pd.DataFrame({TORQUE: [50.0, 50.0]}, index=[0.012, 0.02]), step=1e-3)
         assert list(run) == ["slip", TORQUE] and run.index.to_numpy() == pytest.approx([0.012, 0.016, 0.02])
     with pytest.raises(pushbelt.UnknownNameError, match="efficiency"):
-        Variator("bench168", COARSE, fmu=fmu, record=pushbelt.Record(columns=["efficency"]))
-    for wrong in ({"interval": 0.0}, {"interval": math.nan}, {"columns": "slip"}):
+        Variator("bench168", COARSE, fmu=fmu, record=["efficency"])
+    for wrong in ({"interval": 0.0}, {"interval": math.nan}, {"columns": "slip"}, {"columns": 0.01}):
         with pytest.raises(pushbelt.ArgumentError):
             pushbelt.Record(**wrong)
 

@@ -10,7 +10,6 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -76,7 +75,7 @@ class Archive:
         """Version in the model description."""
         return self.description.version or ""
 
-    @cached_property
+    @property
     def variables(self) -> dict[str, Any]:
         """The variables of the model description by name."""
         return {variable.name: variable for variable in self.description.modelVariables}
@@ -335,7 +334,17 @@ class Variator:
             log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
 
 
-_LOADING = threading.Lock()
+class _Lock:
+    """A lock that does not prevent this module from being sent to the workers of a cluster."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[type, tuple[()]]:
+        return _Lock, ()
+
+
+_LOADING = _Lock()
 """fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
 
 
@@ -343,7 +352,7 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
     described = archive.description
     refuse_others(described.modelName, described)
-    with _LOADING:
+    with _LOADING.lock:
         here = os.getcwd()
         try:
             return fmi2.FMU2Slave(
