@@ -28,6 +28,8 @@ from distributed import (
 )
 
 import pushbelt.fmu
+from pushbelt import errors
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
 from . import slurm as jobs
@@ -48,7 +50,7 @@ QUEUE_TIMEOUT = 7 * 86400.0
 """Timeout for the first job of Slurm, which may wait in a queue, s."""
 
 
-class ClusterError(RuntimeError):
+class ClusterError(PushbeltError, RuntimeError):
     """The cluster cannot be reached, or the connection is lost."""
 
 
@@ -135,7 +137,7 @@ def shipped(
     """
     name = f"pushbelt-{client.id}"
     try:
-        with by_value(pushbelt.fmu, sys.modules[__name__], *modules):
+        with by_value(pushbelt.fmu, errors, sys.modules[__name__], *modules):
             client.register_plugin(UnitPlugin(name, fmu, load))
     except Exception as error:  # Any exception type is possible, since it comes from a worker.
         raise ClusterError(f"a worker cannot load the FMU: {error}") from error

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pushbelt.fmu.unit import Variator as Unit
-from pushbelt.variator import SteadyStateError, Variator
+from pushbelt.points import SteadyStateError
+from pushbelt.variator import Variator
 
 RATIOS = (0.5, 0.8, 1.0, 1.5, 2.2)
 TORQUES = (-100.0, -30.0, 30.0, 100.0, 150.0)

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import ArgumentError, MissingPackageError, PushbeltError
+from .fmu.results import item
+
 if TYPE_CHECKING:
     import control
 
@@ -21,7 +24,7 @@ LOG_RATIO = "ln(ratio.geometric)"
 """Name of the state ln i."""
 
 
-class LinearPointError(RuntimeError):
+class LinearPointError(PushbeltError, RuntimeError):
     """There is no linear model at a working point, or the point differs from the requested one."""
 
 
@@ -94,7 +97,7 @@ class LinearModel:
             poles=poles[:, 0] + 1j * poles[:, 1],
             held={one["name"]: one["held"] for one in loads},
             values={one["name"]: one["value"] for one in readings},
-            units={one["name"]: one["unit"] for one in (*loads, *readings)},
+            units={one["name"]: one["unit"] for one in (*loads, *readings)} | units_of_states(states),
             frequency=document["frequency"]["value"],
             slip=document["slip"],
             macro_slip=bool(document["macroSlip"]),
@@ -128,28 +131,32 @@ class LinearModel:
     def sampled(self, sample_time: float) -> LinearModel:
         """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
         if not (np.isfinite(sample_time) and sample_time > 0.0):
-            raise ValueError(f"sample_time = {sample_time!r} s is not a number above 0")
+            raise ArgumentError(f"sample_time = {sample_time!r} s is not a number above 0")
         return replace(self, sample_time=float(sample_time))
 
     def discrete(self) -> tuple[Array, Array, Array, Array]:
         """A, B, C and D in discrete time, x[k+1] = A_d x[k] + B_d u[k], y[k] = C_d x[k] + D_d u[k], for inputs that are constant over
         each sample time.
 
-        Needs scipy, `pushbelt[control]`. Raises ValueError without a sample time.
+        Needs scipy, `pushbelt[control]`. Raises ArgumentError without a sample time.
         """
         if self.sample_time is None:
-            raise ValueError("the model has no sample time: use sample_time= or sampled()")
+            raise ArgumentError("the model has no sample time: use sample_time= or sampled()")
+        return *self._held(np.array(self.sample_time)), self.c, self.d
+
+    def _held(self, times: Array) -> tuple[Array, Array]:
+        """exp(A t) and its integral times B: the states after times (s) under constant inputs. Also for poles at zero and double poles."""
         try:
             from scipy.linalg import expm
         except ModuleNotFoundError as error:
-            raise ModuleNotFoundError(
-                "matrices in discrete time need scipy: pip install 'pushbelt[control]'", name=error.name
+            raise MissingPackageError(
+                "responses in time need scipy: pip install 'pushbelt[control]'", name=error.name
             ) from error
         n, k = self.b.shape
         whole = np.zeros((n + k, n + k))
         whole[:n, :n], whole[:n, n:] = self.a, self.b
-        grown = expm(self.sample_time * whole)
-        return grown[:n, :n], grown[:n, n:], self.c, self.d
+        grown = expm(times[..., None, None] * whole)
+        return grown[..., :n, :n], grown[..., :n, n:]
 
     @property
     def ad(self) -> Array:
@@ -172,7 +179,7 @@ class LinearModel:
         return self.discrete()[3]
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
-        """The model with a selection of outputs and inputs, in the given order. Raises KeyError for an unknown name."""
+        """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""
         outputs = self.outputs if outputs is None else tuple(outputs)
         inputs = self.inputs if inputs is None else tuple(inputs)
         rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
@@ -186,40 +193,60 @@ class LinearModel:
         )
 
     def response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
-        """Frequency response at angular frequencies (rad/s), of the shape (frequencies, outputs, inputs)."""
-        s = 1j * np.atleast_1d(np.asarray(frequencies, dtype=float))
-        shifted = s[:, None, None] * np.eye(len(self.a)) - self.a
-        return self.c @ np.linalg.solve(shifted, np.broadcast_to(self.b, (len(s), *self.b.shape))) + self.d
+        """Frequency response at angular frequencies (rad/s), of the shape (frequencies, outputs, inputs).
+
+        A model with a sample time has that of its discrete-time matrices, for inputs that are constant over each sample time. At a pole
+        it is not a number.
+        """
+        at = 1j * np.atleast_1d(np.asarray(frequencies, dtype=float))
+        a, b, c, d = (self.a, self.b, self.c, self.d) if self.sample_time is None else self.discrete()
+        if self.sample_time is not None:
+            at = np.exp(self.sample_time * at)
+        return np.array([c @ _solved(one * np.eye(len(a)) - a, b) + d for one in at]).reshape(-1, *d.shape)
 
     def gain(self, output: str, load: str, frequency: float) -> complex:
         """One entry of the frequency response, at an angular frequency (rad/s)."""
         return complex(self.select([output], [load]).response(frequency)[0, 0, 0])
 
     def step(self, times: ArrayLike) -> Array:
-        """Deviation of the outputs at times (s) after a unit step of each input, of the shape (times, outputs, inputs)."""
-        times = np.atleast_1d(np.asarray(times, dtype=float))
-        values, modes = np.linalg.eig(self.a)
-        grown = np.expm1(np.outer(times, values)) / values
-        driven = np.linalg.solve(modes, self.b.astype(complex))
-        return np.einsum("on,tn,ni->toi", self.c @ modes, grown, driven).real + self.d
+        """Deviation of the outputs at times (s) after a unit step of each input, of the shape (times, outputs, inputs).
+
+        With a sample time it is the same at its multiples, where the inputs change. Needs scipy, `pushbelt[control]`.
+        """
+        return self.c @ self._held(np.atleast_1d(np.asarray(times, dtype=float)))[1] + self.d
 
     def to_control(self) -> control.StateSpace:
-        """The model as a `StateSpace` of python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`."""
+        """The model as a `StateSpace` of python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`.
+
+        With a sample time it is the system in discrete time.
+        """
         try:
             import control
         except ModuleNotFoundError as error:
-            raise ModuleNotFoundError(
+            raise MissingPackageError(
                 "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
             ) from error
         # In python-control a dot in a name separates the system from its signal.
         plain = {
             key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")
         }
-        return control.ss(self.a, self.b, self.c, self.d, **plain)
+        if self.sample_time is None:
+            return control.ss(self.a, self.b, self.c, self.d, **plain)
+        return control.ss(*self.discrete(), self.sample_time, **plain)
+
+
+def units_of_states(states: Iterable[str]) -> dict[str, str]:
+    """Units of states that are neither inputs nor outputs."""
+    return {LOG_RATIO: "1"} if LOG_RATIO in states else {}
+
+
+def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[np.complex128]:
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.full(right.shape, np.nan, dtype=complex)
 
 
 def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
-    missing = [name for name in wanted if name not in there]
-    if missing:
-        raise KeyError(f"the linear model has no {what} {missing[0]}; there are {', '.join(there)}")
-    return [there.index(name) for name in wanted]
+    places = {name: place for place, name in enumerate(there)}
+    return [item(places, name, "linear model", what) for name in wanted]

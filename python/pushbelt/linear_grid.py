@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import linear_interpolation
+from .errors import ArgumentError
 from .fmu.results import dataframe
-from .linear import LOG_RATIO, Array, LinearModel
+from .fmu.untrusted import InputFileError
+from .linear import Array, LinearModel, units_of_states
 
 if TYPE_CHECKING:
     import pandas
@@ -65,12 +67,12 @@ class LinearGrid:
         A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
         interpolated A.
 
-        Raises ValueError for modal coordinates, for a value outside of the grid, and next to a point without a model.
+        Raises ArgumentError for modal coordinates, for a value outside of the grid, and next to a point without a model.
         """
         around = linear_interpolation.corners(self.axes, point)
         missing = [place for place, _ in around if self.models[place] is None]
         if missing:
-            raise ValueError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
+            raise ArgumentError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
         return linear_interpolation.interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
@@ -101,21 +103,24 @@ class LinearGrid:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a file. The extension selects the format: `.npz`, `.mat` (needs scipy) or `.json`. `load_linear` reads `.npz`.
 
-        Raises ValueError for another extension, or if no point has a model.
+        Raises ArgumentError for another extension, or if no point has a model.
         """
         path = Path(path)
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
-            raise ValueError(f"{path}: the extension must be one of {', '.join(writers)}")
-        if all(model is None for model in self.models.flat):
-            raise ValueError(f"{path} was not written: there is no linear model at any point")
+            raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
+        models = [model for model in self.models.flat if model is not None]
+        if not models:
+            raise ArgumentError(f"{path} was not written: there is no linear model at any point")
+        if len(kinds := {(model.coordinates, model.sample_time) for model in models}) > 1:
+            raise ArgumentError(f"{path} was not written: coordinates or sample times differ: {', '.join(map(str, kinds))}")
         writers[path.suffix](self, path)
 
 
 def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
     """Reads the linear models of a `.npz` file of `LinearGrid.save` or `pushbelt linearize`.
 
-    Raises ValueError for any other file.
+    Raises InputFileError for any other file, OSError if it cannot be read.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -127,7 +132,7 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
             if found["order"][place]:
                 models[place] = _model(found, place)
     except (KeyError, ValueError, EOFError) as error:
-        raise ValueError(f"{os.fspath(path)} does not contain linear models: {error}") from error
+        raise InputFileError(f"{os.fspath(path)} does not contain linear models: {error}") from error
     return LinearGrid(axes, models, found["reasons"].astype(object))
 
 
@@ -137,7 +142,6 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     remarks = str(found["remarks"][place])
     # Files of earlier versions have no coordinates.
     coordinates = str(found.get("coordinates", "modal"))
-    of_states = {LOG_RATIO: "1"} if LOG_RATIO in found["states"][place] else {}
     return LinearModel(
         a=found["A"][place][:n, :n],
         b=found["B"][place][:n],
@@ -150,7 +154,7 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
         given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
         values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | of_states,
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | units_of_states(found["states"][place]),
         frequency=float(found["frequency"]),
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .errors import ArgumentError
 from .linear import Array, LinearModel
 from .linear_physical import sorted_poles
 
@@ -26,11 +27,11 @@ def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple
     """Points of the grid around a point, with their weights."""
     unknown = [name for name in point if name not in axes]
     if unknown:
-        raise ValueError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
+        raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
     corners: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
     for name, values in axes.items():
         if name not in point and len(values) > 1:
-            raise ValueError(f"a value of {name} is missing: the grid has {len(values)} values of it")
+            raise ArgumentError(f"a value of {name} is missing: the grid has {len(values)} values of it")
         along = _along(name, values, point.get(name, values[0]))
         corners = [((*place, k), weight * share) for place, weight in corners for k, share in along]
     return corners
@@ -42,7 +43,7 @@ def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
     ascending = values[order]
     tolerance = 1e-9 * max(abs(ascending[0]), abs(ascending[-1]))
     if not ascending[0] - tolerance <= value <= ascending[-1] + tolerance:
-        raise ValueError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
+        raise ArgumentError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
     if len(values) == 1:
         return [(0, 1.0)]
     k = int(np.clip(np.searchsorted(ascending, value) - 1, 0, len(values) - 2))
@@ -53,14 +54,18 @@ def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
 
 
 def interpolated(models: Weighted) -> LinearModel:
-    """The mean of models with weights. Raises ValueError if their states or inputs differ, or have no common meaning."""
+    """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
     first = models[0][0]
     if first.coordinates != "physical":
-        raise ValueError(
+        raise ArgumentError(
             "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
         )
-    if any((one.inputs, one.outputs, one.states) != (first.inputs, first.outputs, first.states) for one, _ in models):
-        raise ValueError("the models have different inputs or states and cannot be interpolated")
+
+    def kind(one: LinearModel) -> tuple[Any, ...]:
+        return one.inputs, one.outputs, one.states, one.sample_time
+
+    if any(kind(one) != kind(first) for one, _ in models):
+        raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
 
     def mean(of: Callable[[LinearModel], Any]) -> Any:
         return sum(weight * np.asarray(of(one)) for one, weight in models)

@@ -18,7 +18,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .linear import LOG_RATIO, Array, LinearModel
+from .errors import PushbeltError
+from .linear import LOG_RATIO, Array, LinearModel, units_of_states
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
@@ -33,7 +34,7 @@ MOST_HERTZ = 1600.0
 """Frequency up to which modes are searched for the coordinates, Hz."""
 
 
-class NotPhysicalError(ValueError):
+class NotPhysicalError(PushbeltError, ValueError):
     """The slow modes of a point are not determined by the physical coordinates."""
 
 
@@ -82,7 +83,7 @@ def physical(model: LinearModel) -> LinearModel:
         b[n] -= (a[n, n] + natural) * direct / natural
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
-    units = {**model.units, **{name: model.units.get(name, "1") for name in names}}
+    units = {**model.units, **units_of_states(names)}
     return replace(
         model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
     )

@@ -17,6 +17,7 @@ from zlib import error
 
 import numpy as np
 
+from .errors import PushbeltError
 from .fmu.geometry import Array
 
 VERSION = 1
@@ -27,7 +28,7 @@ ROUTE = ("force", "speed", "ratio")
 """Axes of a line."""
 
 
-class MapError(ValueError):
+class MapError(PushbeltError, ValueError):
     """A file is not a data set of maps, or its values are not usable."""
 
 

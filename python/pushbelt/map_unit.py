@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from .errors import MissingFileError
 from .fmu.files import DATA, RESOURCES, TREE
 from .fmu.geometry import Array
 from .fmu.start_values import DESCRIPTION, checked, write_copy
@@ -47,12 +48,12 @@ _PRIME = 0x0000000001000000000000000000013B
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_MAP_FMU` names, or the one in the wheel, or that in `target`.
 
-    Raises FileNotFoundError if it is missing.
+    Raises MissingFileError if it is missing.
     """
     named = os.environ.get("PUSHBELT_MAP_FMU")
     path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
     if not path.is_file():
-        raise FileNotFoundError(f"there is no FMU at {path}; in the source tree it is built by `cargo fmu build --map`")
+        raise MissingFileError(f"there is no FMU at {path}; in the source tree it is built by `cargo fmu build --map`")
     return path
 
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
 from . import map_unit
+from .errors import ArgumentError
 from .fmu.data import pitch_radius
 from .fmu.geometry import Array
 from .map_data import MapError, Maps
@@ -94,7 +95,7 @@ class MapVariator:
         self.parameters: dict[str, float] = dict(document["startValues"])
         for name, value in (parameters or {}).items():
             if name not in self.parameters:
-                raise ValueError(
+                raise ArgumentError(
                     f"{name} is no parameter of a variator from maps: {', '.join(sorted(self.parameters))}"
                 )
             self.parameters[name] = float(value)
@@ -329,7 +330,7 @@ class MapVariator:
             last_with(lambda r, _: r > p["primary.minRadius"]), last_with(lambda _, s: s < p["secondary.maxRadius"])
         )
         if least >= most:
-            raise ValueError("the radii at the end stops leave no range of ratios")
+            raise MapError("the radii at the end stops leave no range of ratios")
         self._stops = (least, most)
         places = np.linspace(least - 0.05, most + 0.05, RADII)
         self._radii = np.array([pitch_radius(self._geometry, math.exp(place)) for place in places])

@@ -7,6 +7,8 @@ import shutil
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from .errors import PushbeltError
+
 if TYPE_CHECKING:
     from dask_jobqueue import SLURMCluster
 
@@ -34,7 +36,7 @@ CLOSING = 120
 """Time before the end of a job at which its worker closes and passes its points on, s."""
 
 
-class SlurmError(ValueError):
+class SlurmError(PushbeltError, ValueError):
     """An option that is not known or has no value."""
 
 

@@ -11,12 +11,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from .errors import PushbeltError
+
 SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
 OF_A_VARIABLE = "[SI]"
 """End of the title of a column whose rows are values of different variables."""
 
 
-class TitleError(ValueError):
+class TitleError(PushbeltError, ValueError):
     """A column of numbers has no unit."""
 
 

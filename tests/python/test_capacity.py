@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 from pushbelt import cli, force_benchmark
+from pushbelt.errors import VariatorWarning
 from pushbelt.fmu import unit
 from pushbelt.fmu.start_values import StartValueError
-from pushbelt.variator import LEAST_FORCE, MOST_STATES, SteadyStateError, Variator, VariatorWarning
+from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
+from pushbelt.variator import Variator
 
 COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())

@@ -23,12 +23,14 @@ from scipy.linalg import expm
 
 import pushbelt
 from pushbelt import cli
+from pushbelt.errors import VariatorWarning
 from pushbelt.fmu import cache
 from pushbelt.linear import LinearModel, LinearPointError
 from pushbelt.linear_grid import LinearGrid, load_linear
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.linearize import points
-from pushbelt.variator import SteadyStateError, Variator, VariatorWarning
+from pushbelt.points import SteadyStateError
+from pushbelt.variator import Variator
 
 COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())

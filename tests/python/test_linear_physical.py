@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,12 +15,13 @@ from scipy.io import loadmat
 from scipy.linalg import expm
 
 from pushbelt import linear_interpolation, linear_physical
-from pushbelt.linear import LinearModel
+from pushbelt.errors import ArgumentError
+from pushbelt.linear import LinearModel, LinearPointError
 from pushbelt.linear_grid import LinearGrid, load_linear
 from pushbelt.linear_physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.linearize.report import phases
-from pushbelt.variator import LinearPointError, Variator
+from pushbelt.variator import Variator
 
 COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
@@ -182,6 +184,48 @@ def test_discrete_matrices_are_those_of_constant_inputs(grid: LinearGrid) -> Non
         _ = replace(model, sample_time=None).ad
     with pytest.raises(ValueError, match=r"sample_time = -1 s is not a number above 0"):
         model.sampled(-1)
+
+
+def test_a_sampled_model_stays_sampled() -> None:
+    model = invented([-0.4, complex(-3.0, 8.0)]).sampled(0.05)
+    system = model.to_control()
+    assert system.dt == 0.05
+    assert np.sort_complex(system.poles()) == pytest.approx(np.sort_complex(np.exp(0.05 * model.poles)))
+    found, continuous = model.response(20.0)[0], replace(model, sample_time=None).response(20.0)[0]
+    assert found == pytest.approx(system(np.exp(20.0j * 0.05)))
+    assert np.abs(found - continuous).max() > 0.1 * np.abs(continuous - model.d).max()
+    assert model.gain("slip", ALL[0], 20.0) == pytest.approx(found[3, 0])
+    assert model.select(["slip"]).to_control().dt == 0.05
+
+
+def test_a_sampled_model_comes_back_from_its_document() -> None:
+    model = physical(invented([-0.3, -4.0, -90.0])).sampled(0.05)
+    back = LinearModel.of(json.loads(json.dumps(model.document())))
+    for name in model.__dataclass_fields__:
+        assert np.array_equal(getattr(back, name), getattr(model, name)), name
+    assert back.to_control().dt == 0.05
+
+
+def test_different_sample_times_do_not_mix(tmp_path: Path) -> None:
+    one = physical(invented([-0.3, -4.0, -90.0]))
+    models = np.array([one, one.sampled(0.05)], dtype=object)
+    grid = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
+    with pytest.raises(ArgumentError, match="sample times"):
+        grid.interpolate(ratio=1.5)
+    with pytest.raises(ArgumentError, match="sample times"):
+        grid.save(tmp_path / "models.npz")
+    assert [system.dt for system in grid.to_control()] == [0, 0.05]
+
+
+def test_poles_at_zero_integrate() -> None:
+    """A double pole at zero, whose eigenvectors are no base: x₂ = b₂ t, x₁ = b₁ t + b₂ t²/2."""
+    model = replace(invented([-1.0, -2.0]), a=np.array([[0.0, 1.0], [0.0, 0.0]]), poles=np.zeros(2, dtype=complex))
+    time = 3.0
+    states = np.array([model.b[0] * time + model.b[1] * time**2 / 2.0, model.b[1] * time])
+    assert model.step(time)[0] == pytest.approx(model.c @ states + model.d)
+    single = replace(invented([-1.0]), a=np.zeros((1, 1)))
+    assert single.step([0.0, 2.0])[1] == pytest.approx(single.c @ (2.0 * single.b) + single.d)
+    assert np.isnan(single.response(0.0)).any() and np.isfinite(single.response(1.0)).all()
 
 
 # Grids

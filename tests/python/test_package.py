@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 from xml.etree import ElementTree
 
 import pytest
@@ -20,10 +21,22 @@ MODULES = {
 }
 
 
+LIBRARY = {
+    f"pushbelt.{name}"
+    for name in (
+        "input_table", "linear", "linear_grid", "linear_interpolation", "linear_physical", "linear_points", "map_data", "map_unit",
+        "map_variator", "points", "recording", "variator",
+    )
+}  # fmt: skip
+"""Modules of what `pushbelt` exports, besides `pushbelt.fmu`."""
+NOT_RAISED_BY_CALLS = {"NotFoundError"}
+"""Errors of modules in `pushbelt.fmu` that serve the programs."""
+
+
 def part_of(module: str) -> str:
-    """Part of a module: `fmu`, `theory`, a program, or `shared` for all others."""
+    """Part of a module: `errors`, `fmu`, `theory`, a program, or `shared` for all others."""
     names = module.split(".")
-    return names[1] if len(names) > 1 and names[1] in ("fmu", "theory", *PROGRAMS) else "shared"
+    return names[1] if len(names) > 1 and names[1] in ("errors", "fmu", "theory", *PROGRAMS) else "shared"
 
 
 def imported(module: str) -> set[str]:
@@ -40,9 +53,9 @@ def imported(module: str) -> set[str]:
     return found & MODULES.keys() - {module}
 
 
-MAY_IMPORT = {"fmu": {"fmu"}, "theory": {"theory"}, "shared": {"fmu", "shared"}} | {
-    program: {"fmu", "theory", "shared", program} for program in PROGRAMS
-}
+MAY_IMPORT = {
+    "errors": set(), "fmu": {"errors", "fmu"}, "theory": {"theory"}, "shared": {"errors", "fmu", "shared"},
+} | {program: {"errors", "fmu", "theory", "shared", program} for program in PROGRAMS}  # fmt: skip
 
 
 def test_all_parts_are_there() -> None:
@@ -66,6 +79,21 @@ def test_no_module_imports_itself_in_a_circle() -> None:
         leaves = {module for module, others in graph.items() if not others & graph.keys()}
         assert leaves, f"a circle among {sorted(graph)}"
         graph = {module: others for module, others in graph.items() if module not in leaves}
+
+
+def test_every_error_has_the_base_class() -> None:
+    for module in MODULES:
+        if not module.endswith("__main__"):
+            for name, found in vars(importlib.import_module(module)).items():
+                if isinstance(found, type) and issubclass(found, Exception) and found.__module__.startswith("pushbelt"):
+                    assert issubclass(found, (pushbelt.PushbeltError, Warning)), f"{module}.{name}"
+
+
+@pytest.mark.parametrize("module", [name for name in MODULES if part_of(name) == "fmu" or name in LIBRARY])
+def test_the_library_raises_only_what_it_exports(module: str) -> None:
+    for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name):
+            assert node.exc.func.id in {*pushbelt.__all__, *NOT_RAISED_BY_CALLS}, f"{module}, line {node.lineno}"
 
 
 def test_version_is_that_of_the_model_description() -> None:

@@ -75,7 +75,7 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(fmu: Path, belt: Variator) -
     assert found.index.name == "time" and set(times) <= set(found.index.to_numpy().round(12))
     assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
     assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
-    with Variator("bench168", COARSE, fmu=fmu) as other:
+    with Variator("bench168", {**COARSE, "inputs.ramp": -1.0}, fmu=fmu) as other:
         other.set({"primary.torque": 44.0, "primary.clampingForce": 12e3})
         other.start()
         for at, before in zip(found.index[1:], found.index[:-1], strict=True):
@@ -236,6 +236,20 @@ def test_the_pages_travel_in_the_wheel() -> None:
     packed = (ROOT / "fmu-build" / "src" / "commands" / "wheel.rs").read_text(encoding="utf-8")
     assert 'copy_tree(&root.join("docs"), &data.join("docs"))' in packed
     assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/introduction.md"])
+def test_the_first_program_prints_what_stands_there_whatever_the_order_of_outputs(
+    page: str, fmu: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    program, printed = re.search(r"```python\n(import numpy.*?)```\n\nIt prints:\n\n```\n(.*?)```", text, re.DOTALL).groups()
+    program = program.replace("target/PushbeltVariator.fmu", fmu.as_posix())
+    for given in ('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', '["slip", "efficiency", "belt.speed", "ratio.geometric", "thrustRatio"]'):
+        exec(compile(program.replace('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', given), page, "exec"), {})
+        lines = capsys.readouterr().out.splitlines(keepends=True)
+        # fmpy warns of speed set points that are not wired.
+        assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed
 
 
 def test_the_first_program_of_the_introduction(

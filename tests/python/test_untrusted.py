@@ -65,6 +65,22 @@ def test_paths_that_lead_out_are_refused(
     assert not (place / "unpacked").exists() and not list(own_cache.glob("*"))
 
 
+@pytest.mark.parametrize("identifier", ["../../evil", "/evil", "a.b", "2x", "", "x\u00e9"])
+def test_an_identifier_is_a_name_in_c(fmu: Path, tmp_path: Path, identifier: str) -> None:
+    path = tmp_path / "bad.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(path, "w") as target:
+        for entry in source.infolist():
+            content = source.read(entry)
+            if entry.filename == "modelDescription.xml":
+                content = content.replace(b'modelIdentifier="PushbeltVariator"', f'modelIdentifier="{identifier}"'.encode())
+            target.writestr(entry, content)
+    for unpack in (Archive.unpack, cache.unpacked, untrusted.described):
+        with pytest.raises(InputFileError, match="bad.fmu is not a usable FMU: its modelIdentifier") as caught:
+            unpack(path)
+        assert "\n" not in str(caught.value)
+    assert [one.name for one in tmp_path.iterdir()] == ["bad.fmu"]
+
+
 def test_an_archive_that_would_fill_the_disk_is_refused(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = with_entry(fmu, tmp_path / "bomb.fmu", "resources/zeros", bytes(50_000_000))
     assert path.stat().st_size < 100_000

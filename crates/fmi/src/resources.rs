@@ -4,17 +4,17 @@
 //! or nothing. So there are several places to look in; the last one is beside the library.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file.
+/// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file, or none that can be
+/// looked for: too long a name, a loop of links, a folder without permission.
 ///
 /// # Errors
 /// It is something else, too large, or unreadable. The reason, as a sentence without the path.
 pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
-    let data = match path.metadata() {
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
-        found => found.map_err(|error| error.to_string())?,
+    let Ok(data) = path.metadata() else {
+        return Ok(None);
     };
     // To open a pipe would wait for its other end, and a device may have no end.
     if !data.is_file() {

@@ -2,7 +2,7 @@
 //!
 //! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
 //! contains them for the library too: one `name = value` per line; truth values are `true` and `false`, items of enumerations
-//! are numbers; `#` begins a comment. An unreadable file is an error.
+//! are numbers; `#` begins a comment. An unreadable file is an error; a location that can't be searched is skipped.
 //!
 //! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
 //! has another end, so the library refuses to run it without its file.

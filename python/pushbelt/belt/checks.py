@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pushbelt.variator import SteadyStateError, Variator
+from pushbelt.points import SteadyStateError
+from pushbelt.variator import Variator
 
 MARGIN = 0.02
 """Distance of the outer ratios from the end stops, relative."""

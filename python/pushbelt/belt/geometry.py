@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 
 SETS = 2
@@ -52,7 +53,7 @@ MIN_RADIUS = 0.03
 """Smallest pitch radius, m."""
 
 
-class BeltError(ValueError):
+class BeltError(PushbeltError, ValueError):
     """Dimensions that do not belong to a belt."""
 
 

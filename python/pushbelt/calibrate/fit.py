@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 from scipy.stats import t as student
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.rig.model import LOST, Model
 from pushbelt.rig.parameters import Parameter, assign
@@ -43,7 +44,7 @@ PARTNER = 0.9
 """Correlation above which two parameters can hardly be separated."""
 
 
-class FitError(RuntimeError):
+class FitError(PushbeltError, RuntimeError):
     """There is nothing to fit."""
 
 

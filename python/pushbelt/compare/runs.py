@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
 from pushbelt.tables import split
@@ -19,7 +20,7 @@ SAME = 1e-9
 """Tolerance relative to the range, within which runs are equal. Files have nine digits."""
 
 
-class CompareError(Exception):
+class CompareError(PushbeltError):
     """The runs cannot be compared."""
 
 

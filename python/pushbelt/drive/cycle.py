@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 
 from .piecewise import interpolate
@@ -59,7 +60,7 @@ class Cycle:
         return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)
 
 
-class CycleMissingError(ValueError):
+class CycleMissingError(PushbeltError, ValueError):
     """The speed trace of a cycle is not installed."""
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.rig import sheet as sheets
 from pushbelt.rig.sheet import Column, Sheet, TableError
@@ -24,7 +25,7 @@ GAP = 10.0
 """A step longer than this multiple of the median step is a gap."""
 
 
-class DurabilityError(ValueError):
+class DurabilityError(PushbeltError, ValueError):
     """The table cannot be used. The message has line, column and value."""
 
 

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import atexit
 import hashlib
+import os
 import shutil
 import tempfile
+import zipfile
+from functools import lru_cache
 from pathlib import Path
 
 import fmpy
 import platformdirs
 
-from . import platforms, untrusted
-from .unit import Archive
+from ..errors import warn
+from . import platforms
+from .unit import Archive, refuse_others
+from .untrusted import InputFileError, described, named
+
+VARIABLE = "PUSHBELT_CACHE"
+"""Environment variable with the folder of the cache."""
 
 
 def folder() -> Path:
-    """The folder of the cache. It may not exist."""
-    return Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
+    """The folder of the cache: that of the environment variable `PUSHBELT_CACHE`, or the user's. It may not exist."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
 
 
 def clear() -> None:
@@ -26,31 +36,50 @@ def clear() -> None:
 
 
 def unpacked(fmu: Path) -> Archive:
-    """An FMU that is unpacked in the cache; it is unpacked if necessary. Do not remove the archive: it remains in the cache.
+    """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not remove the archive: it
+    remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the archive is in a temporary folder
+    of this process.
 
-    Raises OSError if the FMU cannot be read or the cache cannot be written, ValueError if the file is not an FMU or has no
+    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU of FMI 2.0 with a
     binary for this machine.
     """
-    place = folder() / hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
-    if not place.is_dir():
-        _unpack(fmu, place)
-    archive = Archive(place, fmpy.read_model_description(str(place)))
+    name = hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
+    description = described(fmu)
+    refuse_others(fmu, description)
+    place = folder() / name
+    try:
+        _complete(fmu, place)
+    except OSError as error:
+        place = _temporary() / name
+        warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {VARIABLE} names another folder")
+        _complete(fmu, place)
     if platforms.folder(place / "binaries") is None:
         others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
-        raise ValueError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
-    return archive
+        raise InputFileError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
+    return Archive(place, description, VARIABLE)
 
 
-def _unpack(fmu: Path, place: Path) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(dir=place.parent, prefix="unpacking-"))
-    try:
-        untrusted.unpacked(fmu, draft)
-        # The folder is renamed when it is complete, so that other processes never read a part of it.
-        draft.rename(place)
-    except OSError:
-        # Another process has unpacked it first.
-        if not place.is_dir():
-            raise
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
+@lru_cache(maxsize=1)
+def _temporary() -> Path:
+    """A folder that only this user can write, and that is removed at the end of the process."""
+    found = Path(tempfile.mkdtemp(prefix="pushbelt-"))
+    atexit.register(shutil.rmtree, found, ignore_errors=True)
+    return found
+
+
+def _complete(fmu: Path, place: Path) -> None:
+    """Unpacks the files that are not in a folder in their size. Each appears at once, so other processes never read a part of it."""
+    with named(fmu), zipfile.ZipFile(fmu) as archive:
+        for entry in archive.infolist():
+            path = place / entry.filename
+            if entry.is_dir() or (path.is_file() and path.stat().st_size == entry.file_size):
+                continue
+            path.parent.mkdir(parents=True, exist_ok=True)
+            draft, name = tempfile.mkstemp(dir=path.parent, prefix="unpacking-")
+            try:
+                with os.fdopen(draft, "wb") as target, archive.open(entry) as source:
+                    shutil.copyfileobj(source, target)
+                os.chmod(name, 0o755)
+                os.replace(name, path)
+            finally:
+                Path(name).unlink(missing_ok=True)

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import MissingFileError
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import Array, TwoPulleyCurve, primary_radius, theta_of
 from .results import BeltState, LoadCase
-from .untrusted import read_parameters
+from .untrusted import InputFileError, read_parameters
 
 
 def parameter_set(name: str) -> dict[str, float]:
@@ -25,7 +26,7 @@ def parameter_set(name: str) -> dict[str, float]:
 
     The pins of a pull chain are at its centre line: `belt.pitchOffset` is 0 then, as in the FMU.
 
-    Raises FileNotFoundError for another name, and ValueError if the file is not a parameter set, or if it is from an earlier version in which
+    Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
     parameters have another meaning.
     """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
@@ -34,7 +35,7 @@ def parameter_set(name: str) -> dict[str, float]:
         near = difflib.get_close_matches(path.stem, there, n=1, cutoff=0.5)
         hint = f"; is {near[0]} meant?" if near and not name.endswith(".json") else ""
         what = f"no file {name}" if name.endswith(".json") else f"no variator {name!r}"
-        raise FileNotFoundError(f"{what}; there are {', '.join(there)}, and files ….json{hint}")
+        raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{hint}")
     values = read_parameters(path)
     _refuse_old(path, values)
     if is_chain(values):
@@ -55,12 +56,12 @@ def parameter_sets() -> list[str]:
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
     """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
     if "belt.contactStrain" in values:
-        raise ValueError(
+        raise InputFileError(
             f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness (see docs/upgrade.md)"
         )
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
-            raise ValueError(
+            raise InputFileError(
                 f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance. "
                 "Set the clearance to 0 for the linear tilt of earlier versions (see docs/upgrade.md)"
             )

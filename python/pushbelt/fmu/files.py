@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ..errors import MissingFileError
+
 PACKAGE = Path(__file__).parents[1]
 DATA = PACKAGE / "data"
 """Folder of a wheel with the FMU and the published data. It does not exist in the source tree."""
@@ -20,7 +22,7 @@ NAME = "PushbeltVariator.fmu"
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or that in `target`.
 
-    Raises FileNotFoundError if it is missing.
+    Raises MissingFileError if it is missing.
     """
     named = os.environ.get("PUSHBELT_FMU")
     path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
@@ -30,5 +32,5 @@ def default_fmu() -> Path:
             if named
             else "in the source tree it is built by `cargo fmu build`"
         )
-        raise FileNotFoundError(f"there is no FMU at {path}; {why}")
+        raise MissingFileError(f"there is no FMU at {path}; {why}")
     return path

@@ -12,6 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import ArgumentError
+
 Array = NDArray[np.float64]
 
 
@@ -33,9 +35,9 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
     """
     ratio = ratio_of(theta)
     if not ratio > 0.0:
-        raise ValueError(f"the ratio coordinate must be between −1 and 1, not {theta}")
+        raise ArgumentError(f"the ratio coordinate must be between −1 and 1, not {theta}")
     if not length > 2.0 * center_distance:
-        raise ValueError(f"a belt of {length} m is too short for two axes {center_distance} m apart")
+        raise ArgumentError(f"a belt of {length} m is too short for two axes {center_distance} m apart")
     largest = np.inf if ratio == 1.0 else center_distance / abs(1.0 - ratio)
     radius = min((length - 2.0 * center_distance) / (np.pi * (1.0 + ratio)), 0.999 * largest)
     for _ in range(50):
@@ -47,7 +49,7 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
         radius = min(radius - step, 0.5 * (radius + largest))
         if abs(step) < 1e-15:
             return float(radius)
-    raise ValueError(f"no belt of {length} m closes at Θ = {theta} with the axes {center_distance} m apart")
+    raise ArgumentError(f"no belt of {length} m closes at Θ = {theta} with the axes {center_distance} m apart")
 
 
 @dataclass(frozen=True)

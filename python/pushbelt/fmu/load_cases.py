@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ..errors import PushbeltError
 from .data import load_case_speed
 from .geometry import ratio_of
 from .results import LoadCase, LoadCaseResult, SteadyState
@@ -27,7 +28,7 @@ DRIFT_STEP = 0.01
 """Communication step of this check, s."""
 
 
-class NotFoundError(RuntimeError):
+class NotFoundError(PushbeltError, RuntimeError):
     """There is no steady state at the specified belt torque."""
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from ..errors import MissingPackageError, UnknownNameError
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -14,21 +15,21 @@ if TYPE_CHECKING:
 
 
 def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) -> pandas.DataFrame:
-    """A table of columns by name, of rows, or of a record array. Raises ModuleNotFoundError with the extra that brings pandas."""
+    """A table of columns by name, of rows, or of a record array. Raises MissingPackageError with the extra that brings pandas."""
     try:
         import pandas
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError("tables need pandas: pip install 'pushbelt[maps]'", name=error.name) from error
+        raise MissingPackageError("tables need pandas: pip install 'pushbelt[maps]'", name=error.name) from error
     return pandas.DataFrame(content)
 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
-    """A value by name. Raises KeyError with similar names."""
+    """A value by name. Raises UnknownNameError with similar names."""
     try:
         return values[name]
     except KeyError:
         near = difflib.get_close_matches(name, values, n=3)
-        raise KeyError(
+        raise UnknownNameError(
             f"the {what} has no {kind} {name}" + (f"; similar names: {', '.join(near)}" if near else "")
         ) from None
 

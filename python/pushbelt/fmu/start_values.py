@@ -12,6 +12,8 @@ from typing import Any
 
 from lxml import etree
 
+from ..errors import PushbeltError
+
 DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"
 """File of start values that the library reads: one line `name = value` each."""
@@ -21,7 +23,7 @@ SETTABLE = ("parameter", "input")
 """Causalities of variables with a start value that can be set."""
 
 
-class StartValueError(ValueError):
+class StartValueError(PushbeltError, ValueError):
     """A value that the FMU does not accept. The message contains the variable and the reason."""
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import shutil
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,11 +17,12 @@ import fmpy
 import numpy as np
 from fmpy import fmi2, logging
 
+from ..errors import PushbeltError
 from . import platforms
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
-from .untrusted import unpacked
+from .untrusted import InputFileError, unpacked
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -33,7 +36,7 @@ PROFILE_FIELDS = {
 }
 
 
-class UnitError(RuntimeError):
+class UnitError(PushbeltError, RuntimeError):
     """A call of the FMU failed. The message contains the log of the FMU."""
 
 
@@ -52,6 +55,8 @@ class Archive:
 
     directory: Path
     description: Any
+    moved_by: str = "TMPDIR"
+    """Environment variable that names another folder for it."""
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
@@ -71,6 +76,11 @@ class Archive:
     def version(self) -> str:
         """Version in the model description."""
         return self.description.version or ""
+
+    @property
+    def variables(self) -> dict[str, Any]:
+        """The variables of the model description by name."""
+        return {variable.name: variable for variable in self.description.modelVariables}
 
     @property
     def units(self) -> dict[str, str]:
@@ -112,8 +122,8 @@ class Variator:
     """Logs of the existing instances, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
-        description = archive.description
-        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self._slave = _slave(archive, name)
+        self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
         self._freed = False
@@ -125,16 +135,6 @@ class Variator:
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
-        identifier = description.coSimulation.modelIdentifier
-        binaries = platforms.folder(archive.directory / "binaries")
-        self._slave = fmi2.FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=str(archive.directory),
-            modelIdentifier=identifier,
-            instanceName=name,
-            # Without it fmpy knows the older names of folders only.
-            libraryPath=binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension,
-        )
         self._call(self._slave.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
@@ -334,6 +334,60 @@ class Variator:
         log = self._logs.get(environment)
         if log is not None:
             log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+
+
+class _Lock:
+    """A lock that does not prevent this module from being sent to the workers of a cluster."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[type, tuple[()]]:
+        return _Lock, ()
+
+
+_LOADING = _Lock()
+"""fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
+
+
+def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
+    """The library of an FMU. Raises UnitError if it cannot be loaded."""
+    described = archive.description
+    refuse_others(described.modelName, described)
+    identifier = described.coSimulation.modelIdentifier
+    binaries = platforms.folder(archive.directory / "binaries")
+    with _LOADING.lock:
+        here = os.getcwd()
+        try:
+            return fmi2.FMU2Slave(
+                guid=described.guid,
+                unzipDirectory=str(archive.directory),
+                modelIdentifier=identifier,
+                instanceName=name,
+                # Without it fmpy knows the older names of folders only.
+                libraryPath=binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension,
+            )
+        except Exception as error:
+            why = _not_executable(archive) or str(error).strip()
+            raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
+        finally:
+            os.chdir(here)
+
+
+def refuse_others(fmu: Path | str, description: Any) -> None:
+    """Raises InputFileError for an FMU that this module cannot call."""
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        raise InputFileError(f"{fmu} of FMI {description.fmiVersion} cannot be called: a unit for co-simulation of FMI 2.0 is needed")
+
+
+def _not_executable(archive: Archive) -> str | None:
+    """Remark on a file system that does not allow execution; None otherwise."""
+    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
+        return None
+    return (
+        f"the file system of {archive.directory} does not allow execution (noexec): let the environment variable {archive.moved_by} name "
+        "another folder"
+    )
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

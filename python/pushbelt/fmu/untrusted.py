@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import stat
 import zipfile
 from collections.abc import Iterator, Mapping
@@ -13,14 +14,18 @@ from typing import Any
 
 import fmpy
 
+from ..errors import PushbeltError
+
 LARGEST_FILE = 500_000_000
 """Largest unpacked size of an archive, bytes."""
 MOST_FILES = 10_000
+IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")
+"""A name in C."""
 LARGEST_JSON = 50_000_000
 """Largest size of a JSON file, bytes. A parameter set has 7 kB."""
 
 
-class InputFileError(ValueError):
+class InputFileError(PushbeltError, ValueError):
     """A file cannot be used. The message contains its name and the reason."""
 
 
@@ -70,15 +75,20 @@ def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
     Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
     """
     description = described(path)
-    with _named(path):
+    with named(path):
         return Path(fmpy.extract(str(path), directory)), description
 
 
 def described(path: Path) -> Any:
     """The model description of an FMU, read from the archive. Raises the same errors as `unpacked`."""
     checked_archive(path)
-    with _named(path):
-        return fmpy.read_model_description(str(path))
+    with named(path):
+        description = fmpy.read_model_description(str(path))
+    for kind in (description.coSimulation, description.modelExchange):
+        # It is the name of the library, so it could lead out of the folder.
+        if kind is not None and not IDENTIFIER.fullmatch(kind.modelIdentifier):
+            raise InputFileError(f"{path} is not a usable FMU: its modelIdentifier {kind.modelIdentifier!r} is not a name in C")
+    return description
 
 
 class OfFmu:
@@ -103,7 +113,7 @@ class OfFmu:
 
 
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
+def named(path: Path) -> Iterator[None]:
     """Adds the file name to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
     try:
         yield
@@ -130,7 +140,7 @@ def read_json(path: Path) -> Any:
 
 
 def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is not a number")
+    raise InputFileError(f"{name} is not a number")
 
 
 def read_parameters(path: Path) -> dict[str, Any]:

@@ -17,8 +17,10 @@ from pathlib import Path
 
 from pushbelt import provenance
 from pushbelt.linear_grid import LinearGrid
+from pushbelt.linear_points import FREQUENCY, STATES
+from pushbelt.points import SteadyStateError
 from pushbelt.progress import progress_bar
-from pushbelt.variator import FREQUENCY, STATES, SteadyStateError, Variator
+from pushbelt.variator import Variator
 
 from . import points, report
 

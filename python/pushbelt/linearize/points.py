@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.linear import LinearModel
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.variator import Variator
@@ -28,7 +29,7 @@ SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
 """Smallest magnitude of a load in this comparison, N and N·m."""
 
 
-class PointError(ValueError):
+class PointError(PushbeltError, ValueError):
     """The specified points cannot be read."""
 
 

@@ -10,13 +10,14 @@ from statistics import median
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import by_name
 
 Row = dict[str, str]
 
 
-class RingsError(RuntimeError):
+class RingsError(PushbeltError, RuntimeError):
     """The program failed."""
 
 

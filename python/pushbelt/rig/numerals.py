@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from ..errors import PushbeltError
+
 GROUPS = " \N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE}'\N{RIGHT SINGLE QUOTATION MARK}_"
 """Signs between thousands that are no decimal signs."""
 MISSING = frozenset(
@@ -25,7 +27,7 @@ class Percent:
     share: float
 
 
-class NumeralError(ValueError):
+class NumeralError(PushbeltError, ValueError):
     """The decimal sign cannot be determined. The message contains the reason."""
 
 

@@ -8,13 +8,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..errors import PushbeltError
+
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
 """Parameters that are fitted by default."""
 
 PULLEYS = ("primary", "secondary")
 
 
-class ParameterError(ValueError):
+class ParameterError(PushbeltError, ValueError):
     """A parameter cannot be fitted. The message contains the reason."""
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import numerals, text, units
+from ..errors import PushbeltError
 from .numerals import NumeralError, Percent
 from .text import Cells
 from .units import Unit
@@ -71,7 +72,7 @@ class Fault:
         return f"{', '.join(place)}: {self.text}" if place else self.text
 
 
-class TableError(ValueError):
+class TableError(PushbeltError, ValueError):
     """The table cannot be used. The message has every fault with line, column and value."""
 
     def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Sheet | None = None) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import PushbeltError
 from .numerals import MISSING, Percent
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ BOMS = (
 )
 
 
-class TextError(ValueError):
+class TextError(PushbeltError, ValueError):
     """The file is not a table. The message contains the reason."""
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
@@ -54,7 +55,7 @@ MOST_POINTS = 1_000_000
 """Largest number of points of a design."""
 
 
-class DesignError(ValueError):
+class DesignError(PushbeltError, ValueError):
     """A design that cannot be solved: an unknown column, a value out of range, or too many points."""
 
 

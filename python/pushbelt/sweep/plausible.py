@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from pushbelt.errors import PushbeltError
 from pushbelt.fmu import capacity
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
@@ -14,7 +15,7 @@ MOST = 2000
 """Largest number of points that are checked, evenly spaced in the study."""
 
 
-class WrongUnitError(ValueError):
+class WrongUnitError(PushbeltError, ValueError):
     """Forces or torques of all points look like a wrong unit."""
 
 

@@ -146,6 +146,13 @@ fn an_instance_needs_a_name_the_right_kind_and_guid() {
 }
 
 #[test]
+fn a_resource_location_that_cannot_be_searched_is_skipped() {
+    let long = CString::new(format!("file:///tmp/{}", "x".repeat(5000))).expect("no zero inside");
+    let importer = Importer::with(c"tank".as_ptr(), 1, guid().as_ptr(), long.as_ptr());
+    assert!(!importer.c.is_null(), "{}", importer.last());
+}
+
+#[test]
 fn start_values_come_from_the_resources() {
     let folder = std::env::temp_dir().join(format!("pushbelt-fmi {}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");

@@ -1,0 +1,41 @@
+"""The base class of all errors of this package, errors that several modules raise, and warnings."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+
+
+class PushbeltError(Exception):
+    """Base class of all errors of this package. The message has one line: what is wrong, with its value, and what to do."""
+
+
+class ArgumentError(PushbeltError, ValueError):
+    """An argument cannot be used."""
+
+
+class UnknownNameError(PushbeltError, KeyError):
+    """There is no such name. The message contains similar ones."""
+
+    # That of KeyError is the representation of the text.
+    __str__ = Exception.__str__
+
+
+class MissingFileError(PushbeltError, FileNotFoundError):
+    """A file is missing. The message names what would provide it."""
+
+
+class MissingPackageError(PushbeltError, ModuleNotFoundError):
+    """A package is not installed. The message names the extra that installs it."""
+
+
+class VariatorWarning(UserWarning):
+    """A warning of the FMU, for example that a run does not start from the requested state, or of this package."""
+
+
+def warn(text: str) -> None:
+    """Issues a VariatorWarning that is attributed to the first caller outside of this package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, VariatorWarning, stacklevel=level)

@@ -1,0 +1,101 @@
+"""The table of the FMU's variables, with numbers instead of the texts of the model description."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from .results import dataframe, item
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True, repr=False)
+class Variable:
+    """A variable of the FMU."""
+
+    name: str
+    type: str
+    """`Real`, `Integer`, `Boolean` or `Enumeration`."""
+    causality: str
+    """`parameter`, `input`, `output` or `local`."""
+    variability: str
+    """`fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run."""
+    unit: str
+    """Unit; `1` without one."""
+    description: str
+    start: float | None
+    """Start value. Booleans are True and False, enumerations have the number of an item."""
+    min: float | None
+    max: float | None
+    nominal: float | None
+    items: Mapping[str, int]
+    """Names and numbers of an enumeration."""
+
+    @classmethod
+    def of(cls, declared: Any) -> Variable:
+        """A variable of a model description that fmpy has read."""
+        start = declared.start
+        if start is not None:
+            start = str(start).lower() in ("true", "1") if declared.type == "Boolean" else float(start)
+        enumeration = declared.declaredType if declared.type == "Enumeration" else None
+        return cls(
+            name=declared.name,
+            type=declared.type,
+            causality=declared.causality,
+            variability=declared.variability,
+            unit=declared.unit or "1",
+            description=declared.description or "",
+            start=int(start) if declared.type in ("Integer", "Enumeration") and start is not None else start,
+            **{key: _number(getattr(declared, key)) for key in ("min", "max", "nominal")},
+            items={} if enumeration is None else {one.name: int(one.value) for one in enumeration.items},
+        )
+
+    def __repr__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        parts = [f"{self.variability} {self.causality}"]
+        if self.start is not None:
+            named = {number: name for name, number in self.items.items()}
+            shown = str(self.start) if self.type == "Boolean" else named.get(self.start, f"{self.start:g}")
+            parts.append(f"start {shown}{unit}")
+        if self.items:
+            parts.append(f"one of {', '.join(self.items)}")
+        elif self.min is not None and self.max is not None:
+            parts.append(f"range {self.min:g} to {self.max:g}{unit}")
+        elif unit and self.start is None:
+            parts.append(self.unit)
+        return f"<{self.name}: {', '.join(parts)}; {self.description}>"
+
+
+class Variables(Mapping[str, Variable]):
+    """The FMU's variables by name. An unknown name raises UnknownNameError with similar ones."""
+
+    def __init__(self, declared: Iterable[Any]) -> None:
+        self._all = {one.name: Variable.of(one) for one in declared}
+
+    def __getitem__(self, name: str) -> Variable:
+        return item(self._all, name, "FMU", "variable")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._all
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __repr__(self) -> str:
+        counts = Counter(one.causality for one in self._all.values())
+        return f"<Variables: {', '.join(f'{count} {kind}s' for kind, count in counts.items())}>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table over the names, with a column for each attribute. Needs `pushbelt[maps]`."""
+        return dataframe([asdict(one) for one in self._all.values()]).set_index("name")
+
+
+def _number(text: Any) -> float | None:
+    return None if text is None else float(text)

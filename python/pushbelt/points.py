@@ -1,0 +1,254 @@
+"""Steady states of a variator at working points, and the clamping forces that they need."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from .errors import ArgumentError, MissingPackageError, PushbeltError, warn
+from .fmu import capacity
+from .fmu import unit as calls
+from .fmu.data import clamping_force, pitch_radius, torque_capacity
+from .fmu.results import SteadyState
+from .fmu.start_values import StartValueError, checked
+from .fmu.starts import driven_by_torque
+from .fmu.unit import Archive, UnitError
+from .fmu.variables import Variables
+
+if TYPE_CHECKING:
+    import xarray
+
+SPEED = 200.0
+"""Default primary speed of a steady state, rad/s."""
+SAFETY = 1.3
+"""Default safety factor of the clamping force of a steady state."""
+LEAST_FORCE = 4e3
+"""Least clamping force of a steady state with `SAFETY`, N."""
+MOST_STATES = 3
+"""Largest number of steady states that are solved for a clamping force with `SAFETY`."""
+SAME_FORCE = 0.01
+"""Relative change below which a clamping force with `SAFETY` is not improved further."""
+OVERRUN = 0.5
+"""Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger."""
+
+Read = TypeVar("Read")
+
+Values = Mapping[str, Any]
+"""Values by names of FMU variables, in SI units; enumerations by name or number."""
+
+
+class SteadyStateError(PushbeltError, RuntimeError):
+    """There is no steady state at a working point, or the belt slips through there."""
+
+
+class Point(NamedTuple):
+    """A working point: geometric ratio (1), primary torque (N·m), primary speed (rad/s), secondary clamping force (N)."""
+
+    ratio: float
+    torque: float
+    speed: float
+    force: float
+
+    def __str__(self) -> str:
+        return f"at ratio {self.ratio:g}, {self.torque:g} N·m, {self.speed:g} rad/s and {self.force:g} N"
+
+
+def _check(point: Point) -> None:
+    """Raises StartValueError if a number of a point is not usable."""
+    for name, value in point._asdict().items():
+        if not math.isfinite(value):
+            raise StartValueError(f"{name} = {value!r} is not finite")
+    if point.ratio <= 0.0:
+        raise StartValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
+    if point.force < 0.0:
+        raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+
+
+class WorkingPoints:
+    """Steady states of the variator of given start values. They are solved on an instance of their own."""
+
+    def __init__(self, archive: Archive, values: Values) -> None:
+        """`values` are start values, of which all that are needed are checked."""
+        self._archive, self._values = archive, dict(values)
+        self._declared = archive.variables
+        self._solver: calls.Variator | None = None
+        self._last_steady: tuple[Values, SteadyState] | None = None
+        self.variables = Variables(self._declared.values())
+        """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
+
+    def close(self) -> None:
+        """Frees the instance."""
+        if self._solver is not None:
+            self._solver.free()
+        self._solver = None
+
+    def steady(
+        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
+    ) -> SteadyState:
+        """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time is not affected.
+
+        The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the
+        secondary clamping force, N. By default it carries the torque with a factor of `safety` and is at least 4 kN.
+        The state has outputs by name, `profile`, and `load_torque`, the secondary torque in the steady state.
+
+        Raises SteadyStateError if there is no steady state, or if the belt slips through.
+        """
+        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
+        return self._steady(self._values, Point(ratio, torque, speed, force))
+
+    def _steady(self, values: Values, point: Point) -> SteadyState:
+        """The steady state at a point with these start values. The last one is kept."""
+        held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
+        if self._last_steady is None or self._last_steady[0] != held:
+            self._last_steady = (held, self._solve_steady(values, held, point))
+        return self._last_steady[1]
+
+    def _solve_steady(self, values: Values, held: Values, point: Point) -> SteadyState:
+        _check(point)
+        if why := capacity.shortfall(values, point.ratio, point.torque, point.force):
+            raise SteadyStateError(f"no steady state {point}: {why}")
+        if why := capacity.excessive_speed(values, point.ratio, point.speed):
+            warn(why)
+        state = self._solved(
+            held,
+            point,
+            lambda solver: SteadyState(solver.outputs(), solver.profile(), solver.get("secondary.externalTorque")),
+        )
+        if state["macroSlip"]:
+            raise SteadyStateError(
+                f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}"
+            )
+        return state
+
+    def _solved(self, values: Values, point: Point, read: Callable[[calls.Variator], Read]) -> Read:
+        """Result of `read` for an instance that starts in the steady state of these start values."""
+        values = checked(self._declared, {**values, "initial.equilibrium": False})
+        solver = self._solver or calls.Variator(self._archive, {})
+        # An instance in which a call failed cannot be used any more.
+        self._solver = None
+        try:
+            solver.restart(values)
+            solver.initialise()
+            if solver.not_steady:
+                raise SteadyStateError(f"no steady state {point}: {solver.not_steady}")
+            found = read(solver)
+        except UnitError as error:
+            solver.free()
+            raise SteadyStateError(f"no steady state {point}: {error}") from error
+        except RuntimeError:
+            self._solver = solver
+            raise
+        self._solver = solver
+        return found
+
+    def least_force(
+        self,
+        ratio: float,
+        torque: float,
+        safety: float = SAFETY,
+        *,
+        speed: float = SPEED,
+        thrust_ratio: float | None = None,
+    ) -> float:
+        """Secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
+
+        The primary pulley is clamped by the thrust ratio κ times this force. κ is that of at most three steady states at
+        `speed` (rad/s), about 0.05 s each, or `thrust_ratio`, with which nothing is solved.
+        """
+        return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
+
+    def _least_force(
+        self,
+        values: Values,
+        ratio: float,
+        torque: float,
+        speed: float,
+        safety: float,
+        thrust_ratio: float | None = None,
+    ) -> float:
+        """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
+        _check(Point(ratio, torque, speed, 0.0))
+        if not (math.isfinite(safety) and safety > 0.0):
+            raise ArgumentError(f"safety = {safety!r} is not a number above 0")
+        needed = clamping_force(torque, pitch_radius(values, ratio), values["friction.pulley"], values["geometry.wedgeAngle"], safety)
+        if why := capacity.excessive_force(torque, needed):
+            raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
+        if thrust_ratio is not None:
+            return max(needed / min(1.0, thrust_ratio), LEAST_FORCE)
+        if torque == 0.0:
+            return LEAST_FORCE
+        force = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE)
+        found = False
+        for _ in range(MOST_STATES):
+            try:
+                state = self._steady(values, Point(ratio, torque, speed, force))
+            except SteadyStateError:
+                if found:
+                    break
+                force = 2.0 * force
+                continue
+            found = True
+            better = max(needed / min(1.0, state["thrustRatio"]), LEAST_FORCE)
+            if abs(better / force - 1.0) < SAME_FORCE:
+                break
+            force = better
+        return force
+
+    def torque_capacity(self, ratio: float, force: float, thrust_ratio: float = 1.0) -> float:
+        """Primary torque at which the belt slips through at a ratio, under a secondary clamping force (N); N·m.
+
+        It is that of the secondary pulley, at which the torque utilisation is 1. With a thrust ratio below 1 it is that of the primary.
+        """
+        return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
+
+    def thrust_map(
+        self,
+        ratios: Iterable[float],
+        torques: Iterable[float],
+        *,
+        speed: float = SPEED,
+        force: float | None = None,
+        safety: float = SAFETY,
+    ) -> xarray.Dataset:
+        """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
+
+        Returns a data set with the dimensions `ratio` and `torque`. It has a variable for each output (`thrustRatio`, `slip`,
+        `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and `reason`, which is empty at
+        points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
+        """
+        try:
+            import xarray
+        except ModuleNotFoundError as error:
+            raise MissingPackageError(
+                "thrust_map needs xarray: pip install 'pushbelt[maps]'", name=error.name
+            ) from error
+
+        ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
+        names = [*calls.output_names(self._declared.values()), "clampingForce"]
+        values = np.full((len(names), len(ratios), len(torques)), np.nan)
+        reasons = np.full((len(ratios), len(torques)), "", dtype=object)
+        for m, n in np.ndindex(reasons.shape):
+            used = math.nan if force is None else force
+            try:
+                used = self.least_force(ratios[m], torques[n], safety, speed=speed) if force is None else force
+                state = self.steady(ratios[m], torques[n], speed=speed, force=used)
+            except SteadyStateError as error:
+                reasons[m, n] = str(error)
+            else:
+                values[:, m, n] = [*(state[name] for name in names[:-1]), used]
+        axes = ("ratio", "torque")
+        about = {"clampingForce": {"units": "N", "long_name": "Secondary clamping force"}}
+        for name in names[:-1]:
+            variable = self.variables[name]
+            about[name] = {"units": variable.unit, "long_name": variable.description}
+        return xarray.Dataset(
+            {name: (axes, values[k], about[name]) for k, name in enumerate(names)} | {"reason": (axes, reasons)},
+            coords={
+                "ratio": ("ratio", ratios, {"units": "1", "long_name": "Geometric ratio r_S/r_P"}),
+                "torque": ("torque", torques, {"units": "N.m", "long_name": "Primary torque"}),
+            },
+            attrs={"primary speed": speed, "units of it": "rad/s"},
+        )
