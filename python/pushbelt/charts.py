@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,9 @@ BUCKETS = 900
 """Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
 SYMLOG_SHARE = 1.5
 """Height of the linear part of a symlog axis, in decades."""
-DASHES = {"": "solid", "solid": "solid", "dash": "dash", "dot": "dot"}
+DASHES = {"": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
+MARGIN = 0.06
+"""Empty part of the axes on each side of a figure whose axes have the same scale."""
 
 Tick = tuple[float, str]
 
@@ -122,7 +124,7 @@ class Panel:
     marks: Sequence[Mark] = ()
     levels: Sequence[Level] = ()
     equal: bool = False
-    """Whether x and y have the same scale."""
+    """Whether x and y have the same scale. Without ranges the axes have a margin around the lines."""
     stacked: bool = False
     height: int = 230
     note: str = ""
@@ -359,7 +361,17 @@ def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, s
     return axis
 
 
+def around(values: Sequence[ArrayLike], margin: float = MARGIN) -> tuple[float, float]:
+    """The range of all values with a margin."""
+    every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
+    low, high = float(np.nanmin(every)), float(np.nanmax(every))
+    return low - margin * (high - low), high + margin * (high - low)
+
+
 def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
+    if panel.equal and panel.x_range is None:
+        x, y = ([getattr(one, axis) for one in panel.series] for axis in "xy")
+        panel = replace(panel, x_range=around(x), y_range=around(y))
     y_ticks, y_range = panel.y_ticks, panel.y_range
     if panel.scale == "symlog":
         y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)

@@ -42,6 +42,7 @@ def look_at(report: Path) -> None:
         for width in WIDTHS:
             page.open(report, width)
             _is_drawn(page)
+            _legends_are_as_drawn(page)
             _fits(page, width)
             _is_legible(page)
         _tables_sort(page)
@@ -64,6 +65,22 @@ def _is_drawn(page: browser.Page) -> None:
         "[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length"
     )
     assert (images, empty) == (0, 0)
+
+
+def _legends_are_as_drawn(page: browser.Page) -> None:
+    """Checks that the sample of each line in a legend has the colour, width, dash and opacity of a line of that name."""
+    wrong = page.run(
+        """[...document.querySelectorAll('.keys button')].filter((key) => key.querySelector('path.line')).flatMap((key) => {
+            const sample = key.querySelector('path.line'), name = key.childNodes[1].textContent;
+            const look = (path, opacity) => [...['stroke', 'strokeWidth', 'strokeDasharray'].map((one) => getComputedStyle(path)[one]), Number(opacity)].join(' ');
+            const shown = look(sample, sample.closest('svg').getAttribute('opacity'));
+            const drawn = [...key.closest('.chart').querySelectorAll('.plot')].flatMap((plot) =>
+                [...plot.querySelectorAll('.scatterlayer .trace')].filter((trace) => trace.__data__[0].trace.name === name)
+                    .flatMap((trace) => [...trace.querySelectorAll('.js-line')].map((path) => look(path, getComputedStyle(trace).opacity))));
+            return drawn.length === 0 || drawn.includes(shown) ? [] : [`${name}: ${shown}, drawn ${drawn[0]}`];
+        })"""
+    )
+    assert wrong == [], wrong
 
 
 def _fits(page: browser.Page, width: int) -> None:
