@@ -17,7 +17,7 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from .fmu.geometry import Array
-from .style import COLOUR_SCALE, GRID, INK, MUTED
+from .style import GRID, INK, MUTED, colour_stops
 
 BUCKETS = 900
 """Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
@@ -69,10 +69,11 @@ class Field:
     """First level, last level and spacing of the contours."""
     ticks: tuple[Tick, ...] = ()
     """Ticks of the colour bar."""
-    shown: ArrayLike | None = None
-    """Hover text instead of the values, if these are positions on a scale."""
+    unit: str = ""
+    """Unit above the colour bar."""
+    middle: float | None = None
+    """Value from which the colours diverge."""
     lines_only: bool = False
-    bar: bool = True
 
 
 @dataclass(frozen=True)
@@ -309,13 +310,9 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
 
 
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
-    values = np.asarray(one.values, dtype=float)
-    shown = values if one.shown is None else np.asarray(one.shown, dtype=float)
     trace: dict[str, Any] = {
-        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(values),
-        "customdata": encoded(shown), "connectgaps": False, "showscale": one.bar and not one.lines_only,
-        "hovertemplate": "%{x:.3~g}, %{y:.3~g}: <b>%{customdata:.4~g}</b><extra>" + escape(one.name) + "</extra>",
-        "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
+        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(one.values),
+        "connectgaps": False, "showscale": not one.lines_only, "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
     }  # fmt: skip
     if one.levels is not None:
         start, end, size = one.levels
@@ -329,12 +326,18 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
         trace["contours"]["labelfont"] = {"size": 12, "color": MUTED}
         trace["line"] = {"width": 1.0, "color": MUTED}
-    else:
-        trace["colorscale"] = [[k / (len(COLOUR_SCALE) - 1), colour] for k, colour in enumerate(COLOUR_SCALE)]
-        trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
-        if one.ticks:
-            places, texts = zip(*one.ticks, strict=True)
-            trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
+        trace["hovertemplate"] = "%{x:.3~g}, %{y:.3~g}: <b>%{z:.4~g}</b><extra>" + escape(one.name) + "</extra>"
+        return trace
+    # The points have the values; between them the colours are interpolated.
+    trace["hoverinfo"] = "skip"
+    share = None if one.middle is None or one.levels is None else (one.middle - one.levels[0]) / (one.levels[1] - one.levels[0])
+    trace["colorscale"] = [list(stop) for stop in colour_stops(share)]
+    trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
+    if one.unit:
+        trace["colorbar"]["title"] = {"text": one.unit, "font": {"size": 12}}
+    if one.ticks:
+        places, texts = zip(*one.ticks, strict=True)
+        trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
     return trace
 
 
