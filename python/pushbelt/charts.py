@@ -372,7 +372,7 @@ def around(values: Sequence[ArrayLike], margin: float = MARGIN) -> tuple[float, 
 
 
 def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
-    if panel.equal and panel.x_range is None:
+    if panel.equal and panel.x_range is None and panel.scale == panel.x_scale == "linear":
         x, y = ([getattr(one, axis) for one in panel.series] for axis in "xy")
         panel = replace(panel, x_range=around(x), y_range=around(y))
     y_ticks, y_range = panel.y_ticks, panel.y_range

@@ -98,11 +98,12 @@ def panel(
 
 
 def _rows(utilisation: Array, border: Border) -> Array:
-    """Closer values over the utilisation, up to the border if that is less than a step away."""
+    """Closer values over the utilisation with those of the border, up to it if that is less than a step away."""
     low, high = (np.append(side[np.isfinite(side)], end) for side, end in zip(border.utilisation, utilisation[[0, -1]], strict=True))
     step = np.diff(utilisation)[[0, -1]] if len(utilisation) > 1 else np.zeros(2)
     first, last = max(low.min(), utilisation[0] - step[0]), min(high.max(), utilisation[-1] + step[1])
-    return np.union1d(utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS))
+    rows = np.concatenate([utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS), low, high])
+    return np.unique(rows[(rows >= first) & (rows <= last)])
 
 
 def _beyond(ratio: Array, ends: tuple[float, float], border: Border) -> list[Series]:

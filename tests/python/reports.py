@@ -159,6 +159,13 @@ def _is_legible(page: browser.Page) -> None:
                     }
                 }
             }
+            const labels = seen('.annotation-text').sort((a, b) => a.box.left - b.box.left);
+            for (let k = 1; k < labels.length; k++) {
+                const [a, b] = [labels[k - 1], labels[k]];
+                if (b.box.left < a.box.right - 1 && b.box.top < a.box.bottom - 3 && a.box.top < b.box.bottom - 3) {
+                    complaints.push(`overlap: ${a.text} and ${b.text} of ${plot.getAttribute('aria-label')}`);
+                }
+            }
             return complaints;
         })"""
     )
