@@ -53,6 +53,10 @@ class Series:
     """Which bars are hatched."""
     labels: Sequence[str] | None = None
     """Hover text of each point, before the values."""
+    texts: Sequence[str] | None = None
+    """Text beside each point."""
+    text_sides: Sequence[str] = ()
+    """Side of each text: `middle left`, `middle right` and so on."""
     bar_width: float | None = None
 
 
@@ -274,13 +278,17 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
     if one.marker or one.kind == "points":
         trace["marker"] = {"color": one.colour, "size": one.size, "symbol": one.marker or "circle"}
         trace["marker"]["line"] = {"width": 1.3 if "open" in one.marker else 0.0, "color": one.colour}
+    if one.texts is not None:
+        # A point on the border is drawn whole.
+        trace |= {"mode": f"{mode}+text", "text": list(one.texts), "textposition": list(one.text_sides), "cliponaxis": False}
+        trace["textfont"] = {"size": 12, "color": one.colour}
     return [trace if linked else trace | _hover(one)]
 
 
 def _hover(one: Series) -> dict[str, Any]:
     said = {"hoverinfo": "all", "hovertemplate": "%{x:.4~g}: <b>%{y:.4~g}</b><extra>" + escape(one.name) + "</extra>"}
     if one.labels is not None:
-        said |= {"text": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{text}")}
+        said |= {"customdata": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{customdata}")}
     return said
 
 
@@ -291,7 +299,6 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
         "x": encoded(x),
         "y": encoded(y),
         "marker": {"color": one.colour},
-        "textposition": "none",
     }
     if one.bar_width is not None:
         trace["width"] = one.bar_width

@@ -69,7 +69,7 @@ EVERYTHING = Panel(
     "All kinds",
     [
         Series("line", [0.0, 1.0, 2.0], [1.0, 5.0, np.nan], dash="dash"),
-        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"]),
+        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"], texts=["7", "8"], text_sides=["middle left", "middle right"]),
         Series("bars", [0.0, 1.0], [1.0, 2.0], kind="bars", hatched=[True, False], errors=([0.1, 0.1], [0.2, 0.2])),
         Series("rows", [1.0, 2.0], [0.0, 1.0], kind="rows"),
         Series("band", [0.0, 1.0], [1.0, 2.0], kind="band", upper=[2.0, 3.0]),
