@@ -173,8 +173,8 @@ def _is_legible(page: browser.Page) -> None:
 
 
 def _tables_sort(page: browser.Page) -> None:
-    """Sorts the first sortable table by keyboard, and checks the order of its numbers."""
-    header = "document.querySelector('table.sortable th[aria-sort]')"
+    """Sorts the first visible sortable table by keyboard, and checks the order of its numbers. Cards of narrow screens have no header."""
+    header = "[...document.querySelectorAll('table.sortable th[aria-sort]')].find((one) => one.offsetParent)"
     if not page.run(f"Boolean({header})"):
         return
     cells = f"[...{header}.closest('table').rows].slice(1).map((row) => row.cells[{header}.cellIndex].textContent.trim())"
