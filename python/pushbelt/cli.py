@@ -290,7 +290,7 @@ def show_variables(options: argparse.Namespace) -> int:
         for one in variables
         if (options.kind is None or one.causality == options.kind)
         and all(word in f"{one.name} {one.description or ''}".lower() for word in words)
-        and ("profile." in " ".join(words) or not one.name.startswith("profile."))
+        and ("profile." in " ".join(words) or not one.name.startswith(("profile.", "profile_")))
     ]
     if not found:
         near = difflib.get_close_matches(" ".join(options.words), [one.name for one in variables], n=3)

@@ -65,7 +65,10 @@ def _compared(quantity: str, sets: Mapping[str, Sequence[Residual]]) -> Panel:
     leading = next(iter(sets.values()))
     most = reach(leading)
     bulk = [one for one in leading if abs(one.relative) <= most]
-    x_range, y_range = around([[one.measured for one in bulk]]), around([[v for one in bulk for v in (one.measured, one.found)]])
+    x_range, y_range = (
+        around([[one.measured for one in bulk]]),
+        around([[v for one in bulk for v in (one.measured, one.found)]]),
+    )
     ends = [max(x_range[0], y_range[0]), min(x_range[1], y_range[1])]
     line = Series("model as measured", ends, ends, ORANGE, width=1.0)
     points = {name: (of, [one.measured for one in of], [one.found for one in of]) for name, of in sets.items()}
@@ -102,7 +105,14 @@ def _inside(
         low, high = np.array([x_range, y_range]).T[:, :, None]
         sides = np.sign(at - np.clip(at, low, high)).astype(int)
         beyond = sides.any(axis=0)
-        series.append(Series(name, *at[:, ~beyond], labels=[one.label for one, out in zip(of, beyond, strict=True) if not out], **look))
+        series.append(
+            Series(
+                name,
+                *at[:, ~beyond],
+                labels=[one.label for one, out in zip(of, beyond, strict=True) if not out],
+                **look,
+            )
+        )
         if k > 0:
             if beyond.any():
                 notes.append(f"{beyond.sum()} values of {name} are outside the figure.")
@@ -112,14 +122,30 @@ def _inside(
         for side, marker in ARROWS.items():
             chosen = np.flatnonzero((np.where(sides[1], 0, sides[0]) == side[0]) & (sides[1] == side[1]) & beyond)
             if chosen.size:
-                series.append(_marked(name, border[:, chosen], [of[n] for n in chosen], value, sum(x_range) / 2, {**look, "marker": marker, "size": 10}))
+                series.append(
+                    _marked(
+                        name,
+                        border[:, chosen],
+                        [of[n] for n in chosen],
+                        value,
+                        sum(x_range) / 2,
+                        {**look, "marker": marker, "size": 10},
+                    )
+                )
     return series, " ".join(notes)
 
 
 def _marked(name: str, at: Array, of: Sequence[Residual], value: Any, middle: float, look: Mapping[str, Any]) -> Series:
     texts = [value(one) for one in of]
     sides = ["middle right" if x < middle else "middle left" for x in at[0]]
-    return Series(name, *at, labels=[f"{one.label}: {text}" for one, text in zip(of, texts, strict=True)], texts=texts, text_sides=sides, **look)
+    return Series(
+        name,
+        *at,
+        labels=[f"{one.label}: {text}" for one, text in zip(of, texts, strict=True)],
+        texts=texts,
+        text_sides=sides,
+        **look,
+    )
 
 
 def _brief(value: float) -> str:

@@ -74,7 +74,10 @@ def test_fmpy_finds_no_fault_and_the_same_results(fmu: Path, flat_fmu: Path) -> 
     settings = {"stop_time": 0.02, "step_size": 1e-3, "output_interval": 1e-3}
     expected = fmpy.simulate_fmu(str(fmu), output=OUTPUTS, start_values=START, **settings)
     found = fmpy.simulate_fmu(
-        str(flat_fmu), output=[names[name] for name in OUTPUTS], start_values={names[k]: v for k, v in START.items()}, **settings
+        str(flat_fmu),
+        output=[names[name] for name in OUTPUTS],
+        start_values={names[k]: v for k, v in START.items()},
+        **settings,
     )
     for name in OUTPUTS:
         assert np.array_equal(found[names[name]], expected[name])
@@ -88,7 +91,9 @@ def test_other_masters_run_it(fmu: Path, flat_fmu: Path, package: str, run: mast
     names = flat(OUTPUTS)
     inputs = {"primary.torque": 60.0, "secondary.torque": -58.0}
     expected = masters.with_fmpy(fmu, {}, lambda _: inputs, 10, OUTPUTS)
-    found = run(flat_fmu, {}, lambda _: {flat(inputs)[k]: v for k, v in inputs.items()}, 10, [names[name] for name in OUTPUTS])
+    found = run(
+        flat_fmu, {}, lambda _: {flat(inputs)[k]: v for k, v in inputs.items()}, 10, [names[name] for name in OUTPUTS]
+    )
     assert found[1:] == pytest.approx(expected[1:], rel=1e-9)
 
 
@@ -100,11 +105,19 @@ def test_the_checker_of_the_manipulation_toolbox_finds_nothing(flat_fmu: Path) -
     assert "compliant with FMI-2.0" in said and "ERROR" not in said and "WARNING" not in said, said
 
 
+def test_its_variables_are_listed_without_the_fields(flat_fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["variables", "--kind", "output", "--fmu", str(flat_fmu)]) == 0
+    said = capsys.readouterr().out
+    assert "ratio_geometric" in said and "profile_pushForce" not in said
+
+
 def test_start_values_hold_under_flat_names(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = written(tmp_path / "own.fmu", fmu, "--set", "initial.ratio=1.4", "--set", "ring.model=ALE0")
     assert "2 start values, flat names" in capsys.readouterr().out
     assert not list(tmp_path.glob("*.part"))
-    result = fmpy.simulate_fmu(str(copy), stop_time=2e-3, step_size=1e-3, output=["ratio_geometric"], apply_default_start_values=True)
+    result = fmpy.simulate_fmu(
+        str(copy), stop_time=2e-3, step_size=1e-3, output=["ratio_geometric"], apply_default_start_values=True
+    )
     assert result["ratio_geometric"][0] == pytest.approx(1.4, rel=1e-6)
     # They can't be written afterwards: the library reads them by their names with dots.
     assert cli.main(["fmu", str(tmp_path / "again.fmu"), "--fmu", str(copy), "--set", "initial_ratio=1.2"]) == 1

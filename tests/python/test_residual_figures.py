@@ -16,7 +16,10 @@ def points(errors: np.ndarray, fifth: float | None = None) -> list[Residual]:
     measured = found - 0.01 * errors
     if fifth is not None:
         measured[4] = fifth
-    return [Residual(f"line {k}", 10.0 * k, 0.5 + 0.1 * k, m, f, 0.01) for k, (m, f) in enumerate(zip(measured, found, strict=True))]
+    return [
+        Residual(f"line {k}", 10.0 * k, 0.5 + 0.1 * k, m, f, 0.01)
+        for k, (m, f) in enumerate(zip(measured, found, strict=True))
+    ]
 
 
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
@@ -54,7 +57,9 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
     assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
 
 
-@pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
+@pytest.mark.parametrize(
+    ("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)]
+)
 def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
     assert reach(points(errors)) == pytest.approx(expected)
 

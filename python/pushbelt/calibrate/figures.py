@@ -10,11 +10,9 @@ from .results import Results, Row
 
 
 def residuals(results: Results, quantity: str) -> Chart:
-    """Figures of a quantity. The values after the fit determine the axes, since those at the start may be very far off."""
+    """Figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
     rows = results.of(quantity)
-    return residual_figures.residuals(
-        quantity, {"fitted": _of(rows, "after"), "start values": _of(rows, "before")}
-    )
+    return residual_figures.residuals(quantity, {"fitted": _of(rows, "after"), "start values": _of(rows, "before")})
 
 
 def _of(rows: list[Row], side: str) -> list[Residual]:
