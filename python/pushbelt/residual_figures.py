@@ -5,7 +5,7 @@ The axes fit the bulk of the values of the leading set. Its outliers are at the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,34 +118,30 @@ def _inside(
                 notes.append(f"{beyond.sum()} values of {name} are outside the figure.")
             continue
         inset = INSET * (high - low)
-        border = np.clip(at, low + inset, high - inset)
-        for side, marker in ARROWS.items():
-            chosen = np.flatnonzero((np.where(sides[1], 0, sides[0]) == side[0]) & (sides[1] == side[1]) & beyond)
-            if chosen.size:
-                series.append(
-                    _marked(
-                        name,
-                        border[:, chosen],
-                        [of[n] for n in chosen],
-                        value,
-                        sum(x_range) / 2,
-                        {**look, "marker": marker, "size": 10},
-                    )
-                )
+        series += _marked(name, of, np.clip(at, low + inset, high - inset), sides, sum(x_range) / 2, value)
     return series, " ".join(notes)
 
 
-def _marked(name: str, at: Array, of: Sequence[Residual], value: Any, middle: float, look: Mapping[str, Any]) -> Series:
-    texts = [value(one) for one in of]
-    sides = ["middle right" if x < middle else "middle left" for x in at[0]]
-    return Series(
-        name,
-        *at,
-        labels=[f"{one.label}: {text}" for one, text in zip(of, texts, strict=True)],
-        texts=texts,
-        text_sides=sides,
-        **look,
-    )
+def _marked(
+    name: str, of: Sequence[Residual], border: Array, sides: Array, middle: float, value: Any
+) -> Iterator[Series]:
+    """Arrows at the border, with values beside them, every other one further inside."""
+    for (right, up), marker in ARROWS.items():
+        chosen = np.flatnonzero((sides[1] == up) & ((sides[0] == right) | (up != 0)))
+        chosen = chosen[np.argsort(border[0, chosen])]
+        if not chosen.size:
+            continue
+        inside = {0: "", 1: "bottom center", -1: "top center"}[up]
+        beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
+        texts = [value(of[n]) for n in chosen]
+        yield Series(
+            name,
+            *border[:, chosen],
+            **LOOKS[0] | {"kind": "points", "marker": marker, "size": 10},  # type: ignore[arg-type]
+            labels=[f"{of[n].label}: {text}" for n, text in zip(chosen, texts, strict=True)],
+            texts=texts,
+            text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
+        )
 
 
 def _brief(value: float) -> str:
