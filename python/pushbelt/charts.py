@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,15 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from .fmu.geometry import Array
-from .style import COLOUR_SCALE, GRID, INK, MUTED
+from .style import GRID, INK, MUTED, colour_stops
 
 BUCKETS = 900
 """Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
 SYMLOG_SHARE = 1.5
 """Height of the linear part of a symlog axis, in decades."""
-DASHES = {"": "solid", "solid": "solid", "dash": "dash", "dot": "dot"}
+DASHES = {"": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
+MARGIN = 0.06
+"""Empty part of the axes on each side of a figure whose axes have the same scale."""
 
 Tick = tuple[float, str]
 
@@ -51,6 +53,10 @@ class Series:
     """Which bars are hatched."""
     labels: Sequence[str] | None = None
     """Hover text of each point, before the values."""
+    texts: Sequence[str] | None = None
+    """Text beside each point."""
+    text_sides: Sequence[str] = ()
+    """Side of each text: `middle left`, `middle right` and so on."""
     bar_width: float | None = None
 
 
@@ -67,10 +73,11 @@ class Field:
     """First level, last level and spacing of the contours."""
     ticks: tuple[Tick, ...] = ()
     """Ticks of the colour bar."""
-    shown: ArrayLike | None = None
-    """Hover text instead of the values, if these are positions on a scale."""
+    unit: str = ""
+    """Unit above the colour bar."""
+    middle: float | None = None
+    """Value from which the colours diverge."""
     lines_only: bool = False
-    bar: bool = True
 
 
 @dataclass(frozen=True)
@@ -122,7 +129,7 @@ class Panel:
     marks: Sequence[Mark] = ()
     levels: Sequence[Level] = ()
     equal: bool = False
-    """Whether x and y have the same scale."""
+    """Whether x and y have the same scale. Without ranges the axes have a margin around the lines."""
     stacked: bool = False
     height: int = 230
     note: str = ""
@@ -271,13 +278,17 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
     if one.marker or one.kind == "points":
         trace["marker"] = {"color": one.colour, "size": one.size, "symbol": one.marker or "circle"}
         trace["marker"]["line"] = {"width": 1.3 if "open" in one.marker else 0.0, "color": one.colour}
+    if one.texts is not None:
+        # A point on the border is drawn whole.
+        trace |= {"mode": f"{mode}+text", "text": list(one.texts), "textposition": list(one.text_sides), "cliponaxis": False}
+        trace["textfont"] = {"size": 12, "color": one.colour}
     return [trace if linked else trace | _hover(one)]
 
 
 def _hover(one: Series) -> dict[str, Any]:
     said = {"hoverinfo": "all", "hovertemplate": "%{x:.4~g}: <b>%{y:.4~g}</b><extra>" + escape(one.name) + "</extra>"}
     if one.labels is not None:
-        said |= {"text": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{text}")}
+        said |= {"customdata": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{customdata}")}
     return said
 
 
@@ -288,7 +299,6 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
         "x": encoded(x),
         "y": encoded(y),
         "marker": {"color": one.colour},
-        "textposition": "none",
     }
     if one.bar_width is not None:
         trace["width"] = one.bar_width
@@ -307,13 +317,9 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
 
 
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
-    values = np.asarray(one.values, dtype=float)
-    shown = values if one.shown is None else np.asarray(one.shown, dtype=float)
     trace: dict[str, Any] = {
-        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(values),
-        "customdata": encoded(shown), "connectgaps": False, "showscale": one.bar and not one.lines_only,
-        "hovertemplate": "%{x:.3~g}, %{y:.3~g}: <b>%{customdata:.4~g}</b><extra>" + escape(one.name) + "</extra>",
-        "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
+        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(one.values),
+        "connectgaps": False, "showscale": not one.lines_only, "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
     }  # fmt: skip
     if one.levels is not None:
         start, end, size = one.levels
@@ -327,12 +333,18 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
         trace["contours"]["labelfont"] = {"size": 12, "color": MUTED}
         trace["line"] = {"width": 1.0, "color": MUTED}
-    else:
-        trace["colorscale"] = [[k / (len(COLOUR_SCALE) - 1), colour] for k, colour in enumerate(COLOUR_SCALE)]
-        trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
-        if one.ticks:
-            places, texts = zip(*one.ticks, strict=True)
-            trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
+        trace["hovertemplate"] = "%{x:.3~g}, %{y:.3~g}: <b>%{z:.4~g}</b><extra>" + escape(one.name) + "</extra>"
+        return trace
+    # The points have the values; between them the colours are interpolated.
+    trace["hoverinfo"] = "skip"
+    share = None if one.middle is None or one.levels is None else (one.middle - one.levels[0]) / (one.levels[1] - one.levels[0])
+    trace["colorscale"] = [list(stop) for stop in colour_stops(share)]
+    trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
+    if one.unit:
+        trace["colorbar"]["title"] = {"text": one.unit, "font": {"size": 12}}
+    if one.ticks:
+        places, texts = zip(*one.ticks, strict=True)
+        trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
     return trace
 
 
@@ -359,7 +371,17 @@ def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, s
     return axis
 
 
+def around(values: Sequence[ArrayLike], margin: float = MARGIN) -> tuple[float, float]:
+    """The range of all values with a margin."""
+    every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
+    low, high = float(np.nanmin(every)), float(np.nanmax(every))
+    return low - margin * (high - low), high + margin * (high - low)
+
+
 def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
+    if panel.equal and panel.x_range is None and panel.scale == panel.x_scale == "linear":
+        x, y = ([getattr(one, axis) for one in panel.series] for axis in "xy")
+        panel = replace(panel, x_range=around(x), y_range=around(y))
     y_ticks, y_range = panel.y_ticks, panel.y_range
     if panel.scale == "symlog":
         y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)

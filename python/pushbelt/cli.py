@@ -1,5 +1,5 @@
-"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values, and shows variables, pages and
-the cache."""
+"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values or flat names, and shows
+variables, pages and the cache."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def parser() -> argparse.ArgumentParser:
     commands = found.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (text, _) in PROGRAMS.items():
         commands.add_parser(name, help=text, add_help=False)
-    text = "write a copy of the FMU with other start values"
-    fmu = commands.add_parser("fmu", help=text, description=f"{text.capitalize()}.")
+    text = "write a copy of the FMU with other start values, or with flat names"
+    fmu = commands.add_parser("fmu", help=text, description=f"{text[0].upper()}{text[1:]}.")
     fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     fmu.add_argument(
         "--set",
@@ -66,6 +66,12 @@ def parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="SET.ssv",
         help="parameter set that is applied next, System Structure Parameter Values 1.0",
+    )
+    fmu.add_argument(
+        "--flat",
+        action="store_true",
+        help="flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
+        "--set and --ssv have the names with dots",
     )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     text = "write an FMU of a variator from maps"
@@ -164,15 +170,23 @@ def raised_here(error: BaseException) -> bool:
 
 def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
-    from .fmu import cache, start_values
+    from .fmu import cache, flat, start_values
     from .fmu.data import parameter_set
     from .fmu.files import default_fmu
     from .fmu.unit import UnitError, Variator
+    from .fmu.untrusted import described
 
     if options.copy.suffix != ".fmu":
         raise ValueError(f"{options.copy} does not end in .fmu: importers would not accept it")
     fmu = options.fmu or default_fmu()
+    if options.flat and not (options.set or options.variator or options.ssv):
+        described(fmu)
+        flat.write_copy(fmu, options.copy)
+        print(f"{options.copy.resolve()} (flat names)")
+        return 0
     archive = cache.unpacked(fmu)
+    if archive.description.variableNamingConvention == "flat":
+        raise ValueError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
     variables = {variable.name: variable for variable in archive.description.modelVariables}
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
     if options.ssv:
@@ -188,9 +202,11 @@ def write_fmu(options: argparse.Namespace) -> int:
     except UnitError as error:
         raise ValueError(f"the FMU rejects these values: {error}") from error
     start_values.write_copy(fmu, options.copy, values)
+    if options.flat:
+        flat.write_copy(options.copy, options.copy)
     for remark in remarks:
         print(f"  warning of the FMU: {remark}", file=sys.stderr)
-    print(f"{options.copy.resolve()} ({len(values)} start values)")
+    print(f"{options.copy.resolve()} ({len(values)} start values{', flat names' if options.flat else ''})")
     return 0
 
 
@@ -274,7 +290,7 @@ def show_variables(options: argparse.Namespace) -> int:
         for one in variables
         if (options.kind is None or one.causality == options.kind)
         and all(word in f"{one.name} {one.description or ''}".lower() for word in words)
-        and ("profile." in " ".join(words) or not one.name.startswith("profile."))
+        and ("profile." in " ".join(words) or not one.name.startswith(("profile.", "profile_")))
     ]
     if not found:
         near = difflib.get_close_matches(" ".join(options.words), [one.name for one in variables], n=3)

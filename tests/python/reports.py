@@ -42,6 +42,7 @@ def look_at(report: Path) -> None:
         for width in WIDTHS:
             page.open(report, width)
             _is_drawn(page)
+            _legends_are_as_drawn(page)
             _fits(page, width)
             _is_legible(page)
         _tables_sort(page)
@@ -64,6 +65,22 @@ def _is_drawn(page: browser.Page) -> None:
         "[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length"
     )
     assert (images, empty) == (0, 0)
+
+
+def _legends_are_as_drawn(page: browser.Page) -> None:
+    """Checks that the sample of each line in a legend has the colour, width, dash and opacity of a line of that name."""
+    wrong = page.run(
+        """[...document.querySelectorAll('.keys button')].filter((key) => key.querySelector('path.line')).flatMap((key) => {
+            const sample = key.querySelector('path.line'), name = key.childNodes[1].textContent;
+            const look = (path, opacity) => [...['stroke', 'strokeWidth', 'strokeDasharray'].map((one) => getComputedStyle(path)[one]), Number(opacity)].join(' ');
+            const shown = look(sample, sample.closest('svg').getAttribute('opacity'));
+            const drawn = [...key.closest('.chart').querySelectorAll('.plot')].flatMap((plot) =>
+                [...plot.querySelectorAll('.scatterlayer .trace')].filter((trace) => trace.__data__[0].trace.name === name)
+                    .flatMap((trace) => [...trace.querySelectorAll('.js-line')].map((path) => look(path, getComputedStyle(trace).opacity))));
+            return drawn.length === 0 || drawn.includes(shown) ? [] : [`${name}: ${shown}, drawn ${drawn[0]}`];
+        })"""
+    )
+    assert wrong == [], wrong
 
 
 def _fits(page: browser.Page, width: int) -> None:
@@ -142,6 +159,13 @@ def _is_legible(page: browser.Page) -> None:
                     }
                 }
             }
+            const labels = seen('.annotation-text').sort((a, b) => a.box.left - b.box.left);
+            for (let k = 1; k < labels.length; k++) {
+                const [a, b] = [labels[k - 1], labels[k]];
+                if (b.box.left < a.box.right - 1 && b.box.top < a.box.bottom - 3 && a.box.top < b.box.bottom - 3) {
+                    complaints.push(`overlap: ${a.text} and ${b.text} of ${plot.getAttribute('aria-label')}`);
+                }
+            }
             return complaints;
         })"""
     )
@@ -149,8 +173,8 @@ def _is_legible(page: browser.Page) -> None:
 
 
 def _tables_sort(page: browser.Page) -> None:
-    """Sorts the first sortable table by keyboard, and checks the order of its numbers."""
-    header = "document.querySelector('table.sortable th[aria-sort]')"
+    """Sorts the first visible sortable table by keyboard, and checks the order of its numbers. Cards of narrow screens have no header."""
+    header = "[...document.querySelectorAll('table.sortable th[aria-sort]')].find((one) => one.offsetParent)"
     if not page.run(f"Boolean({header})"):
         return
     cells = f"[...{header}.closest('table').rows].slice(1).map((row) => row.cells[{header}.cellIndex].textContent.trim())"

@@ -53,6 +53,9 @@ def test_colours_differ_for_the_colour_blind(sight: str) -> None:
     assert least[0] > 20.0, least
     scale = [lab(np.array(SIGHT[sight]) @ linear(colour))[0] for colour in style.COLOUR_SCALE]
     assert (np.diff(scale) < -10.0).all()
+    signed = [lab(np.array(SIGHT[sight]) @ linear(colour)) for colour in style.DIVERGING]
+    assert (np.diff([one[0] for one in signed[:4]]) > 10.0).all() and (np.diff([one[0] for one in signed[3:]]) < -10.0).all()
+    assert min(float(np.linalg.norm(a - b)) for a, b in zip(signed[:3], signed[:3:-1], strict=True)) > 20.0
 
 
 def decoded(values: object) -> Array:
@@ -66,7 +69,7 @@ EVERYTHING = Panel(
     "All kinds",
     [
         Series("line", [0.0, 1.0, 2.0], [1.0, 5.0, np.nan], dash="dash"),
-        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"]),
+        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"], texts=["7", "8"], text_sides=["middle left", "middle right"]),
         Series("bars", [0.0, 1.0], [1.0, 2.0], kind="bars", hatched=[True, False], errors=([0.1, 0.1], [0.2, 0.2])),
         Series("rows", [1.0, 2.0], [0.0, 1.0], kind="rows"),
         Series("band", [0.0, 1.0], [1.0, 2.0], kind="band", upper=[2.0, 3.0]),
@@ -74,7 +77,7 @@ EVERYTHING = Panel(
     "x",
     "y",
     fields=[
-        Field("map", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, np.nan]], levels=(1.0, 3.0, 0.5), ticks=((1.0, "1"),)),
+        Field("map", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, np.nan]], levels=(1.0, 3.0, 0.5), ticks=((1.0, "1"),), unit="%", middle=2.0),
         Field("lines", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, 4.0]], lines_only=True),
     ],
     x_range=(0.0, 2.0),
@@ -93,6 +96,23 @@ def test_plotly_knows_every_setting(scale: str, linked: bool) -> None:
     panel = Panel(**{**EVERYTHING.__dict__, "scale": scale, "x_range": None})
     figure = charts.panel_data(panel, linked)
     assert len(go.Figure(data=figure["data"], layout=figure["layout"]).data) == 8
+
+
+def test_axes_of_equal_scale_have_a_margin_around_the_lines() -> None:
+    ring = np.linspace(0.0, 2.0 * np.pi, 50)
+    panel = Panel("Outline", [Series("a", 2.0 * np.cos(ring), np.sin(ring)), Series("b", [0.0], [1.5], kind="points")], equal=True)
+    layout = charts.panel_data(panel)["layout"]
+    assert layout["xaxis"]["range"] == pytest.approx([-2.24, 2.24], abs=0.01)
+    assert layout["yaxis"]["range"] == pytest.approx([-1.15, 1.65], abs=0.01)
+
+
+def test_colours_diverge_from_zero_wherever_it_is() -> None:
+    for middle in (0.2, 0.5, 0.8):
+        stops = dict(style.colour_stops(middle))
+        assert stops[middle] == style.DIVERGING[3] and min(stops) == 0.0 and max(stops) == 1.0
+    # Equal distances from zero have equally strong colours: the shorter side does not reach the darkest one.
+    assert style.colour_stops(0.8)[-1][1] not in style.DIVERGING[-2:] and style.colour_stops(0.8)[0][1] == style.DIVERGING[0]
+    assert [colour for _, colour in style.colour_stops()] == list(style.COLOUR_SCALE)
 
 
 def test_a_chart_has_a_description_and_escapes_its_data() -> None:
@@ -204,6 +224,7 @@ def test_narrow_figures_are_legible(tmp_path: Path) -> None:
     panels = [
         Panel("Large numbers", [Series("a", x, 1e5 * np.sin(x))], "time since the beginning of the whole driving cycle in seconds (s)", "a long title of an axis (kN)"),
         Panel("Named", [Series("b", [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])], x_ticks=tuple((float(k), f"underdrive {k}") for k in range(4))),
+        Panel("Shaded", [Series("d", x, x)], x_range=(0.0, 1800.0), shades=[Shade(200.0 * k, 200.0 * k + 200.0, style.BLUE, f"secondary arc {k}") for k in range(9)]),
         Panel("Logarithmic", [Series("c", x + 1.0, 1e-3 * x + 1e-6)], "frequency (Hz)", x_scale="log", scale="log"),
     ]  # fmt: skip
     path = tmp_path / "report.html"

@@ -81,13 +81,38 @@ def test_units_are_those_in_the_files(tmp_path: Path, capsys: pytest.CaptureFixt
     a, b = write(tmp_path / "a.csv", unit="rpm"), tmp_path / "b.csv"
     bare = write(tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()
     b.write_text("\n".join(["time,slip,primary.torque,secondary.speed", *bare[1:]]), encoding="utf-8")
-    assert __main__.main([str(a), str(b), "--output", str(tmp_path / "out")]) == 0
     (pair,) = runs.pairs(a, b)
     assert pair.units == {"time": "s", "slip": "1", "primary.torque": "N.m", "secondary.speed": "rpm"}
     assert not pair.differing
+    other = write(tmp_path / "d.csv", shift=0.1, unit="rpm")
+    assert __main__.main([str(other), str(b), "--output", str(tmp_path / "out")]) == 0
     assert "secondary.speed (rpm)" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert __main__.main([str(a), str(tmp_path / "c.csv"), "--output", str(tmp_path / "out")]) == 1
     assert "secondary.speed is in rpm in" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("folders", [False, True])
+def test_equal_runs_need_one_line_and_no_report(folders: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = (write(tmp_path / name / "run.csv") for name in ("a", "b"))
+    out = tmp_path / "out"
+    both = [str(a.parent), str(b.parent)] if folders else [str(a), str(b)]
+    assert __main__.main([*both, "--output", str(out)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 1 and all(path in said[0] for path in both)
+    assert not out.exists()
+
+
+def test_runs_with_another_column_gap_or_time_are_not_equal(tmp_path: Path) -> None:
+    a, others = write(tmp_path / "a.csv"), []
+    lines = a.read_text(encoding="utf-8").splitlines()
+    others.append("\n".join([f"{lines[0]},more", *(f"{line},1" for line in lines[1:])]))
+    others.append("\n".join([*lines[:-1], f"{lines[-1].split(',')[0]},nan,2,nan"]))
+    others.append("\n".join(lines[:-1]))
+    for k, text in enumerate(others):
+        b = tmp_path / f"b{k}.csv"
+        b.write_text(text, encoding="utf-8")
+        (pair,) = runs.pairs(a, b)
+        assert not pair.equal and not pair.differing
 
 
 def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -> None:

@@ -336,6 +336,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     # Results come first; reference sections are collapsed, unless a check fails.
     sections = ["manoeuvre", "cases", "belt", "checks", "reference", "sources", "limits"]
     assert re.findall(r'<h2 id="(\w+)">', report) == sections
+    assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
     folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
     assert folded == [

@@ -20,7 +20,6 @@ from pushbelt.linear import LinearModel, LinearPointError
 from pushbelt.linear_grid import LinearGrid, load_linear
 from pushbelt.linear_physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 from pushbelt.linearize import __main__ as linearize
-from pushbelt.linearize.report import phases
 from pushbelt.variator import Variator
 
 COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -307,13 +306,6 @@ def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
         belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
-
-
-def test_phases_have_no_jumps_and_start_together() -> None:
-    turn = np.linspace(170.0, 400.0, 60)
-    found = phases([np.exp(1j * np.radians(turn)), np.exp(1j * np.radians(turn + 25.0))])
-    assert np.abs(np.diff(found)).max() < 10.0
-    assert found[1] - found[0] == pytest.approx(25.0)
 
 
 # The page

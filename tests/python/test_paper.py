@@ -9,16 +9,19 @@ import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import reports
 
+from pushbelt import charts
+from pushbelt.charts import Chart
 from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt.paper import __main__, cases, report, tracer
+from pushbelt.paper import __main__, cases, figures, report, tracer
 from pushbelt.paper.results import Times, Window
 from pushbelt.tables import split
 
@@ -135,6 +138,40 @@ def test_numbers_are_brief() -> None:
     assert report.brief(0.0) == "0"
     assert report.brief(-9.5344) == "−9.5344"
     assert report.brief(3.2e-10) == "3.2·10⁻¹⁰"
+
+
+# Figures
+
+
+def inside(chart: Chart) -> None:
+    """Checks that all lines keep a distance from the frame of their panel."""
+    for panel in chart.panels:
+        layout = charts.panel_data(panel, chart.linked)["layout"]
+        for axis in "xy":
+            low, high = layout[f"{axis}axis"]["range"]
+            values = np.concatenate([np.asarray(getattr(one, axis), dtype=float) for one in panel.series])
+            assert low < values.min() - 0.01 * (high - low) and values.max() + 0.01 * (high - low) < high, (panel.title, axis)
+
+
+def test_lines_of_figures_7_and_8_keep_a_distance_from_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 60)
+    time = np.linspace(0.0, 4e-3, 41)
+    motion = SimpleNamespace(time=time, theta=np.sin(800.0 * time), ovality=-time, kinetic=time, bending=time, membrane=time, total=time)
+    names = ("RCM", "ANCF", "ALE")
+    shapes = {t: np.array([np.cos(turn) + 100.0 * t, (1.0 + k) * np.sin(turn)]).T for k, t in enumerate(time)}
+    outlines, _ = figures.deformable_ring(
+        SimpleNamespace(motions={("7", n): motion for n in names}, shapes={("7", n): shapes for n in names})
+    )
+    inside(outlines)
+    assert len({(panel.x_range, panel.y_range) for panel in outlines.panels}) == 1, "one scale for all times"
+    path = SimpleNamespace(time=np.linspace(0.0, 0.1, 50), xi=np.linspace(0.3, 1.0, 50))
+    monkeypatch.setattr(figures.profiles, "element", lambda *_: (path, 700.0 * np.sin(30.0 * path.time)))
+    monkeypatch.setattr(figures.profiles, "curve", lambda *_: CURVE)
+    monkeypatch.setattr(figures.profiles, "arc", lambda *_: (np.linspace(0.0, 1.0, 20), np.linspace(-1e-4, 2e-4, 20)))
+    results = SimpleNamespace(parameters={})
+    run = SimpleNamespace(case=SimpleNamespace(name="underdrive-30"), window=None)
+    inside(figures.push_force(results, lambda _: run))
+    inside(figures.spiral_running(results, lambda _: run))
 
 
 # All of it

@@ -45,7 +45,7 @@ def written(folder: Path) -> Path:
     """A page with two linked panels and the belt."""
     time = np.linspace(0.0, 1.0, 101)
     panels = [
-        Panel("First", [Series("a", time, time), Series("b", time, 2.0 * time)], "time (s)", x_range=(0.0, 1.0)),
+        Panel("First", [Series("a", time, time, width=3.2, opacity=0.5), Series("b", time, 2.0 * time, dash="dashdot")], "time (s)", x_range=(0.0, 1.0)),
         Panel(
             "Second",
             [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)],
@@ -137,6 +137,7 @@ BREAKAGE: dict[str, Callable[[str], str]] = {
     ),
     "something wide": lambda text: text.replace("<main>", '<main><div style="width: 500px">wide</div>'),
     "a belt that stands": lambda text: text.replace('addEventListener("input"', 'addEventListener("other"'),
+    "a legend of another look": lambda text: text.replace("stroke-width: ${line.width}px", "stroke-width: 2px"),
     "a legend that does nothing": lambda text: text.replace(
         'button.addEventListener("click"', 'button.addEventListener("other"'
     ),

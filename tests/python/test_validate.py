@@ -7,7 +7,9 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
+import browser
 import numpy as np
 import pytest
 import reports
@@ -20,7 +22,7 @@ from pushbelt.rig.units import dimensions
 from pushbelt.tables import split
 from pushbelt.validate import __main__, measured, report
 from pushbelt.validate.bench import Bench, Plan
-from pushbelt.validate.outcome import PERCENT, Check, Column, Section, Source, Unit, Verdict, table, within
+from pushbelt.validate.outcome import PERCENT, Check, Column, Section, Source, Unit, Verdict, reported, table, within
 from pushbelt.validate.runs import SECTIONS
 from pushbelt.validate.sections import efficiency, shifting, slip
 
@@ -43,6 +45,27 @@ def test_what_lies_outside_is_named_with_its_distance() -> None:
     assert check.found == "0.8 to 2.0\N{NO-BREAK SPACE}N, 4 values"
     assert check.goal == "0.9 to 1.1\N{NO-BREAK SPACE}N"
     assert check.by.startswith("3 of 4 outside, by up to 0.9\N{NO-BREAK SPACE}N: d: 2.0")
+
+
+@pytest.mark.parametrize(
+    ("values", "limits", "used"),
+    [
+        ((0.95, 1.04), (0.9, 1.1), 0.5),
+        ((0.7, 1.0), (0.9, 1.1), 3.0),
+        ((0.98, 0.97), (0.97, None), 1.0),
+        ((0.873,), (0.97, None), 1.1),
+        ((0.2, 0.5), (None, 2.0), 0.25),
+        ((5.0,), (None, 2.0), 2.5),
+        ((9.0,), (0.5, None), 0.0),
+        ((0.1,), (0.0, None), None),
+        ((), (0.9, 1.1), None),
+    ],
+)
+def test_a_check_says_how_much_of_its_tolerance_is_used(values: tuple, limits: tuple, used: float | None) -> None:
+    check = within("statement", SOURCE, [(str(v), v) for v in values], *limits)
+    assert check.used == (None if used is None else pytest.approx(used))
+    if used is not None:
+        assert (check.used > 1.0 + 1e-12) == (check.verdict is Verdict.MISSES)
 
 
 def test_limits_themselves_are_inside() -> None:
@@ -84,6 +107,31 @@ def test_a_quantity_meets_its_goals_if_it_meets_all() -> None:
     assert of(meets, reported_) == report.Summary("key", "Title", "meets", 1, 1, "")
     assert of(meets, misses, misses) == report.Summary("key", "Title", "misses", 1, 3, "statement 1")
     assert of(reported_) == report.Summary("key", "Title", "reported", 0, 0, "")
+
+
+def test_checks_are_bars_at_a_desk_and_cards_on_a_telephone(tmp_path: Path) -> None:
+    long = "A statement about the thrust ratio of a variator that is too long for a column of a telephone"
+    checks = [within(long, SOURCE, [("a", v)], 0.9, 1.1) for v in (1.05, 1.13, 2.0)]
+    checks.append(reported(long, SOURCE, "a goal that is described by many words", "1.0 to 1.5"))
+    section = Section("key", "Title", "lead", tuple(checks))
+    path = report.write(SimpleNamespace(sections=[section], version="1", short=False), tmp_path)
+    program = browser.find()
+    if program is None:
+        pytest.skip("no Chromium on the search path")
+    with browser.page(program) as page:
+        page.call("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
+        page.call("Page.navigate", url=path.as_uri())
+        page.wait("document.readyState === 'complete' && document.querySelectorAll('table.cards').length === 2")
+        share = "(bar) => bar.firstChild.getBoundingClientRect().width / bar.getBoundingClientRect().width"
+        shares = page.run(f"[...document.querySelectorAll('#key ~ .scroll .used')].map({share})")
+        assert shares == pytest.approx([0.25, 0.65, 1.0], abs=0.01), "the mark of the limit is in the middle"
+        assert page.run("document.querySelectorAll('#key ~ .scroll .used.over').length") == 2
+        page.call("Emulation.setDeviceMetricsOverride", width=390, height=900, deviceScaleFactor=1, mobile=False)
+        rows = "[...document.querySelectorAll('#key ~ .scroll tr')].filter((row) => row.offsetParent)"
+        assert page.run(f"{rows}.length") == len(checks), "without the header"
+        wide = "(one) => one.getBoundingClientRect().width > 300"
+        assert page.run(f"{rows}.flatMap((row) => [...row.cells]).every({wide})"), "a line of the card for each cell"
+        assert page.run("[...document.querySelectorAll('.scroll')].every((one) => one.scrollWidth <= one.clientWidth)")
 
 
 # Measurements

@@ -1,61 +1,30 @@
-"""Residuals over the working points, and model over measurement."""
+"""Residuals over the working points, and model over measurement, before and after the fit."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numpy as np
-
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.style import BLUE, MUTED, ORANGE
+from pushbelt import residual_figures
+from pushbelt.charts import Chart
+from pushbelt.residual_figures import Residual
 
 from .results import Results, Row
 
-ACROSS: tuple[tuple[str, Callable[[Row], float]], ...] = (
-    ("torque, N·m", lambda row: row.point.torque),
-    ("ratio", lambda row: row.point.ratio or row.point.speed_ratio),
-)
-"""Abscissas of the residuals."""
-NAMES = {"before": "start values", "after": "fitted"}
-LOOKS = {
-    "before": {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8},
-    "after": {"colour": BLUE, "size": 7},
-}
-SURE = 2.0
-"""Half-width of the shaded band, in standard deviations."""
-
 
 def residuals(results: Results, quantity: str) -> Chart:
-    """Model over measurement, and residuals in standard deviations over torque and ratio, before and after."""
+    """Figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
     rows = results.of(quantity)
-    panels = [_compared(rows, quantity), *(_over(rows, label, across) for label, across in ACROSS)]
-    return Chart(panels, f"Residuals of {quantity}", columns=3, common_legend=True)
+    return residual_figures.residuals(quantity, {"fitted": _of(rows, "after"), "start values": _of(rows, "before")})
 
 
-def _points(side: str, rows: list[Row], x: list[float], y: list[float | None]) -> Series:
-    values = [np.nan if value is None else value for value in y]
-    labels = [f"{row.point.name or 'line ' + str(row.point.line)}" for row in rows]
-    return Series(NAMES[side], x, values, kind="points", labels=labels, **LOOKS[side])  # type: ignore[arg-type]
-
-
-def _compared(rows: list[Row], quantity: str) -> Panel:
-    measured = [row.measured.value for row in rows]
-    ends = [min(measured), max(measured)]
-    series = [_points(side, rows, measured, [getattr(row, side) for row in rows]) for side in NAMES]
-    series.append(Series("model as measured", ends, ends, ORANGE, width=1.0))
-    return Panel(f"{quantity}: model over measurement", series, "measured", "model", height=270)
-
-
-def _over(rows: list[Row], label: str, across: Callable[[Row], float]) -> Panel:
-    places = [across(row) for row in rows]
-    values = {"before": [row.relative_before for row in rows], "after": [row.relative for row in rows]}
-    # The residuals after the fit determine the scale, since those at the start may be very large.
-    reach = 1.3 * max(3.0, max(abs(value) for value in values["after"]))
-    beyond = sum(value is not None and abs(value) > reach for value in values["before"])
-    margin = 0.04 * (max(places) - min(places)) + 1e-3
-    span = (min(places) - margin, max(places) + margin)
-    sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
-    series = [sure, *(_points(side, rows, places, values[side]) for side in NAMES)]
-    note = f"{beyond} residuals at the start values are outside the figure." if beyond else ""
-    title = "Residual, standard deviations"
-    return Panel(title, series, label, x_range=span, y_range=(-reach, reach), height=270, note=note)
+def _of(rows: list[Row], side: str) -> list[Residual]:
+    return [
+        Residual(
+            row.point.name or f"line {row.point.line}",
+            row.point.torque,
+            row.point.ratio or row.point.speed_ratio,
+            row.measured.value,
+            getattr(row, side),
+            row.measured.deviation,
+        )
+        for row in rows
+        if getattr(row, side) is not None
+    ]

@@ -1,6 +1,7 @@
 """Compares two runs: `python -m pushbelt.compare A B --output target/compare`.
 
-A and B are CSV files with a column `time`, or folders with such files, as written by demo and drive.
+A and B are CSV files with a column `time`, or folders with such files, as written by demo and drive. If all values are equal, it writes no
+report.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from . import report, runs
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Compares two runs, writes the report and prints its path. Runs that differ are not a failure of the program."""
+    """Compares two runs, writes the report and prints its path. Runs that differ are not a failure of the program, equal ones need no report."""
     parser = argparse.ArgumentParser(prog="pushbelt.compare", description=__doc__)
     parser.add_argument("a", type=Path, metavar="A", help="result file, or folder of result files")
     parser.add_argument("b", type=Path, metavar="B", help="result file or folder to compare with A")
@@ -39,6 +40,10 @@ def main(arguments: list[str] | None = None) -> int:
         unknown = [name for name in options.variables if name not in wanted]
         if unknown:
             raise runs.CompareError(f"no pair of runs has a column {', '.join(unknown)}")
+        if all(pair.equal for pair in pairs):
+            of = f"{len(pairs)} runs of the same name in " if options.a.is_dir() else ""
+            print(f"{of}{options.a} and {options.b} are equal in all {len(wanted)} columns")
+            return 0
         units = _units(options.fmu) if options.fmu else {}
         path = report.write(pairs, units, options.output, options.variables, parameter_set(options.variator))
     except (runs.CompareError, InputFileError, OSError) as error:

@@ -72,6 +72,17 @@ class Pair:
         """Columns in which the runs differ."""
         return [difference for difference in self.differences if difference.share > SAME]
 
+    @property
+    def equal(self) -> bool:
+        """Whether the runs have the same columns, times and gaps, and no column differs."""
+        a, b = self.runs
+        return (
+            a.columns.keys() == b.columns.keys()
+            and np.array_equal(a.time, b.time)
+            and all(np.array_equal(np.isfinite(a[name]), np.isfinite(b[name])) for name in self.names)
+            and not self.differing
+        )
+
 
 def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:
     values = [np.interp(time, run.time, run[name]) for run in (a, b)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,20 +19,35 @@ from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, in_figu
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
 """Default outputs of the figures."""
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
+DASHES = ("", "dash", "dot")
 LOWEST = 0.01
 """Lowest frequency of the Bode plots, Hz."""
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
 
-Drawn = Sequence[tuple[str, str, LinearModel]]
-"""Name, colour and model of the points in the figures."""
+MOST_DASHED = 4
+"""Largest number of values of the axis with colours, if another one has dashes."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A point in the figures: its name, its look, and its model."""
+
+    name: str
+    colour: str
+    dash: str
+    model: LinearModel
+
+    def line(self, x: Array, y: Array) -> Series:
+        """A response of the model."""
+        return Series(self.name, x, y, self.colour, dash=self.dash)
 
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
     found = list(grid.points())
     drawn = chosen(grid)
-    drawn[0][2].select(outputs)
+    drawn[0].model.select(outputs)
     first = found[0][1]
     charts = [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs]
     path = folder / "report.html"
@@ -50,11 +66,36 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     return path
 
 
-def chosen(grid: LinearGrid) -> Drawn:
-    """Evenly spaced points of the grid, at most one per colour, including the first and the last."""
+def chosen(grid: LinearGrid) -> list[Drawn]:
+    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a single axis has colours.
+
+    Values are spread evenly over an axis, with the first and the last; further axes are at a middle value.
+    """
     found = list(grid.points())
-    places = np.unique(np.linspace(0, len(found) - 1, min(len(found), len(COLOURS))).round().astype(int))
-    return [(title(grid, found[k][0]), COLOURS[n], found[k][1]) for n, k in enumerate(places)]
+    values = {axis: sorted({point[axis] for point, _ in found}) for axis in grid.axes}
+    several = sorted((axis for axis in values if len(values[axis]) > 1), key=lambda axis: axis != "ratio")
+    dashed = "torque" if "torque" in several and len(several) > 1 else ""
+    coloured = next((axis for axis in several if axis != dashed), "")
+    kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
+    if coloured:
+        kept[coloured] = _spread(values[coloured], MOST_DASHED if dashed else len(COLOURS))
+    if dashed:
+        kept[dashed] = _spread(values[dashed], len(DASHES))
+    return [
+        Drawn(
+            title(grid, point),
+            COLOURS[kept[coloured].index(point[coloured])] if coloured else COLOURS[0],
+            DASHES[kept[dashed].index(point[dashed])] if dashed else "",
+            model,
+        )
+        for point, model in found
+        if all(point[axis] in kept[axis] for axis in kept)
+    ] or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
+
+
+def _spread(values: list[float], most: int) -> list[float]:
+    places = np.unique(np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int))
+    return [values[k] for k in places]
 
 
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
@@ -64,21 +105,15 @@ def title(grid: LinearGrid, point: dict[str, float]) -> str:
     return ", ".join(f"{name} {shown[name][0] * value:.4g} {shown[name][1]}".rstrip() for name, value in several.items())
 
 
-def bode(drawn: Drawn, output: str, highest: float) -> Chart:
+def bode(drawn: Sequence[Drawn], output: str, highest: float) -> Chart:
     """Magnitude and phase from each input to an output, over Hz."""
     frequencies = np.geomspace(LOWEST, highest, 300)
-    first, panels = drawn[0][2], []
+    first, panels = drawn[0].model, []
     for load in first.inputs:
-        responses = [
-            (name, colour, model.select([output], [load]).response(2.0 * np.pi * frequencies)[:, 0, 0])
-            for name, colour, model in drawn
-        ]
+        responses = [one.model.select([output], [load]).response(2.0 * np.pi * frequencies)[:, 0, 0] for one in drawn]
         scale, unit = per(first.units[output], first.units[load])
-        size = [Series(name, frequencies, scale * np.abs(values), colour) for name, colour, values in responses]
-        phase = [
-            Series(name, frequencies, values, colour)
-            for (name, colour, _), values in zip(responses, phases([one for *_, one in responses]), strict=True)
-        ]
+        size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, responses, strict=True)]
+        phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(responses), strict=True)]
         log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, highest)}
         panels += [
             Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log),
@@ -88,24 +123,26 @@ def bode(drawn: Drawn, output: str, highest: float) -> Chart:
 
 
 def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
-    """Phases over frequency without jumps, °. At the lowest frequency they differ by at most 180° from that of the first response."""
-    found: list[Array] = []
-    for values in responses:
-        phase = np.degrees(np.unwrap(np.angle(values)))
-        nearest = found[0][0] if found else 0.0
-        found.append(phase - 360.0 * np.round((phase[0] - nearest) / 360.0))
-    return found
+    """Phases over frequency without jumps and on one branch, °.
+
+    The means over the frequencies are within one turn, cut where neighbouring means are the farthest apart. So similar responses are
+    never a turn apart. The mean of all is the closest to zero.
+    """
+    found = [np.degrees(np.unwrap(np.angle(values))) for values in responses]
+    means = np.array([phase.mean() for phase in found])
+    order = np.sort(means % 360.0)
+    start = order[np.argmax(np.diff(order, prepend=order[-1] - 360.0))]
+    turns = np.floor((means - start) / 360.0 + 1e-9)
+    turns += np.round((means - 360.0 * turns).mean() / 360.0)
+    return [phase - 360.0 * turn for phase, turn in zip(found, turns, strict=True)]
 
 
-def steps(drawn: Drawn, output: str, end: float) -> Chart:
+def steps(drawn: Sequence[Drawn], output: str, end: float) -> Chart:
     """Responses of an output to a unit step of each input, over time."""
-    times, first, panels = np.linspace(0.0, end, 400), drawn[0][2], []
+    times, first, panels = np.linspace(0.0, end, 400), drawn[0].model, []
     for load in first.inputs:
         scale, unit = per(first.units[output], first.units[load])
-        series = [
-            Series(name, times, scale * model.select([output], [load]).step(times)[:, 0, 0], colour)
-            for name, colour, model in drawn
-        ]
+        series = [one.line(times, scale * one.model.select([output], [load]).step(times)[:, 0, 0]) for one in drawn]
         panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
     return Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 

@@ -44,7 +44,7 @@ def _context(maps: Maps, effort: Effort, beside: Maps | None) -> dict[str, Any]:
         "gaps": int((~maps.valid).sum()),
         "best": float(np.nanmax(efficiency)),
         "thrust": (float(np.nanmin(maps.masked("thrustRatio"))), float(np.nanmax(maps.masked("thrustRatio")))),
-        "contours": [(shown.title, figures.contours(named, shown)) for shown in figures.QUANTITIES],
+        "contours": [(shown.heading, figures.contours(named, shown)) for shown in figures.QUANTITIES],
         "lines": figures.lines(maps),
         "reasons": Counter(_kind(reason) for reason in maps.reasons.values()).most_common(),
         "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pushbelt.charts import Chart, Level, Panel, Series, Shade, Tick
+from pushbelt.charts import Chart, Level, Panel, Series, Shade, Tick, around
 from pushbelt.fmu.geometry import Array
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
@@ -93,6 +94,9 @@ def deformable_ring(rings: Rings) -> tuple[Chart, Chart]:
     kinked = float(ale.time[int(np.argmax(ale.theta))])
     oval = float(rcm.time[int(np.argmin(rcm.ovality))])
     outlines = [_outlines(rings, names, k, moment) for k, moment in enumerate((0.0, 2e-4, kinked, oval))]
+    lines = [one for panel in outlines for one in panel.series]
+    x_range, y_range = (around([getattr(one, axis) for one in lines]) for axis in "xy")
+    outlines = [replace(panel, x_range=x_range, y_range=y_range) for panel in outlines]
     eulerian = [name for name in names if name in ("ALE", REFERENCE_DIRECTIONS)]
     motions = {name: rings.motions["7", name] for name in names}
     energies = (("kinetic", rcm.kinetic, BLUE), ("bending", rcm.bending, ORANGE), ("membrane", rcm.membrane, GREEN), ("sum", rcm.total, INK))  # fmt: skip
@@ -236,9 +240,9 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart
     ]
     title = f"8c  Push force on one element (kN), {shown.case.name} N·m"
     entered = "time since the element enters the primary arc (ms)"
-    span = (0.0, float(1e3 * path.time[-1]))
+    span, heights = around([1e3 * path.time], 0.02), around([one.y for one in series])
     return Chart(
-        [Panel(title, series, entered, x_range=span, shades=shades, height=320)],
+        [Panel(title, series, entered, x_range=span, y_range=heights, shades=shades, height=320)],
         "Push force on one element over one revolution, all models",
         linked=True,
     )
@@ -252,8 +256,8 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> C
         for model in MODELS:
             fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
             series.append(_of(model, fraction, 1e3 * deviation, marker="circle", size=4))
-        title = f"8d  Radius minus its mean (mm), {pulley} arc"
-        panels.append(Panel(title, series, "from entry (0) to exit (1)", x_range=(0.0, 1.0), height=290))
+        title, heights = f"8d  Radius minus its mean (mm), {pulley} arc", around([one.y for one in series])
+        panels.append(Panel(title, series, "from entry (0) to exit (1)", x_range=around([[0.0, 1.0]], 0.03), y_range=heights, height=290))
     return Chart(panels, "Radius along both arcs, all models", columns=2, common_legend=True)
 
 

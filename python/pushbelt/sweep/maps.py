@@ -13,12 +13,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, Colormap
+from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.style import INK, RED, STYLE
+from pushbelt.map_figures import levels_of, middle_of
+from pushbelt.style import INK, RED, STYLE, colour_stops
 
 from .study import Grid
 
@@ -78,8 +78,11 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     if len(down) > len(across):
         values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
         down, across = across, down
-    levels = levels_of(quantity, values)
-    colours = plt.get_cmap("viridis")
+    levels = levels_of(values, quantity.levels)
+    middle = middle_of(levels)
+    # Beyond the first and the last level there is one more colour.
+    stops = None if middle is None else colour_stops((middle + 1) / (len(levels) + 1))
+    colours = plt.get_cmap("viridis") if stops is None else LinearSegmentedColormap.from_list("diverging", stops)
     rows, columns = len(down), len(across)
     with plt.rc_context(STYLE):
         figure, panels = plt.subplots(
@@ -106,19 +109,20 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     return figure
 
 
-def levels_of(quantity: Quantity, values: Array) -> Array:
-    """Levels of the colours for the range of the values."""
-    found = values[np.isfinite(values)]
-    if found.size == 0:
-        return np.array([0.0, 1.0])
-    low, high = np.percentile(found, 1), np.percentile(found, 99)
-    if quantity.levels is None:
-        return MaxNLocator(14).tick_values(low, max(high, low + 1e-6))
-    levels = np.array(quantity.levels)
-    inside = np.flatnonzero((levels >= low) & (levels <= high))
-    if inside.size < 2:
-        return MaxNLocator(10).tick_values(low, max(high, low + 1e-6))
-    return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
+def carried(utilisation: Array, holds: np.ndarray) -> Array:
+    """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
+
+    `holds` is over ratio × utilisation. NaN where all points hold, or none.
+    """
+    between = 0.5 * (utilisation[1:] + utilisation[:-1])
+    border = np.full((2, len(holds)), np.nan)
+    for k, line in enumerate(holds):
+        places = np.flatnonzero(line)
+        if places.size and places[0] > 0:
+            border[0, k] = between[places[0] - 1]
+        if places.size and places[-1] < len(utilisation) - 1:
+            border[1, k] = between[places[-1]]
+    return border
 
 
 def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap) -> None:
@@ -130,6 +134,8 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
         norm = BoundaryNorm(levels, colours.N, extend="both")
         axes.contourf(ratio, utilisation, field, levels, cmap=colours, norm=norm, extend="both")
         axes.contour(ratio, utilisation, field, levels, colors="white", linewidths=0.4, alpha=0.6)
+        for side in carried(utilisation, np.isfinite(values) & ~slipping):
+            axes.plot(ratio, side, color=INK, linewidth=1.4)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
     missing = ~np.isfinite(values)
     marks = (

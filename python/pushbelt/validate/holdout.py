@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from pushbelt import page, tables
-from pushbelt.charts import Chart, Panel, Series
+from pushbelt import page, residual_figures, tables
+from pushbelt.charts import Chart
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
+from pushbelt.residual_figures import Residual
 from pushbelt.rig import model, points
 from pushbelt.rig.model import Value
 from pushbelt.rig.points import MEASURED, Oil, Reading, Rig
 from pushbelt.rig.worker import Found
-from pushbelt.style import BLUE, MUTED, ORANGE
 
 DEFAULT = "bench168"
-BAND = 2.0
-"""Half-width of the shaded band, in standard deviations."""
-LOOKS = {0: {"colour": BLUE, "size": 7}, 1: {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8}}
 
 
 @dataclass(frozen=True)
@@ -147,31 +143,14 @@ def sentence(score: Score) -> str:
 
 def figure(held: HoldOut, quantity: str) -> Chart:
     """Model over measurement, and residuals over torque and ratio."""
-    across = (("torque, N·m", lambda p: p.torque), ("ratio", lambda p: p.ratio or p.speed_ratio))
-    over: list[Panel] = []
-    for label, place in across:
-        series = []
-        for k, name in reversed(list(enumerate(held.variators))):
-            pairs = held.residuals(quantity, k)
-            x = [place(held.rig.points[value.point]) for value, _ in pairs]
-            y = [residual / value.measured.deviation for value, residual in pairs]
-            series.append(Series(name, x, y, kind="points", labels=_labels(held, [v for v, _ in pairs]), **LOOKS[k]))
-        places = [x for one in series for x in one.x]
-        margin = 0.04 * (max(places) - min(places)) + 1e-3
-        ends = (min(places) - margin, max(places) + margin)
-        band = Series(f"within {BAND:g}", ends, (-BAND, -BAND), BLUE, "band", upper=(BAND, BAND), opacity=0.1)
-        over.append(Panel("Residual, standard deviations", [band, *series], label, x_range=ends, height=270))
-    compared = []
-    for k, name in reversed(list(enumerate(held.variators))):
-        pairs = held.residuals(quantity, k)
-        x = [value.measured.value for value, _ in pairs]
-        y = [value.measured.value + residual for value, residual in pairs]
-        compared.append(Series(name, x, y, kind="points", labels=_labels(held, [v for v, _ in pairs]), **LOOKS[k]))
-    ends = [min(x for one in compared for x in one.x), max(x for one in compared for x in one.x)]
-    compared.append(Series("model as measured", ends, ends, ORANGE, width=1.0))
-    first = Panel(f"{quantity}: model over measurement", compared, "measured", "model", height=270)
-    return Chart([first, *over], f"Residuals of {quantity}", columns=3, common_legend=True)
+    return residual_figures.residuals(
+        quantity, {name: _residuals(held, quantity, k) for k, name in enumerate(held.variators) if held.residuals(quantity, k)}
+    )
 
 
-def _labels(held: HoldOut, values: Sequence[Value]) -> list[str]:
-    return [held.rig.points[value.point].name for value in values]
+def _residuals(held: HoldOut, quantity: str, k: int) -> list[Residual]:
+    found = [(held.rig.points[value.point], value.measured, residual) for value, residual in held.residuals(quantity, k)]
+    return [
+        Residual(point.name, point.torque, point.ratio or point.speed_ratio, measured.value, measured.value + residual, measured.deviation)
+        for point, measured, residual in found
+    ]

@@ -45,6 +45,8 @@ class Check:
     verdict: Verdict
     by: str = ""
     """Deviation from the goal if it is missed."""
+    used: float | None = None
+    """Distance of the worst value from the goal, over the tolerance: above 1 the goal is missed. None without a tolerance."""
 
 
 def signed(value: float) -> str:
@@ -111,7 +113,19 @@ def within(
     if missing:
         by.append(f"{len(missing)} of {len(pairs)} without a steady state: {'; '.join(missing[:FEW])}")
     verdict = Verdict.MEETS if solved and not by else Verdict.MISSES
-    return Check(statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by))
+    used = max((_used(value, low, high) for _, value in solved), default=None) if _tolerance(low, high) else None
+    return Check(statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by), used)
+
+
+def _tolerance(low: float | None, high: float | None) -> float:
+    """Half the width between the limits, or the size of a single one; 0 if there is none."""
+    return 0.5 * (high - low) if low is not None and high is not None else abs(low or high or 0.0)
+
+
+def _used(value: float, low: float | None, high: float | None) -> float:
+    """Share of the tolerance that a value uses, 1 at a limit."""
+    beyond = max(low - value if low is not None else -math.inf, value - high if high is not None else -math.inf)
+    return max(1.0 + beyond / _tolerance(low, high), 0.0)
 
 
 def _limits(low: float | None, high: float | None, unit: Unit) -> str:

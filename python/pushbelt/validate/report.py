@@ -45,6 +45,8 @@ class Summary:
     goals: int
     missed: str
     """Statement of the first missed goal."""
+    used: float | None = None
+    """Largest share of a tolerance that is used."""
 
 
 def summary(section: Section) -> Summary:
@@ -53,7 +55,8 @@ def summary(section: Section) -> Summary:
     met = sum(check.verdict is Verdict.MEETS for check in section.checks)
     verdict = Verdict.MISSES if missed else Verdict.MEETS if met else Verdict.REPORTED
     text = missed[0].statement if missed else ""
-    return Summary(section.key, section.title, verdict.value, met, met + len(missed), text)
+    used = max((check.used for check in section.checks if check.used is not None), default=None)
+    return Summary(section.key, section.title, verdict.value, met, met + len(missed), text, used)
 
 
 def counts(results: Results) -> Counter[Verdict]:
@@ -62,9 +65,9 @@ def counts(results: Results) -> Counter[Verdict]:
 
 
 def _write_checks(results: Results, path: Path) -> None:
-    header = ("section", "statement", "goal", "found", "verdict", "by", "source", "certainty")
+    header = ("section", "statement", "goal", "found", "verdict", "by", "source", "certainty", "used [1]")
     rows = [
-        (section.title, c.statement, c.goal, c.found, c.verdict.value, c.by, c.source.text, c.source.certainty)
+        (section.title, c.statement, c.goal, c.found, c.verdict.value, c.by, c.source.text, c.source.certainty, c.used)
         for section in results.sections
         for c in section.checks
     ]

@@ -1,0 +1,72 @@
+"""Residuals of calibrations and hold-outs: an outlier does not squeeze the other points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pushbelt import charts
+from pushbelt.charts import Chart, Panel
+from pushbelt.residual_figures import Residual, reach, residuals
+
+
+def points(errors: np.ndarray, fifth: float | None = None) -> list[Residual]:
+    """Thrust ratios with errors in standard deviations; the fifth one may be measured as something else."""
+    found = np.linspace(0.8, 1.4, len(errors))
+    measured = found - 0.01 * errors
+    if fifth is not None:
+        measured[4] = fifth
+    return [
+        Residual(f"line {k}", 10.0 * k, 0.5 + 0.1 * k, m, f, 0.01)
+        for k, (m, f) in enumerate(zip(measured, found, strict=True))
+    ]
+
+
+ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
+
+
+def ranges(chart: Chart) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    return [(panel.x_range, panel.y_range) for panel in chart.panels]
+
+
+def arrows(panel: Panel) -> list[tuple[str, str, float, float]]:
+    """Marker, text and place of the marked points."""
+    return [
+        (one.marker, text, x, y)
+        for one in panel.series
+        if one.texts
+        for text, x, y in zip(one.texts, one.x, one.y, strict=True)
+    ]
+
+
+def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others() -> None:
+    sound = residuals("thrustRatio", {"fitted": points(ERRORS)})
+    chart = residuals("thrustRatio", {"fitted": points(ERRORS, fifth=8.0)})
+    compared, torque, ratio = chart.panels
+    for (x, y), (others_x, others_y) in zip(ranges(chart)[1:], ranges(sound)[1:], strict=True):
+        assert x == others_x and y == pytest.approx(others_y, rel=0.2)
+    assert compared.x_range[1] < 1.6 and compared.y_range[1] < 1.6
+    assert [one[:2] for one in arrows(compared)] == [("triangle-right", "8, model 1.07")]
+    assert arrows(compared)[0][2] == pytest.approx(compared.x_range[1], abs=0.03 * np.ptp(compared.x_range))
+    for panel in (torque, ratio):
+        assert [one[:2] for one in arrows(panel)] == [("triangle-down", "\N{MINUS SIGN}693")]
+        assert arrows(panel)[0][3] == pytest.approx(0.96 * panel.y_range[0])
+    assert not any(map(arrows, sound.panels))
+    # The outlier is nowhere among the other points.
+    inside = [y for one in torque.series if one.kind == "points" and not one.texts for y in one.y]
+    assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)]
+)
+def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
+    assert reach(points(errors)) == pytest.approx(expected)
+
+
+def test_the_other_set_does_not_determine_the_axes_but_is_counted() -> None:
+    chart = residuals("slip", {"fitted": points(ERRORS), "start values": points(ERRORS + 60.0)})
+    assert ranges(chart)[0] == ranges(residuals("slip", {"fitted": points(ERRORS)}))[0]
+    assert all("10 values of start values are outside" in panel.note for panel in chart.panels[1:])
+    assert [one.name for one in chart.panels[1].series] == ["within 2", "start values", "fitted"]
+    charts.html(chart)
