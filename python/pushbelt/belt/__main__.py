@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pushbelt import console
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
@@ -161,4 +162,4 @@ def _checks(belt: Belt, load: Load, steel: Steel, found: list[Stress]) -> list[s
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

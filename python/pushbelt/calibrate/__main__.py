@@ -28,7 +28,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.arguments import assignment
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
@@ -225,4 +225,4 @@ def _notes(rig: points.Rig) -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

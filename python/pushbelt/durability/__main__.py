@@ -10,7 +10,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.data import is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
 
@@ -88,4 +88,4 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -15,7 +15,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.progress import progress_bar
 from pushbelt.variator import FREQUENCY, STATES, SteadyStateError, Variator
@@ -117,4 +117,4 @@ def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) ->
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 from pushbelt.rig import options as reading_options
@@ -80,4 +80,4 @@ def _hold_out(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))
