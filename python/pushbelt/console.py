@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -30,6 +31,8 @@ def interrupts_ignored() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    # The start of the tracker removes the mask that it finds.
+    resource_tracker.ensure_running()
     # A process inherits the mask of the thread that starts it. The signal may still reach another thread of this process.
     held: list[int] = []
     main = threading.current_thread() is threading.main_thread()
