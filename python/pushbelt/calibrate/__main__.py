@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import console, provenance
-from pushbelt.arguments import assignment
+from pushbelt.arguments import assignment, count
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
@@ -121,7 +121,7 @@ def parser() -> argparse.ArgumentParser:
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
     found.add_argument("--short", action="store_true", help="fit on a coarse mesh in half the time, for a first estimate")
-    found.add_argument("--workers", type=int, default=2, metavar="N", help="processes [default: 2]")
+    found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     reading_options.add(found)
     return found
 
