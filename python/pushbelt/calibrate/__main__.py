@@ -25,6 +25,7 @@ import re
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +155,24 @@ def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> d
     return checked(variables, values, {"parameter"})
 
 
+def finer_mesh(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
+    """The values of `COARSE` without --short."""
+    own = start_values(argparse.Namespace(**{**vars(options), "short": False}), variables)
+    return {name: own.get(name, variables[name].start) for name in COARSE}
+
+
+def once(rig: points.Rig) -> points.Rig:
+    """A table without rows that repeat all values of an earlier one, and with a remark about them."""
+    first: dict[points.Point, points.Point] = {}
+    repeated = []
+    for point in rig.points:
+        earlier = first.setdefault(replace(point, line=0, name=""), point)
+        if earlier is not point:
+            repeated.append(f"{point.line} (as {earlier.line})")
+    remark = f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}"
+    return replace(rig, points=list(first.values()), remarks=[*rig.remarks, *[remark] * bool(repeated)])
+
+
 def _check(options: argparse.Namespace) -> int:
     """Prints what is understood of the table."""
     try:
@@ -162,7 +181,7 @@ def _check(options: argparse.Namespace) -> int:
         if error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
-    print("\n".join(points.understood(rig)))
+    print("\n".join(points.understood(once(rig))))
     return 0
 
 
@@ -170,7 +189,7 @@ def _run(options: argparse.Namespace) -> int:
     from . import report
 
     reading, oil = reading_options.reading(options), reading_options.oil(options)
-    rig = points.read(options.table, reading, oil)
+    rig = once(points.read(options.table, reading, oil))
     description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
@@ -185,7 +204,8 @@ def _run(options: argparse.Namespace) -> int:
             bar.update(count)
 
         with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
-            found = fit(opened, chosen)
+            finer = opened.with_points(opened.points, finer_mesh(options, variables)) if options.short else None
+            found = fit(opened, chosen, finer)
             if not found.fits:
                 coarse = {**base, **COARSE}
                 alternatives = misfit.alternatives(
@@ -195,7 +215,7 @@ def _run(options: argparse.Namespace) -> int:
                 options.table.name, description.version or "", options.variator,
                 {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
                 opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
+                Effort(opened.solves + (finer.solves if finer else 0), time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -207,6 +227,8 @@ def _run(options: argparse.Namespace) -> int:
         print(f"does not fit: {found.misfit}")
         for alternative in alternatives:
             print(f"  {alternative}")
+    if results.outliers:
+        print(report.outliers(results))
     for line in results.notes:
         print(f"  {line}")
     for estimate in found.estimates:
