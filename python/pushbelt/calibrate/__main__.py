@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
 import sys
 import time
@@ -75,7 +76,7 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
         found = float(value), float(deviation)
     except ValueError:
         found = 0.0, 0.0
-    if not name or not found[1] > 0.0:
+    if not name or not math.isfinite(found[0]) or not 0.0 < found[1] < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
     return name, found
 
@@ -194,6 +195,9 @@ def _run(options: argparse.Namespace) -> int:
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
+    for one in chosen:
+        if one.prior is not None and not one.low <= one.prior[0] <= one.high:
+            raise ParameterError(f"{one.name}: the prior, {one.prior[0]:g}, is not within its bounds, {one.low:g} to {one.high:g}")
     begin = time.perf_counter()
     expected = (1 + ITERATIONS + 4 * len(chosen)) * len(rig.points)
     alternatives: list[misfit.Alternative] = []
