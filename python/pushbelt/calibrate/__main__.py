@@ -122,7 +122,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
-    found.add_argument("--short", action="store_true", help="fit on a coarse mesh in half the time, for a first estimate")
+    found.add_argument("--short", action="store_true", help="derivatives on a coarse mesh, in less time, for a first estimate")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     reading_options.add(found)
     return found
@@ -156,10 +156,10 @@ def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> d
     return checked(variables, values, {"parameter"})
 
 
-def finer_mesh(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
+def default_mesh(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
     """The values of `COARSE` without --short."""
     own = start_values(argparse.Namespace(**{**vars(options), "short": False}), variables)
-    return {name: own.get(name, variables[name].start) for name in COARSE}
+    return {name: own.get(name, int(variables[name].start)) for name in COARSE}
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -208,7 +208,7 @@ def _run(options: argparse.Namespace) -> int:
             bar.update(count)
 
         with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
-            finer = opened.with_points(opened.points, finer_mesh(options, variables)) if options.short else None
+            finer = opened.with_points(opened.points, default_mesh(options, variables)) if options.short else None
             found = fit(opened, chosen, finer)
             if not found.fits:
                 coarse = {**base, **COARSE}

@@ -154,8 +154,8 @@ class _Spread:
 def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = None) -> Fit:
     """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
 
-    First a fit with a robust loss finds the outliers, which are then left out. The intervals contain the change of the parameters by which
-    `finer`, the model of the same points on a finer mesh, would differ.
+    First a fit with a robust loss finds the outliers, which are then left out. `finer` is the model of the same points on a finer mesh:
+    the fit ends with its residuals, and has only the derivatives of `model`.
     """
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
@@ -169,8 +169,7 @@ def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = Non
     search = _Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
     waiting, again = search.weak(), True
-    search.run([k for k in range(len(parameters)) if k not in waiting], robust=True)
-    search.leave_out()
+    search.leave_out([k for k in range(len(parameters)) if k not in waiting], finer)
     while True:
         left = [k for k in range(len(parameters)) if k not in given_up]
         if not left:
@@ -192,27 +191,29 @@ def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = Non
             waiting = frozenset()
         else:
             break
-    states, kept = search.states, search.kept[: len(model.values)]
-    mesh = 0.0 if finer is None else np.abs(search.shift(finer, inner))
-    halves = dict(zip(inner, (spread.halves + mesh).tolist(), strict=True))
+    halves = dict(zip(inner, spread.halves.tolist(), strict=True))
+    estimates = (Estimate(p, float(search.place[k]), halves.get(k), given_up.get(k)) for k, p in enumerate(parameters))
+    return _result(search, tuple(estimates), spread, before)
+
+
+def _result(search: _Search, estimates: tuple[Estimate, ...], spread: _Spread, before: Sequence[Found]) -> Fit:
+    model, after, kept = search.model, search.states, search.kept[: len(search.model.values)]
+    priors, used, everything = len(search.kept) - len(kept), _used(model, after, kept), kept | True
     return Fit(
-        estimates=tuple(
-            Estimate(parameter, float(search.place[k]), halves.get(k), given_up.get(k))
-            for k, parameter in enumerate(parameters)
-        ),
+        estimates=estimates,
         correlations=spread.correlations,
         singular_values=spread.singular_values,
-        chi_squared=(chi_squared(model, before, kept), chi_squared(model, states, kept)),
-        freedom=_used(model, states, kept) + count - len(model.values) - len(inner),
+        chi_squared=(chi_squared(model, before, kept), chi_squared(model, after, kept)),
+        freedom=used + priors - len(spread.halves),
         factor=spread.factor,
         before=tuple(before),
-        after=tuple(states),
+        after=tuple(after),
         evaluations=search.evaluations,
         converged=search.converged,
-        used=(_used(model, before, kept), _used(model, states, kept)),
+        used=(_used(model, before, kept), used),
         count=len(model.values),
         kept=tuple(kept.tolist()),
-        rms_of_all=float(np.sqrt(chi_squared(model, states, kept | True) / max(_used(model, states, kept | True), 1))),
+        rms_of_all=float(np.sqrt(chi_squared(model, after, everything) / max(_used(model, after, everything), 1))),
     )
 
 
@@ -246,7 +247,7 @@ class _Search:
     """
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
-        self.model, self.parameters = model, tuple(parameters)
+        self.model, self._first, self.parameters = model, model, tuple(parameters)
         self.place, self.states = place, states
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
@@ -266,13 +267,24 @@ class _Search:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
         return np.concatenate([self.model.residuals(states), priors])
 
+    def refine(self, finer: Model) -> None:
+        """Continues with the residuals of a model of the same points on a finer mesh. The derivatives remain those of the first model."""
+        self.model = finer
+        (self.states,) = finer.states([assign(self.parameters, self.place)])
+        if all(found.reason is not None for found in self.states):
+            raise FitError(f"no point has a steady state on the finer mesh: {self.states[0].reason}")
+        self._residuals = self._all_residuals(self.place, self.states)
+
     def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
         free = list(free)
         chosen = [self.parameters[k] for k in free]
         fixed = assign(self.parameters, self.place)
         found = np.zeros((len(self._residuals), len(self.place)))
-        found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
+        states = self.states
+        if self._first is not self.model:
+            (states,) = self._first.states([fixed])
+        found[: len(self.model.values), free] = self._first.slopes(chosen, fixed, self.place[free], states, central)
         for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
             parameter = self.parameters[k]
             slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
@@ -387,10 +399,14 @@ class _Search:
 
     # Outliers
 
-    def leave_out(self) -> None:
-        """Leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of the intervals: a t-test of
+    def leave_out(self, free: Sequence[int], finer: Model | None = None) -> None:
+        """Fits with the robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of the intervals: a t-test of
         the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row, or of a sample,
         go together, because a faulty cell may be one of the conditions."""
+        self.run(free, robust=True)
+        if finer is not None:
+            self.refine(finer)
+            self.run(free, robust=True)
         values, size = self.model.values, np.abs(self._residuals)
         rows = [(value.point, value.measured.time) for value in values]
         carried = np.array([self.states[value.point].reason is None for value in values])
@@ -406,14 +422,6 @@ class _Search:
             self.kept[: len(values)] &= [row != rows[worst] for row in rows]
 
     # Intervals
-
-    def shift(self, finer: Model, inner: Sequence[int]) -> Array:
-        """Change of the coordinates by which the fit would follow a finer model, to first order."""
-        (states,) = finer.states([assign(self.parameters, self.place)])
-        change = np.zeros(len(self._residuals))
-        change[: len(self.model.values)] = (finer.column(states) - self.model.column(self.states)) / self.model.deviations
-        used = self.kept & np.isfinite(change)
-        return -np.linalg.lstsq(self._slopes[used][:, list(inner)], change[used], rcond=None)[0]
 
     def inner(self, free: Sequence[int]) -> list[int]:
         """Free parameters that are not at a bound."""
