@@ -14,10 +14,10 @@ import reports
 from pushbelt import Variator, tables
 from pushbelt.durability import __main__, fatigue
 from pushbelt.durability.damage import Damage, damage
-from pushbelt.durability.material import Material
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
+from pushbelt.steel import Material
 
 BENCH = parameter_set("bench168")
 LENGTH = BENCH["geometry.beltLength"]
@@ -296,11 +296,12 @@ def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_strength_has_the_units_of_belt(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", run())
     found = []
-    for strength, limit in (("1900", "500"), ("1900MPa", "0.5GPa"), ("1.9e9 Pa", "500 N/mm2")):
-        assert __main__.main([str(path), "--output", str(tmp_path), "--strength", strength, "--limit", limit]) == 0
+    for strength, limit, safety in (("1900", "500", "--safety"), ("1900MPa", "0.5GPa", "--stress-safety"), ("1.9e9 Pa", "500 N/mm2", "--safety")):
+        words = ["--strength", strength, "--limit", limit, safety, "2"]
+        assert __main__.main([str(path), "--output", str(tmp_path), *words]) == 0
         found.append(json.loads((tmp_path / "durability.json").read_text(encoding="utf-8"))["material"])
     assert found[0] == found[1] == found[2]
-    assert (found[0]["strength"], found[0]["limit"]) == (1.9e9, 5e8)
+    assert (found[0]["strength"], found[0]["limit"], found[0]["safety"]) == (1.9e9, 5e8, 2.0)
 
 
 @pytest.mark.parametrize("amplitude", [500.0, 5e5, 6e9])

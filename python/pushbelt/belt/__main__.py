@@ -17,11 +17,11 @@ from typing import Any
 
 from pushbelt import console
 from pushbelt.arguments import stress
-from pushbelt.durability.material import Material
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import described
+from pushbelt.steel import Material
 
 from .checks import Load, Stress, stresses
 from .geometry import Belt, BeltError, Dimensions

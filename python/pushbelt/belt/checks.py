@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pushbelt.durability.material import Material
 from pushbelt.fmu.data import SAFETY
+from pushbelt.steel import Material
 from pushbelt.variator import SteadyStateError, Variator
 
 MARGIN = 0.02

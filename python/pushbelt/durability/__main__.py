@@ -12,13 +12,12 @@ from pathlib import Path
 
 from pushbelt import console, provenance
 from pushbelt.arguments import stress
-from pushbelt.belt.geometry import RANGES as DIMENSIONS
-from pushbelt.fmu.data import is_chain, parameter_set
+from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
+from pushbelt.steel import RANGES, Material
 
 from . import report
 from .damage import damage
-from .material import RANGES, Material
 from .table import DurabilityError, read
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")
@@ -85,9 +84,9 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
         values |= parameter_set(variator or "bench168")
     if is_chain(values):
         raise DurabilityError(f"{variator or fmu}: belt.kind = 2 is a pull chain, which has no ring layers")
-    length, possible = values.get("geometry.beltLength"), DIMENSIONS["length"]
-    if not isinstance(length, (int, float)) or not possible.low <= length <= possible.high:
-        raise DurabilityError(f"geometry.beltLength is {length}, not within {possible.low:g} to {possible.high:g} m")
+    length, (low, high) = values.get("geometry.beltLength"), BELT_LENGTH
+    if not isinstance(length, (int, float)) or not low <= length <= high:
+        raise DurabilityError(f"geometry.beltLength is {length}, not within {low:g} to {high:g} m")
     return values
 
 

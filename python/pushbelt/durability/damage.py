@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
+from pushbelt.steel import Material
 
 from .fatigue import OTHERS, Cycles, cycles
-from .material import Material
 from .table import PULLEYS, Table
 
 CLAMPING = (0.9, 1.0, 1.1)

@@ -104,6 +104,8 @@ def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius:
 
 SAFETY = 1.0, 10.0
 """Range of a safety factor of the clamping force."""
+BELT_LENGTH = 0.2, 5.0
+"""Range of the length of a belt, m."""
 
 
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
