@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import console
 from ._version import __version__
 
 if TYPE_CHECKING:
@@ -109,7 +110,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command and returns its exit code."""
-    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    return console.run(lambda: _main(list(sys.argv[1:] if arguments is None else arguments)))
+
+
+def _main(arguments: list[str]) -> int:
     if arguments and arguments[0] in PROGRAMS:
         return run_program(arguments[0], arguments[1:])
     options = parser().parse_args(arguments)

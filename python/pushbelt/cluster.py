@@ -5,9 +5,7 @@ A chunk is a list of tasks. A worker solves it by the method `solver.solve` of a
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -33,6 +31,7 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
 from . import slurm as jobs
+from .console import interrupts_ignored
 from .slurm import Slurm
 
 Row = dict[str, Any]
@@ -85,19 +84,6 @@ def connect(scheduler: str | None, workers: int | None, slurm: Slurm | None = No
         except (OSError, TimeoutError) as error:
             raise ClusterError(f"{scheduler}: {error or 'no worker'}") from error
         yield client
-
-
-@contextmanager
-def interrupts_ignored() -> Iterator[None]:
-    """Processes that are started in this context ignore Ctrl-C; only this process handles it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 class UnitPlugin(WorkerPlugin):

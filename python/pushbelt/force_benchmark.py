@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from pushbelt import console
 from pushbelt.fmu.unit import Variator as Unit
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
@@ -104,4 +105,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

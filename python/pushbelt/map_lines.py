@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS
 from pushbelt.map_data import AXES, LOSSES, POINT, STATES, TABLES, Maps
 from pushbelt.map_plan import Plan
+from pushbelt.whole_file import write_whole
 
 COLUMNS = {
     "thrustRatio": "thrustRatio",
@@ -43,10 +43,7 @@ class Store:
 
     def add(self, row: Mapping[str, Any]) -> None:
         """Stores a finished line."""
-        path = self.folder / f"{row['line']}.json"
-        passing = path.with_name(f"{path.name}.{os.getpid()}.partial")
-        passing.write_text(json.dumps(row), encoding="utf-8")
-        passing.replace(path)
+        write_whole(self.folder / f"{row['line']}.json", json.dumps(row).encode())
 
     def clear(self) -> None:
         """Removes all lines."""

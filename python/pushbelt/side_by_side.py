@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from typing import Any
 
+from .console import interrupts_ignored
 from .progress import progress_bar
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -26,6 +28,8 @@ _pending = 0.0
 def _prepare_worker(ticks: Any) -> None:
     global _ticks
     _ticks = ticks
+    # For Windows, where `interrupts_ignored` has no effect.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def tick(amount: float) -> None:
@@ -54,17 +58,21 @@ def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], wor
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[float], object]], list[Any]]]:
-    """Pool of processes for several rounds of calls. Yields the function that runs a round."""
+    """Pool of processes for several rounds of calls. Yields the function that runs a round. After a failure, or Ctrl-C in this process, they
+    are ended at once."""
     context = multiprocessing.get_context("spawn")
-    ticks = context.Queue()
+    ticks, others = context.Queue(), set(multiprocessing.active_children())
     with ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool:
 
         def run(calls: Sequence[Call], update: Callable[[float], object]) -> list[Any]:
-            futures = [pool.submit(function, *arguments) for function, arguments in calls]
             try:
+                with interrupts_ignored():
+                    futures = [pool.submit(function, *arguments) for function, arguments in calls]
                 _follow(futures, ticks, update)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
+                for process in set(multiprocessing.active_children()) - others:
+                    process.terminate()
                 raise
             return [future.result() for future in futures]
 

@@ -142,7 +142,14 @@ def test_command_prints_checks_and_marks(
     [
         (["--length", "700"], "the length of the belt is 700 m"),
         (["--ratio", "3.2"], "allow 0.396 to 2.526"),
+        (["--ratio", "nan"], "allow 0.396 to 2.526"),
         (["--set", "belt.colour=1"], "no parameter belt.colour"),
+        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa is not within 100 to 5000 MPa"),
+        (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa is not below its strength, 2000 MPa"),
+        (["--stress-safety", "0.1"], "safety of the steel: 0.1 is not within 1 to 10"),
+        (["--safety", "0.1"], "safety of the load case: 0.1 is not within 1 to 10"),
+        (["--rpm", "0"], "speed of the load case: 0 rad/s is not within 1 to 2000 rad/s"),
+        (["--torque", "nan"], "torque of the load case: nan N.m is not within"),
     ],
 )
 def test_command_refuses(

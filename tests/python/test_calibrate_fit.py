@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.calibrate import __main__, fit, misfit
+from pushbelt.calibrate import __main__, fit, misfit, report, results
 from pushbelt.fmu.data import parameter_set
 from pushbelt.rig import points as tables
 from pushbelt.rig import worker
@@ -102,6 +102,117 @@ def with_value(point: Point, value: float) -> Point:
     return replace(point, measured=(replace(point.measured[0], value=float(value)),))
 
 
+def noisy(count: int, seed: int, shifts: dict[int, float], truth: Sequence[float] = (1.2, 0.7)) -> Model:
+    """A model of two parameters, measured with noise of the standard deviation 0.01. `shifts` are errors of points."""
+    opened = model(lambda v, u: v[0] * u + v[1] * np.exp(-u), truth, "ab", count)
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(count)
+    values = [p.measured[0].value + n + shifts.get(k, 0.0) for k, (p, n) in enumerate(zip(opened.points, noise, strict=True))]
+    return opened.with_points([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], {})
+
+
+TWO = [parameter("a"), parameter("b")]
+
+
+@pytest.mark.parametrize("shifts", [{5: 1.0}, {0: -0.4, 29: 3.0}, {3: 100.0, 4: 100.0, 20: 0.1}])
+def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
+    """Also a small one beside large ones. The fit is that of a table without them, and takes few solutions."""
+    opened = noisy(30, 1, shifts)
+    found = fit.fit(opened, TWO)
+    assert [k for k, kept in enumerate(found.kept) if not kept] == sorted(shifts)
+    others = [point for k, point in enumerate(opened.points) if k not in shifts]
+    alone = fit.fit(opened.with_points(others, {}), TWO)
+    assert all(alone.kept)
+    for one, other in zip(found.estimates, alone.estimates, strict=True):
+        assert one.value == pytest.approx(other.value, rel=1e-3)
+        assert one.half == pytest.approx(other.half, rel=2e-2)
+    assert found.fits and found.rms[1] == pytest.approx(alone.rms[1], rel=1e-3) and found.rms_of_all > 2.0 * found.rms[1]
+    assert found.evaluations <= alone.evaluations + 6
+
+
+def test_noise_and_an_unfit_model_have_no_outliers() -> None:
+    """The scatter of all counts, not the given deviations."""
+    assert sum(not all(fit.fit(noisy(30, seed, {}), TWO).kept) for seed in range(40)) <= 4
+    wrong = model(lambda v, u: v[0] * u, (1.2,), "a")
+    values = [with_value(point, np.sin(9.0 * point.torque)) for point in wrong.points]
+    found = fit.fit(wrong.with_points(values, {}), [parameter("a")])
+    assert all(found.kept) and not found.fits
+
+
+def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
+    """One value of a row is far off; the other may depend on the same faulty cell."""
+    opened = noisy(30, 1, {7: 1.0})
+    points = [replace(point, measured=(*point.measured, replace(point.measured[0], deviation=1.0))) for point in opened.points]
+    double = opened.with_points(points, {})
+    found = fit.fit(double, TWO)
+    assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15]
+    shown = results.Results("t.csv", "1", "v", {}, False, double.points, double.values, found, results.Effort(1, 1.0))
+    (outlier,) = shown.outliers
+    assert outlier.point.line == 9
+    text = report.outliers(shown)
+    assert "line 9, slip" in text and f"{found.rms_of_all:.3g} with them" in text
+    report.write_residuals(shown, tmp_path / "residuals.csv")
+    assert (tmp_path / "residuals.csv").read_text(encoding="utf-8").count("outlier") == 2
+
+
+def test_samples_of_a_record_are_left_out_alone() -> None:
+    opened = noisy(30, 1, {7: 1.0})
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        return [
+            Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in enumerate(np.linspace(0.0, 1.0, 30))})
+            for values, _ in jobs
+        ]
+
+    samples = tuple(replace(p.measured[0], key=f"{k}", time=float(k)) for k, p in enumerate(opened.points))
+    record = Record(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
+    found = fit.fit(Model([record], solve), TWO)
+    assert [k for k, kept in enumerate(found.kept) if not kept] == [7]
+
+
+def test_a_fit_on_a_coarse_mesh_contains_its_error() -> None:
+    """The finer model differs by a shift of its parameters that depends on them; without noise the interval alone is far narrower."""
+    truth, off = (1.2, 0.7), np.array([0.03, -0.02])
+    law: Law = lambda v, u: v[0] * u + v[1] * np.exp(-u)  # noqa: E731
+    fine = model(law, truth, "ab", deviation=1e-3)
+    coarse = model(lambda v, u: law(v + off * v[0] ** 2, u), truth, "ab")
+    coarse = coarse.with_points(fine.points, {})
+    narrow = fit.fit(coarse, TWO).estimates
+    assert all(not one.interval[0] <= value <= one.interval[1] for one, value in zip(narrow, truth, strict=True))
+    found = fit.fit(coarse, TWO, fine.with_points(fine.points, {}))
+    for estimate, without, value in zip(found.estimates, narrow, truth, strict=True):
+        assert estimate.interval[0] <= value <= estimate.interval[1]
+        assert abs(estimate.value - value) < 0.02 * abs(without.value - value)
+
+
+def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rows with another value, or another name only."""
+    path = tmp_path / "table.csv"
+    rows = ["a,2,1500,40,10,11,0.2", "b,0.5,1500,40,10,13,0.3", "c,2,1500,40,10,11,0.2", "a,2,1500,40,10,12,0.2", "a,2,1500,40,10,11,0.2"]
+    path.write_text("\n".join([f"name,{TITLES}", *rows]) + "\n", encoding="utf-8")
+    rig = __main__.once(tables.read(path))
+    assert [point.line for point in rig.points] == [2, 3, 5]
+    assert any("4 (as 2), 6 (as 2)" in remark for remark in rig.remarks)
+    assert __main__.main([str(path), "--check"]) == 0
+    assert "4 (as 2), 6 (as 2)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words", [["--workers", "0"], ["--workers", "-1"], ["--prior", "friction.pulley=0.1±inf"], ["--prior", "friction.pulley=nan±1"]]
+)
+def test_options_out_of_range_are_refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        __main__.parser().parse_args(["table.csv", *words])
+    error = capsys.readouterr().err
+    assert words[0] in error and words[1] in error
+
+
+def test_a_prior_beyond_the_bounds_is_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(f"{TITLES}\n2,1500,40,10,11,0.2\n", encoding="utf-8")
+    assert __main__.main([*words(path, fmu, tmp_path), "--prior", "friction.pulley=9±1"]) == 1
+    assert "friction.pulley: the prior, 9, is not within" in capsys.readouterr().err
+
+
 def test_the_options_of_priors() -> None:
     assert __main__.prior("belt.play=2e-4±1e-4") == __main__.prior("belt.play=2e-4+-1e-4") == ("belt.play", (2e-4, 1e-4))
     for text in ("belt.play=2e-4", "belt.play", "belt.play=1±0", "belt.play=x±1"):
@@ -134,8 +245,8 @@ SPEED, FORCE, FRICTION = 200.0, 11e3, 0.084
 
 @pytest.fixture(scope="module")
 def solved(fmu: Path, archive) -> list[tuple[float, float, dict[str, float]]]:
-    """Ratio, torque and results of five points with a known friction, on the coarse mesh."""
-    base = {**parameter_set("bench168"), **__main__.COARSE, "friction.pulley": FRICTION}
+    """Ratio, torque and results of five points with a known friction."""
+    base = {**parameter_set("bench168"), "friction.pulley": FRICTION}
     found = []
     for ratio, torque in ((2.0, 35.0), (1.5, 45.0), (1.0, 40.0), (0.7, 45.0), (0.55, 30.0)):
         point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
@@ -169,10 +280,61 @@ def test_an_inverted_ratio_does_not_fit_and_is_found(
     assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
 
 
+HEADER = "ratio.geometric,primary.speed [rad/s],primary.torque [Nm],secondary.clampingForce [N],F_P [kN],slip,efficiency"
+
+
+def test_the_first_line_names_a_wrong_value(
+    fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A force of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without them."""
+    path, out = tmp_path / "rig.csv", tmp_path / "out"
+    rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
+    path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
+    assert __main__.main(words(path, fmu, out)) == 0
+    alone = json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"]["friction.pulley"]
+    capsys.readouterr()
+    (ratio, torque, values), force = solved[0], 1e-2 * solved[0][2]["thrustRatio"] * FORCE
+    wrong = [
+        f"{ratio},{SPEED},{torque},{FORCE},{force!r},{values['slip']!r},{values['efficiency']!r}",
+        f"{ratio},{SPEED},{10.0 * torque},{FORCE},{0.1 * force!r},{values['slip']!r},{values['efficiency']!r}",
+        rows[2],
+    ]
+    path.write_text("\n".join([HEADER, *rows, *wrong]) + "\n", encoding="utf-8")
+    assert __main__.main(words(path, fmu, out)) == 0
+    said, errors = capsys.readouterr()
+    assert "line 7, thrustRatio" in said.splitlines()[0]
+    assert "9 (as 4)" in said
+    assert "no steady state, not used: line 8" in errors
+    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
+    assert document["fits"]
+    found = document["parameters"]["friction.pulley"]
+    assert found["value"] == pytest.approx(alone["value"], rel=1e-3)
+    assert found["interval95"][0] <= FRICTION <= found["interval95"][1]
+    page = reports.stands_alone(out / "report.html")
+    assert "Left out as outliers: line 7" in page and "residuals of outliers" in page
+
+
+@pytest.mark.slow
+def test_a_short_fit_contains_that_on_the_default_mesh(
+    fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path
+) -> None:
+    path, found = tmp_path / "rig.csv", []
+    rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
+    path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
+    for more in ([], ["--short"]):
+        out = tmp_path / f"out{len(more)}"
+        assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(out), "--workers", "1", *more]) == 0
+        found.append(json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"])
+    for name in ("friction.pulley", "friction.ring", "belt.play"):
+        low, high = found[1][name]["interval95"]
+        assert low <= found[0][name]["value"] <= high
+        assert found[1][name]["value"] == pytest.approx(found[0][name]["value"], rel=5e-3)
+
+
 def test_a_speed_ratio_starts_from_the_slip_of_the_last_search(
     fmu: Path, archive, solved: list[tuple[float, float, dict[str, float]]]
 ) -> None:
-    base = {**parameter_set("bench168"), **__main__.COARSE, "friction.pulley": FRICTION}
+    base = {**parameter_set("bench168"), "friction.pulley": FRICTION}
     ratio, torque, values = solved[1]
     slips, counts = [0.0], []
     for nudge in (0.0, 1e-4):

@@ -14,10 +14,10 @@ import reports
 from pushbelt import Variator, tables
 from pushbelt.durability import __main__, fatigue
 from pushbelt.durability.damage import Damage, damage
-from pushbelt.durability.fatigue import Material
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
+from pushbelt.steel import Material
 
 BENCH = parameter_set("bench168")
 LENGTH = BENCH["geometry.beltLength"]
@@ -275,11 +275,44 @@ def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert entry["lifeKilometres"] is None and entry["lifeHours"] > 0.0
 
 
-@pytest.mark.parametrize("words", [["--strength", "1e8"], ["--slope", "nan"], ["--safety", "0"]])
-def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa is not within 100 to 5000 MPa"),
+        (["--strength", "2e9Pa", "--limit", "2500MPa"], "limit of the steel: 2500 MPa is not below its strength, 2000 MPa"),
+        (["--limit", "6e8"], "limit of the steel: 6e+08 MPa is not within 10 to 3000 MPa"),
+        (["--knee", "10"], "knee of the steel: 10 is not within 1000 to 1e+12"),
+        (["--slope", "nan"], "slope of the steel: nan is not within 1 to 50"),
+        (["--safety", "0.1"], "safety of the steel: 0.1 is not within 1 to 10"),
+    ],
+)
+def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], named: str) -> None:
     path = write(tmp_path / "a.csv", run())
     assert __main__.main([str(path), "--output", str(tmp_path / "out"), *words]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
+    error = capsys.readouterr().err
+    assert named in error and error.count("\n") == 1
+
+
+def test_strength_has_the_units_of_belt(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", run())
+    found = []
+    for strength, limit, safety in (("1900", "500", "--safety"), ("1900MPa", "0.5GPa", "--stress-safety"), ("1.9e9 Pa", "500 N/mm2", "--safety")):
+        words = ["--strength", strength, "--limit", limit, safety, "2"]
+        assert __main__.main([str(path), "--output", str(tmp_path), *words]) == 0
+        found.append(json.loads((tmp_path / "durability.json").read_text(encoding="utf-8"))["material"])
+    assert found[0] == found[1] == found[2]
+    assert (found[0]["strength"], found[0]["limit"], found[0]["safety"]) == (1.9e9, 5e8, 2.0)
+
+
+@pytest.mark.parametrize("amplitude", [500.0, 5e5, 6e9])
+def test_an_amplitude_that_no_moving_ring_has_is_refused(tmp_path: Path, amplitude: float) -> None:
+    """MPa or kPa in a column of Pa. A ring at rest may have any."""
+    columns = run(amplitude=5e8)
+    columns[AMPLITUDE.format("secondary")][5:] = amplitude
+    columns["ring.speed"][:6] = 0.0
+    path, strong = write(tmp_path / "a.csv", columns), Material(strength=5e9)
+    with pytest.raises(DurabilityError, match=r"line 8, column ring\.stressAmplitude\.secondary: .* within 1e\+06 to 5e\+09 Pa"):
+        damage(read(path), strong, BENCH)
 
 
 # The report

@@ -310,7 +310,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         (["ring.model=RCM"], "ring.model = 'RCM' is not one of ALE0 (1), ALE (2)"),
         (["initial.primarySpeed=0"], "no steady state at ratio 1, 50 N·m, 0 rad/s"),
         (["--frequency", "0"], "out of range"),
-        (["--safety", "-1"], "is not a number above 0"),
+        (["--safety", "0.1"], "--safety 0.1 is not within 1 to 10"),
         (["--safety", "1.3", "secondary.clampingForce=9000"], "give one of them"),
         (["--outputs", "sleep", *WORDS], "no output sleep"),
         (["--variator", "bench169"], "bench169"),

@@ -15,12 +15,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pushbelt import console
+from pushbelt.arguments import stress
 from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.start_values import StartValueError, checked
+from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import UnitError
-from pushbelt.fmu.untrusted import InputFileError, described
+from pushbelt.fmu.untrusted import described
+from pushbelt.steel import Material
 
-from .checks import Load, Steel, Stress, stresses
+from .checks import Load, Stress, stresses
 from .geometry import Belt, BeltError, Dimensions
 
 OUT_OF_LIMITS = 3
@@ -81,13 +84,13 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="value of a parameter, SI"
     )
-    load, steel = Load(), Steel()
+    load, steel = Load(), Material()
     case = found.add_argument_group("load case and strength of the ring")
     case.add_argument("--torque", type=float, default=load.torque, metavar="NM", help="primary torque [default: 100]")
     case.add_argument("--rpm", type=float, default=2000.0, help="primary speed [default: 2000]")
     case.add_argument("--safety", type=float, default=load.safety, help="of the clamping force [default: 1.3]")
-    case.add_argument("--strength", type=float, default=1e-6 * steel.strength, metavar="MPA", help="[default: 2000]")
-    case.add_argument("--limit", type=float, default=1e-6 * steel.limit, metavar="MPA", help="fatigue limit [default: 600]")
+    case.add_argument("--strength", type=stress, default=steel.strength, metavar="MPA", help="tensile strength [default: 2000]")
+    case.add_argument("--limit", type=stress, default=steel.limit, metavar="MPA", help="fatigue limit [default: 600]")
     case.add_argument("--stress-safety", type=float, default=steel.safety, help="on both [default: 1.5]")
     return found
 
@@ -104,14 +107,14 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         return _run(options)
-    except (BeltError, StartValueError, InputFileError, UnitError, OSError) as error:
+    except (ValueError, UnitError, OSError) as error:
         print(f"No parameter set: {error}", file=sys.stderr)
         return 1
 
 
 def _run(options: argparse.Namespace) -> int:
     belt = Belt(dimensions(options))
-    if options.ratio is not None and max(options.ratio, 1.0 / options.ratio) > belt.reach:
+    if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         raise BeltError(
             f"ratio {options.ratio:g} is out of reach: the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm allow "
             f"{1.0 / belt.reach:.3f} to {belt.reach:.3f}"
@@ -123,7 +126,7 @@ def _run(options: argparse.Namespace) -> int:
         entry["unit"] = variables[name].unit or "1" if name in variables else "1"
     values = checked(variables, {name: entry["value"] for name, entry in document["parameters"].items()}, {"parameter"})
     load = Load(options.torque, options.rpm * math.pi / 30.0, options.safety)
-    steel = Steel(1e6 * options.strength, 1e6 * options.limit, options.stress_safety)
+    steel = Material(options.strength, options.limit, safety=options.stress_safety)
     found = stresses(options.fmu, values, belt.reach, load, steel)
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / f"{options.name}.json"
@@ -143,8 +146,8 @@ def _table(belt: Belt, document: dict[str, Any]) -> list[str]:
     return [*lines, f"* contains an engineering value; so do {others} parameters taken from the base set"]
 
 
-def _checks(belt: Belt, load: Load, steel: Steel, found: list[Stress]) -> list[str]:
-    low, high = 1e-6 * steel.strength / steel.safety, 1e-6 * steel.limit / steel.safety
+def _checks(belt: Belt, load: Load, steel: Material, found: list[Stress]) -> list[str]:
+    low, high = 1e-6 * steel.strength / steel.safety, 1e-6 * steel.allowed
     lines = [
         f"Ratio: {1.0 / belt.reach:.3f} to {belt.reach:.3f} between the stops",
         f"Stress of the ring at {load.torque:g} N·m and {load.speed * 30.0 / math.pi:.0f} rpm, at most {low:.0f} MPa, and as an amplitude "
@@ -161,4 +164,4 @@ def _checks(belt: Belt, load: Load, steel: Steel, found: list[Stress]) -> list[s
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

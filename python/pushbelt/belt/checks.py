@@ -7,12 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.points import SteadyStateError
+from pushbelt.steel import Material
 from pushbelt.variator import Variator
 
 MARGIN = 0.02
 """Distance of the outer ratios from the end stops, relative."""
 PULLEYS = ("primary", "secondary")
+LOADS = {"torque": (-2000.0, 2000.0, " N.m"), "speed": (1.0, 2000.0, " rad/s"), "safety": (*SAFETY_RANGE, "")}
+"""Range of each value of a load case."""
 
 
 @dataclass(frozen=True)
@@ -23,21 +27,10 @@ class Load:
     speed: float = 2000.0 * math.pi / 30.0
     safety: float = 1.3
 
-
-@dataclass(frozen=True)
-class Steel:
-    """Strength of the ring's steel, Pa. The defaults are those of `durability`: engineering values for maraging steel."""
-
-    strength: float = 2.0e9
-    """Tensile strength."""
-    limit: float = 6.0e8
-    """Fatigue limit without mean stress."""
-    safety: float = 1.5
-    """Safety factor on both."""
-
-    def equivalent(self, amplitude: float, mean: float) -> float:
-        """Amplitude without mean stress that does the same damage (Goodman), Pa."""
-        return amplitude / (1.0 - min(max(mean, 0.0) / self.strength, 0.999))
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in LOADS.items():
+            if not low <= getattr(self, name) <= high:
+                raise ValueError(f"{name} of the load case: {getattr(self, name):g}{unit} is not within {low:g} to {high:g}{unit}")
 
 
 @dataclass(frozen=True)
@@ -52,12 +45,12 @@ class Stress:
     """Largest amplitude without mean stress that does the damage of a pulley's cycle."""
     reason: str | None = None
 
-    def passes(self, steel: Steel) -> bool:
+    def passes(self, steel: Material) -> bool:
         """Whether the stress is within the strength and the fatigue limit with the safety factor."""
-        return self.largest <= steel.strength / steel.safety and self.equivalent <= steel.limit / steel.safety
+        return self.largest <= steel.strength / steel.safety and self.equivalent <= steel.allowed
 
 
-def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, steel: Steel) -> list[Stress]:
+def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, steel: Material) -> list[Stress]:
     """Stress of the ring near both ends of the ratio's range and at ratio 1."""
     ends = reach * (1.0 - MARGIN)
     ratios = (1.0 / ends, 1.0, ends) if ends > 1.0 + MARGIN else (1.0,)

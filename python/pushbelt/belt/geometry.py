@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from pushbelt.errors import PushbeltError
+from pushbelt.fmu.data import BELT_LENGTH
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 
 SETS = 2
@@ -70,7 +71,7 @@ class Range:
 RANGES = {
     "width": Range("the width of the elements", 0.01, 0.1),
     "layers": Range("the number of layers", 1, 30, ""),
-    "length": Range("the length of the belt", 0.2, 5.0),
+    "length": Range("the length of the belt", *BELT_LENGTH),
     "center_distance": Range("the center distance", 0.05, 2.0),
     "element_thickness": Range("the thickness of an element", 0.0005, 0.01),
     "layer_thickness": Range("the thickness of a layer", 0.00005, 0.001),

@@ -21,15 +21,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushbelt import provenance
-from pushbelt.arguments import assignment
+from pushbelt import console, provenance
+from pushbelt.arguments import assignment, count
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
@@ -74,7 +76,7 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
         found = float(value), float(deviation)
     except ValueError:
         found = 0.0, 0.0
-    if not name or not found[1] > 0.0:
+    if not name or not math.isfinite(found[0]) or not 0.0 < found[1] < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
     return name, found
 
@@ -120,8 +122,8 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
-    found.add_argument("--short", action="store_true", help="fit on a coarse mesh in half the time, for a first estimate")
-    found.add_argument("--workers", type=int, default=2, metavar="N", help="processes [default: 2]")
+    found.add_argument("--short", action="store_true", help="derivatives on a coarse mesh, in less time, for a first estimate")
+    found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     reading_options.add(found)
     return found
 
@@ -154,6 +156,24 @@ def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> d
     return checked(variables, values, {"parameter"})
 
 
+def default_mesh(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
+    """The values of `COARSE` without --short."""
+    own = start_values(argparse.Namespace(**{**vars(options), "short": False}), variables)
+    return {name: own.get(name, int(variables[name].start)) for name in COARSE}
+
+
+def once(rig: points.Rig) -> points.Rig:
+    """A table without rows that repeat all values of an earlier one, and with a remark about them."""
+    first: dict[points.Point, points.Point] = {}
+    repeated = []
+    for point in rig.points:
+        earlier = first.setdefault(replace(point, line=0, name=""), point)
+        if earlier is not point:
+            repeated.append(f"{point.line} (as {earlier.line})")
+    remark = f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}"
+    return replace(rig, points=list(first.values()), remarks=[*rig.remarks, *[remark] * bool(repeated)])
+
+
 def _check(options: argparse.Namespace) -> int:
     """Prints what is understood of the table."""
     try:
@@ -162,7 +182,7 @@ def _check(options: argparse.Namespace) -> int:
         if error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
-    print("\n".join(points.understood(rig)))
+    print("\n".join(points.understood(once(rig))))
     return 0
 
 
@@ -170,11 +190,14 @@ def _run(options: argparse.Namespace) -> int:
     from . import report
 
     reading, oil = reading_options.reading(options), reading_options.oil(options)
-    rig = points.read(options.table, reading, oil)
+    rig = once(points.read(options.table, reading, oil))
     description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
+    for one in chosen:
+        if one.prior is not None and not one.low <= one.prior[0] <= one.high:
+            raise ParameterError(f"{one.name}: the prior, {one.prior[0]:g}, is not within its bounds, {one.low:g} to {one.high:g}")
     begin = time.perf_counter()
     expected = (1 + ITERATIONS + 4 * len(chosen)) * len(rig.points)
     alternatives: list[misfit.Alternative] = []
@@ -185,7 +208,8 @@ def _run(options: argparse.Namespace) -> int:
             bar.update(count)
 
         with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
-            found = fit(opened, chosen)
+            finer = opened.with_points(opened.points, default_mesh(options, variables)) if options.short else None
+            found = fit(opened, chosen, finer)
             if not found.fits:
                 coarse = {**base, **COARSE}
                 alternatives = misfit.alternatives(
@@ -195,7 +219,7 @@ def _run(options: argparse.Namespace) -> int:
                 options.table.name, description.version or "", options.variator,
                 {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
                 opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
+                Effort(opened.solves + (finer.solves if finer else 0), time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -207,6 +231,8 @@ def _run(options: argparse.Namespace) -> int:
         print(f"does not fit: {found.misfit}")
         for alternative in alternatives:
             print(f"  {alternative}")
+    if results.outliers:
+        print(report.outliers(results))
     for line in results.notes:
         print(f"  {line}")
     for estimate in found.estimates:
@@ -225,4 +251,4 @@ def _notes(rig: points.Rig) -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt import tables
+from pushbelt import console, tables
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.rig import worker
@@ -81,4 +81,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

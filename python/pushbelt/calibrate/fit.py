@@ -1,4 +1,4 @@
-"""Bounded least squares, confidence intervals, and detection of parameters that the table does not determine."""
+"""Bounded least squares without outliers, confidence intervals, and detection of parameters that the table does not determine."""
 
 from __future__ import annotations
 
@@ -105,9 +105,13 @@ class Fit:
     evaluations: int
     converged: bool
     used: tuple[int, int]
-    """Values at points with a steady state, before and after."""
+    """Values at points with a steady state, before and after, without outliers."""
     count: int
     """All measured values."""
+    kept: tuple[bool, ...]
+    """For each measured value, whether it is no outlier."""
+    rms_of_all: float
+    """Root mean square of the residuals after, with the outliers."""
 
     @property
     def rms(self) -> tuple[float, float]:
@@ -120,7 +124,7 @@ class Fit:
         """Reason why the model with these parameters does not fit; None if it does."""
         before, after = self.rms
         if self.count - self.used[1] > LOST_SHARE * self.count:
-            return f"{self.count - self.used[1]} of {self.count} values are at points without a steady state"
+            return f"{self.count - self.used[1]} of {self.count} values are outliers or at points without a steady state"
         if after > MISFIT:
             return f"the root mean square of the residuals is {after:.3g} standard deviations, above {MISFIT:g}"
         if after > 1.0 and self.used[0] == self.used[1] and after >= before * (1.0 - 1e-6):
@@ -148,8 +152,12 @@ class _Spread:
     factor: float
 
 
-def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
-    """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there."""
+def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = None) -> Fit:
+    """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
+
+    First a fit with a robust loss finds the outliers, which are then left out. `finer` is the model of the same points on a finer mesh:
+    the fit ends with its residuals, and has only the derivatives of `model`.
+    """
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
@@ -162,6 +170,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     search = _Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
     waiting, again = search.weak(), True
+    search.leave_out([k for k in range(len(parameters)) if k not in waiting], finer)
     while True:
         left = [k for k in range(len(parameters)) if k not in given_up]
         if not left:
@@ -183,24 +192,29 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
             waiting = frozenset()
         else:
             break
-    states = search.states
     halves = dict(zip(inner, spread.halves.tolist(), strict=True))
+    estimates = (Estimate(p, float(search.place[k]), halves.get(k), given_up.get(k)) for k, p in enumerate(parameters))
+    return _result(search, tuple(estimates), spread, before)
+
+
+def _result(search: _Search, estimates: tuple[Estimate, ...], spread: _Spread, before: Sequence[Found]) -> Fit:
+    model, after, kept = search.model, search.states, search.kept[: len(search.model.values)]
+    priors, used, everything = len(search.kept) - len(kept), _used(model, after, kept), kept | True
     return Fit(
-        estimates=tuple(
-            Estimate(parameter, float(search.place[k]), halves.get(k), given_up.get(k))
-            for k, parameter in enumerate(parameters)
-        ),
+        estimates=estimates,
         correlations=spread.correlations,
         singular_values=spread.singular_values,
-        chi_squared=(chi_squared(model, before), chi_squared(model, states)),
-        freedom=_used(model, states) + count - len(model.values) - len(inner),
+        chi_squared=(chi_squared(model, before, kept), chi_squared(model, after, kept)),
+        freedom=used + priors - len(spread.halves),
         factor=spread.factor,
         before=tuple(before),
-        after=tuple(states),
+        after=tuple(after),
         evaluations=search.evaluations,
         converged=search.converged,
-        used=(_used(model, before), _used(model, states)),
+        used=(_used(model, before, kept), used),
         count=len(model.values),
+        kept=tuple(kept.tolist()),
+        rms_of_all=float(np.sqrt(chi_squared(model, after, everything) / max(_used(model, after, everything), 1))),
     )
 
 
@@ -234,11 +248,14 @@ class _Search:
     """
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
-        self.model, self.parameters = model, tuple(parameters)
+        self.model, self._first, self.parameters = model, model, tuple(parameters)
         self.place, self.states = place, states
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
         self._residuals = self._all_residuals(place, states)
+        self.kept = np.ones(len(self._residuals), dtype=bool)
+        """Which measured values, and priors, are no outliers."""
+        self._robust = False
         self._slopes = self._differences(range(len(place)), central=False)
         self._length = 0.0
         """Length of the last step, as the reach counts."""
@@ -251,18 +268,39 @@ class _Search:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
         return np.concatenate([self.model.residuals(states), priors])
 
+    def refine(self, finer: Model) -> None:
+        """Continues with the residuals of a model of the same points on a finer mesh. The derivatives remain those of the first model."""
+        self.model = finer
+        (self.states,) = finer.states([assign(self.parameters, self.place)])
+        if all(found.reason is not None for found in self.states):
+            raise FitError(f"no point has a steady state on the finer mesh: {self.states[0].reason}")
+        self._residuals = self._all_residuals(self.place, self.states)
+
     def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
         free = list(free)
         chosen = [self.parameters[k] for k in free]
         fixed = assign(self.parameters, self.place)
         found = np.zeros((len(self._residuals), len(self.place)))
-        found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
+        states = self.states
+        if self._first is not self.model:
+            (states,) = self._first.states([fixed])
+        found[: len(self.model.values), free] = self._first.slopes(chosen, fixed, self.place[free], states, central)
         for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
             parameter = self.parameters[k]
             slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
             found[row, k] = slope / parameter.prior[1]
         return found
+
+    def _loss(self, residuals: Array) -> float:
+        """Sum of squares, or the robust loss `soft_l1`, 2 (√(1 + r²) − 1), of which an outlier has a share that grows linearly."""
+        squares = residuals[self.kept] ** 2
+        return float(np.sum(2.0 * (np.sqrt(1.0 + squares) - 1.0) if self._robust else squares))
+
+    @property
+    def _weights(self) -> Array:
+        """Factors of the residuals, whose squares then have the slope of the loss."""
+        return self.kept * ((1.0 + self._residuals**2) ** -0.25 if self._robust else 1.0)
 
     # Search
 
@@ -285,16 +323,20 @@ class _Search:
             found.add(free.pop(int(np.argmax(halves))))
         return frozenset(found)
 
-    def run(self, free: Sequence[int], waiting: Iterable[int] = ()) -> None:
-        """Minimises the sum of squares over the free parameters. The derivatives at the end are also those of the waiting ones."""
+    def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
+        """Minimises the loss over the free parameters. The derivatives at the end are also those of the waiting ones. A robust search ends
+        without them."""
+        self._robust = robust
         free, every = list(free), sorted({*free, *waiting})
         reach, jacobians, confirmed = REACH[0], 0, False
         self.converged = False
         while self.evaluations < MOST_EVALUATIONS:
-            total = float(self._residuals @ self._residuals)
+            total = self._loss(self._residuals)
             step, expected = self._step(free, reach)
             tolerance = TOLERANCE[0] + TOLERANCE[1] * total
-            if expected <= tolerance * (CONFIRMED if confirmed else 1.0) or reach < REACH[2] or confirmed and jacobians >= MOST_JACOBIANS:
+            if expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0) or reach < REACH[2] or confirmed and jacobians >= MOST_JACOBIANS:
+                if robust:
+                    return
                 if self._moved <= NEAR:
                     self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
                     break
@@ -323,7 +365,8 @@ class _Search:
 
     def _step(self, free: Sequence[int], reach: float) -> tuple[Array, float]:
         """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
-        slopes = self._slopes[:, free]
+        weights = self._weights
+        slopes, residuals = (weights[:, None] * self._slopes)[:, free], weights * self._residuals
         # The reach is that of the parameter with the largest influence; others may move farther.
         influence = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
         reaches = np.minimum(reach * influence.max() / influence, REACH[1])
@@ -332,12 +375,12 @@ class _Search:
         # `lsq_linear` requires a range of each unknown.
         high = np.maximum(high, low + 1e-12)
         rows = np.vstack([slopes, np.sqrt(DAMPING) * np.eye(len(free))])
-        found = lsq_linear(rows, np.concatenate([-self._residuals, np.zeros(len(free))]), (low, high), method="bvls")
+        found = lsq_linear(rows, np.concatenate([-residuals, np.zeros(len(free))]), (low, high), method="bvls")
         step = np.zeros(len(self.place))
         step[list(free)] = np.clip(found.x, low, high)
-        after = self._residuals + slopes @ step[list(free)]
+        after = residuals + slopes @ step[list(free)]
         self._length = float((np.abs(step[list(free)]) * influence).max() / influence.max())
-        return step, float(self._residuals @ self._residuals - after @ after)
+        return step, float(residuals @ residuals - after @ after)
 
     def _try(self, step: Array, total: float, expected: float) -> float:
         """Solves at the end of a step, updates the derivatives, and moves there if it is better. Returns the actual reduction over
@@ -349,11 +392,35 @@ class _Search:
         change = found - self._residuals - self._slopes @ step
         change[(found == LOST) | (self._residuals == LOST)] = 0.0
         self._slopes = self._slopes + np.outer(change, step) / float(step @ step)
-        reduction = total - float(found @ found)
+        reduction = total - self._loss(found)
         if reduction > 0.0:
             self.place, self.states, self._residuals = place, states, found
             self._moved += self._length
         return reduction / expected
+
+    # Outliers
+
+    def leave_out(self, free: Sequence[int], finer: Model | None = None) -> None:
+        """Fits with the robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of the intervals: a t-test of
+        the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row, or of a sample,
+        go together, because a faulty cell may be one of the conditions."""
+        self.run(free, robust=True)
+        if finer is not None:
+            self.refine(finer)
+            self.run(free, robust=True)
+        values, size = self.model.values, np.abs(self._residuals)
+        rows = [(value.point, value.measured.time) for value in values]
+        carried = np.array([self.states[value.point].reason is None for value in values])
+        while True:
+            tested = np.flatnonzero(self.kept[: len(values)] & carried)
+            freedom = len(tested) - len(self.parameters) - 1
+            if freedom < 1:
+                return
+            worst = tested[np.argmax(size[tested])]
+            scatter = max(float(np.sum(size[tested] ** 2) - size[worst] ** 2) / freedom, 1.0) ** 0.5
+            if size[worst] <= student.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / len(tested), freedom) * scatter:
+                return
+            self.kept[: len(values)] &= [row != rows[worst] for row in rows]
 
     # Intervals
 
@@ -367,7 +434,7 @@ class _Search:
             return _Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
         model = self.model
         used = np.array([self.states[value.point].reason is None for value in model.values])
-        used = np.concatenate([used, np.ones(len(self._residuals) - len(used), dtype=bool)])
+        used = np.concatenate([used, np.ones(len(self._residuals) - len(used), dtype=bool)]) & self.kept
         _, singular, turned = np.linalg.svd(self._slopes[used][:, list(inner)], full_matrices=False)
         # Singular values below rounding correspond to directions without influence, with an infinite interval.
         floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
@@ -390,14 +457,14 @@ def _at_bound(parameter: Parameter, coordinate: float) -> bool:
     return min(coordinate - low, high - coordinate) < AT_BOUND
 
 
-def _used(model: Model, states: Sequence[Found]) -> int:
-    """Measured values of points that have a steady state."""
-    return sum(states[value.point].reason is None for value in model.values)
+def _used(model: Model, states: Sequence[Found], kept: Array) -> int:
+    """Kept values of points that have a steady state."""
+    return sum(states[value.point].reason is None for value, one in zip(model.values, kept, strict=True) if one)
 
 
-def chi_squared(model: Model, states: Sequence[Found]) -> float:
-    """Sum of squares over the points that have a steady state, in standard deviations."""
-    return float(np.nansum(((model.column(states) - model.measured) / model.deviations) ** 2))
+def chi_squared(model: Model, states: Sequence[Found], kept: Array) -> float:
+    """Sum of squares of kept values at points that have a steady state, in standard deviations."""
+    return float(np.nansum(((model.column(states) - model.measured) / model.deviations)[kept] ** 2))
 
 
 def _undetermined(parameters: Sequence[Parameter], inner: Sequence[int], worst: int, spread: _Spread) -> Undetermined:

@@ -32,6 +32,22 @@ def sentence(estimate: Estimate) -> str:
     return f"{value}: held at its bound, so without an interval; was {parameter.start:.5g}"
 
 
+def outliers(results: Results) -> str:
+    """The rows that were left out, in one line; empty without any."""
+    if not results.outliers:
+        return ""
+    return (
+        f"left out as outliers: {'; '.join(map(_outlier, results.outliers))}. The root mean square of the residuals is "
+        f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
+    )
+
+
+def _outlier(row: Row) -> str:
+    place = f"line {row.point.line}" + (f" at {row.measured.time:g} s" if row.measured.time is not None else "")
+    text = f"{place}, {row.measured.quantity} {row.measured.value:.5g}"
+    return text if row.after is None else f"{text} ({abs(row.relative):.3g} standard deviations from {row.after:.5g})"
+
+
 def why_undetermined(estimate: Estimate) -> str:
     """Reason why a parameter cannot be identified from the table."""
     reason = estimate.undetermined
@@ -81,7 +97,8 @@ def _cells(row: Row) -> list[Any]:
     point, measured = row.point, row.measured
     return [
         point.line, point.name, measured.time, point.ratio, point.speed_ratio, point.speed, point.torque, point.force,
-        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s", measured.value, measured.deviation, row.before, row.after, row.residual, row.relative, row.reason,
+        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s", measured.value, measured.deviation, row.before, row.after, row.residual, row.relative,
+        row.reason if row.kept else "outlier",
     ]  # fmt: skip
 
 
@@ -98,11 +115,12 @@ def plain(value: float | None) -> str:
 def context(results: Results) -> dict[str, Any]:
     """Values for the template."""
     found = results.fit
-    used = [row for row in results.rows if row.relative is not None]
+    used = [row for row in results.rows if row.relative is not None and row.kept]
     return {
         "results": results,
         "fit": found,
         "used": len(used),
+        "outliers": outliers(results),
         "rms": found.rms,
         "lost_values": sum(row.reason is not None for row in results.rows),
         "quantities": [_quantity(results, quantity) for quantity in results.quantities if results.of(quantity)],
@@ -122,7 +140,7 @@ def context(results: Results) -> dict[str, Any]:
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
-    rows = results.of(quantity)
+    rows = [row for row in results.of(quantity) if row.kept] or results.of(quantity)
     after = np.array([row.residual for row in rows])
     before = np.array([row.before - row.measured.value for row in rows if row.before is not None])
     return {

@@ -33,6 +33,8 @@ class Row:
     after: float | None
     reason: str | None
     """Reason for a missing steady state after the fit."""
+    kept: bool
+    """Whether the fit contains it; it does not contain outliers."""
 
     @property
     def residual(self) -> float | None:
@@ -83,14 +85,23 @@ class Results:
                 value.of(self.fit.before),
                 value.of(self.fit.after),
                 self.fit.after[value.point].reason,
+                kept,
             )
-            for value in self.values
+            for value, kept in zip(self.values, self.fit.kept, strict=True)
         ]
 
     @property
     def lost(self) -> list[Row]:
         """One row for each point without a steady state after the fit."""
         return list({row.point.line: row for row in self.rows if row.reason is not None}.values())
+
+    @property
+    def outliers(self) -> list[Row]:
+        """For each row or sample of the table that was left out, its value with the largest residual."""
+        found: dict[tuple[int, float | None], Row] = {}
+        for row in sorted((row for row in self.rows if not row.kept), key=lambda row: -abs(row.relative or 0.0)):
+            found.setdefault((row.point.line, row.measured.time), row)
+        return sorted(found.values(), key=lambda row: (row.point.line, row.measured.time or 0.0))
 
     def of(self, quantity: str) -> list[Row]:
         """Rows of a quantity that have a model value."""

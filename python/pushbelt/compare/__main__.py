@@ -10,7 +10,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import InputFileError, described
 
@@ -63,4 +63,4 @@ def _units(fmu: Path) -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.unit import UnitError
 
@@ -87,4 +87,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -10,20 +10,21 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
-from pushbelt.fmu.data import is_chain, parameter_set
+from pushbelt import console, provenance
+from pushbelt.arguments import stress
+from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
+from pushbelt.steel import RANGES, Material
 
 from . import report
 from .damage import damage
-from .fatigue import Material
 from .table import DurabilityError, read
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")
 """Runs over the whole cycle in the folder of a drive."""
 MATERIAL = {
-    "strength": "tensile strength R_m, Pa",
-    "limit": "fatigue limit: amplitude without mean stress that half of the specimens bear, Pa",
+    "strength": "tensile strength R_m, MPa or with its unit",
+    "limit": "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit",
     "knee": "cycles to failure at the fatigue limit",
     "slope": "exponent of the S-N curve above the limit",
     "safety": "factor by which the limit is reduced",
@@ -40,8 +41,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--hours", action="store_true", help="life in hours only: no column distance is required")
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
     for name, text in MATERIAL.items():
-        default = getattr(Material, name)
-        parser.add_argument(f"--{name}", type=float, default=default, help=f"{text} [default: {default:g}]")
+        default, scale = getattr(Material, name), 1e-6 if RANGES[name][2] else 1.0
+        names = [f"--{name}", *["--stress-safety"] * (name == "safety")]
+        text = f"{text} [default: {scale * default:g}]"
+        parser.add_argument(*names, type=float if scale == 1.0 else stress, default=default, metavar=name.upper(), help=text)
     options = parser.parse_args(arguments)
     provenance.begin("durability", arguments)
     try:
@@ -81,11 +84,11 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
         values |= parameter_set(variator or "bench168")
     if is_chain(values):
         raise DurabilityError(f"{variator or fmu}: belt.kind = 2 is a pull chain, which has no ring layers")
-    length = values.get("geometry.beltLength")
-    if not isinstance(length, (int, float)) or not 0.0 < length < 1e3:
-        raise DurabilityError(f"geometry.beltLength is {length}, not within 0 to 1000 m")
+    length, (low, high) = values.get("geometry.beltLength"), BELT_LENGTH
+    if not isinstance(length, (int, float)) or not low <= length <= high:
+        raise DurabilityError(f"geometry.beltLength is {length}, not within {low:g} to {high:g} m")
     return values
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -9,13 +9,16 @@ from functools import cached_property
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
+from pushbelt.steel import Material
 
-from .fatigue import Cycles, Material, cycles
+from .fatigue import OTHERS, Cycles, cycles
 from .table import PULLEYS, Table
 
 CLAMPING = (0.9, 1.0, 1.1)
 """Factors on the clamping forces."""
 RATIOS = ((0.0, 0.8, "overdrive, ratio below 0.8"), (0.8, 1.25, "0.8 to 1.25"), (1.25, np.inf, "underdrive, above 1.25"))
+AMPLITUDES = 1e6, 5e9
+"""Amplitudes of the stress of a ring that runs over pulleys, Pa. Bending alone is some 100 MPa."""
 BANDS = ((0.0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, np.inf))
 """Bands of torque and speed, relative to the largest value."""
 
@@ -151,9 +154,18 @@ def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
 
 
 def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
-    """Damage of a run. Raises DurabilityError by line and column if the mean or the largest stress reaches the strength."""
+    """Damage of a run. Raises DurabilityError by line and column if an amplitude is not that of a running ring, or the mean or the
+    largest stress reaches the strength."""
     parts = cycles(table)
-    for part in parts.values():
+    low, most = AMPLITUDES
+    moving = np.abs(table["ring.speed"]) > 0.0
+    for name, part in parts.items():
+        largest = part.amplitude.max(axis=1)
+        impossible = moving & ~((low <= largest) & (largest <= most))
+        if name != OTHERS and impossible.any():
+            row = int(np.argmax(impossible))
+            text = f"an amplitude of {largest[row]:.4g} Pa is not within {low:g} to {most:g} Pa, as that of any ring that moves"
+            raise table.error(row, part.column.replace("Mean", "Amplitude"), text)
         for what, stress in (("mean", part.mean), ("largest", part.mean + part.amplitude)):
             high = (stress >= material.strength).any(axis=1)
             if high.any():

@@ -15,7 +15,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.linear_points import FREQUENCY, STATES
 from pushbelt.points import SteadyStateError
@@ -119,4 +119,4 @@ def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) ->
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pushbelt.errors import PushbeltError
+from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear import LinearModel
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.variator import Variator
@@ -99,8 +100,8 @@ def read(settings: Sequence[str], safety: float | None = None) -> Asked:
             parameters[name] = words[0]
         else:
             changes[name] = words
-    if safety is not None and not (math.isfinite(safety) and safety > 0.0):
-        raise PointError(f"--safety {safety} is not a number above 0")
+    if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
+        raise PointError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
     if safety is not None and "secondary.clampingForce" in points:
         raise PointError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
     return Asked(points, loads, parameters, changes, safety)

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from pushbelt import console
 from pushbelt.arguments import add_cluster, numbers
 from pushbelt.cluster import ClusterError
 from pushbelt.map_data import Maps
@@ -115,4 +116,4 @@ def _shown(bar) -> Callable[[Progress], None]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
@@ -40,4 +40,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.arguments import add_cluster, numbers
 from pushbelt.cluster import ClusterError
 from pushbelt.fmu.untrusted import described
@@ -154,4 +154,4 @@ def _shown(bar) -> Callable[[Progress], None]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -8,7 +8,8 @@ from contextlib import AbstractContextManager
 from distributed import Client
 
 from pushbelt import cluster
-from pushbelt.cluster import WORKER_LOST, ClusterError, by_value, connect, interrupts_ignored
+from pushbelt.cluster import WORKER_LOST, ClusterError, by_value, connect
+from pushbelt.console import interrupts_ignored
 
 from . import point, worker
 from .point import Row, failure

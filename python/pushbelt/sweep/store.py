@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pushbelt.fmu.unit import output_names
+from pushbelt.whole_file import write_whole
 
 from .design import Design, DesignPoint, utilisation_of
 from .point import SHORT_STEP, Row
@@ -147,13 +147,3 @@ def write_parquet(contents: pa.Table, path: Path) -> None:
     buffer = pa.BufferOutputStream()
     pq.write_table(contents, buffer, compression="zstd")
     write_whole(path, buffer.getvalue().to_pybytes())
-
-
-def write_whole(path: Path, contents: bytes) -> None:
-    """Writes a file completely or not at all, even if the process ends at any time."""
-    passing = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    with passing.open("wb") as file:
-        file.write(contents)
-        file.flush()
-        os.fsync(file.fileno())
-    passing.replace(path)

@@ -11,7 +11,8 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
+from pushbelt.arguments import count
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 from pushbelt.rig import options as reading_options
@@ -34,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--section", action="append", choices=SECTIONS, help="run only this section; can be repeated")
     parser.add_argument("--table", type=Path, help="score a parameter set on a rig's table, instead of the sections")
     parser.add_argument("--variator", default="bench168", help="with --table: a parameter set, or a file ….json")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="with --table: processes [default: 2]")
+    parser.add_argument("--workers", type=count, default=2, metavar="N", help="with --table: processes [default: 2]")
     reading_options.add(parser)
     options = parser.parse_args(arguments)
     provenance.begin("validate", arguments)
@@ -80,4 +81,4 @@ def _hold_out(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(console.run(main))

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt import provenance
+from pushbelt import console, provenance
 from pushbelt.fmu.unit import UnitError
 
 from . import masters, report, study
@@ -35,4 +35,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    masters.leave(main())
+    masters.leave(console.run(main))

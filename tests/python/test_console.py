@@ -1,0 +1,109 @@
+"""Programs as processes: output that can't be encoded, Ctrl-C, and files on a full disk."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+from conftest import ROOT
+
+from pushbelt import console
+from pushbelt.fmu.files import DOCS
+from pushbelt.whole_file import write_whole
+
+INTERRUPTIBLE = pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C to all processes of a console")
+POOL = """
+import sys, time
+from pathlib import Path
+from pushbelt import console, side_by_side
+
+def work(place):
+    Path(place).touch()
+    time.sleep(600.0)
+
+def main():
+    side_by_side.run_all([(work, (place,)) for place in sys.argv[1:]], 2, "work", 2)
+
+if __name__ == "__main__":
+    sys.exit(console.run(main))
+"""
+
+
+def process(words: list[str], **variables: str) -> subprocess.Popen[bytes]:
+    """A Python process in its own process group, as a terminal starts it."""
+    known = {**os.environ, "PYTHONPATH": str(ROOT / "python"), **variables}
+    return subprocess.Popen(
+        [sys.executable, *words], env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
+
+
+def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool]) -> tuple[int, list[str]]:
+    """Exit code and lines of the errors after Ctrl-C in a process that is busy. No process of it remains."""
+    while not busy():
+        assert started.poll() is None, started.communicate()
+        time.sleep(0.05)
+    own = psutil.Process(started.pid).children(recursive=True)
+    assert own
+    os.killpg(started.pid, signal.SIGINT)
+    _, errors = started.communicate(timeout=60.0)
+    assert not psutil.wait_procs(own, timeout=10.0)[1]
+    return started.returncode, errors.decode().splitlines()
+
+
+@INTERRUPTIBLE
+def test_ctrl_c_ends_busy_workers_with_one_line(tmp_path: Path) -> None:
+    script, places = tmp_path / "pool.py", [tmp_path / "one", tmp_path / "two"]
+    script.write_text(POOL, encoding="utf-8")
+    started = process([str(script), *map(str, places)])
+    assert interrupted(started, lambda: all(place.exists() for place in places)) == (130, ["interrupted"])
+
+
+TABLE = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],slip [%]\n" + "2,1500,40,10,0.2\n0.5,1500,40,10,0.3\n" * 50
+
+
+@INTERRUPTIBLE
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [["demo"], ["drive"], ["validate"], ["calibrate", "table.csv"]], ids=lambda words: words[0])
+def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
+    """Two processes besides that of resources: workers that have started or are about to."""
+    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
+    words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
+    started = process(["-m", "pushbelt.cli", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+    children = psutil.Process(started.pid).children
+    assert interrupted(started, lambda: len(children()) >= 3) == (130, ["interrupted"])
+
+
+@pytest.mark.parametrize("words", [["-m", "pushbelt.cli", "docs", "kpks"], ["-m", "pushbelt.calibrate", "--help"]])
+def test_characters_that_the_output_lacks_are_replaced(words: list[str]) -> None:
+    output, errors = process(words, PYTHONIOENCODING="ascii").communicate()
+    assert not errors
+    assert b"?" in output
+    if "docs" in words:
+        assert output.decode().split() == (DOCS / "kpks.md").read_text(encoding="utf-8").encode("ascii", "replace").decode().split()
+
+
+def test_a_file_that_cannot_be_completed_leaves_nothing(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    write_whole(tmp_path / "file", b"whole")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(OSError):
+            write_whole(tmp_path / "file", bytes(2000))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert (tmp_path / "file").read_bytes() == b"whole"
+
+
+def test_a_program_without_an_output_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As under `pythonw`."""
+    monkeypatch.setattr(sys, "stdout", None)
+    assert console.run(lambda: None) == 0
