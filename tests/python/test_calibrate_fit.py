@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.calibrate import __main__, fit, misfit
+from pushbelt.calibrate import __main__, fit
 from pushbelt.fmu.data import parameter_set
 from pushbelt.rig import points as tables
 from pushbelt.rig import worker
@@ -107,24 +107,6 @@ def test_the_options_of_priors() -> None:
     for text in ("belt.play=2e-4", "belt.play", "belt.play=1±0", "belt.play=x±1"):
         with pytest.raises(__main__.argparse.ArgumentTypeError, match="not of the form"):
             __main__.prior(text)
-
-
-TITLES = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],F_P [kN],slip [%]"
-
-
-def test_other_readings_of_a_table(tmp_path: Path) -> None:
-    """The inverse ratio, the signs, units in which the values are possible, and exchanged forces; each can be read."""
-    path = tmp_path / "table.csv"
-    path.write_text(f"{TITLES}\n2,1500,40,10,11,0.2\n0.5,1500,40,10,13,0.3\n", encoding="utf-8")
-    rig = tables.read(path)
-    found = dict(misfit.readings(rig))
-    assert found["the inverse of i_geo"] == {"i_geo": "1/ratio.geometric"}
-    assert found["T_P [Nm] with the other sign"] == {"T_P [Nm]": "-primary.torque [Nm]"}
-    assert found["slip [%] in 1"] == {"slip [%]": "slip [1]"}
-    exchanged = tables.read(path, tables.Reading(renamed=found["F_P [kN] and F_S [kN] exchanged"]))
-    assert exchanged.points[0].force == 11e3
-    turned = tables.read(path, tables.Reading(renamed=found["the inverse of i_geo"]))
-    assert [point.ratio for point in turned.points] == [0.5, 2.0]
 
 
 # With the FMU

@@ -58,7 +58,7 @@ class Reading:
 
     def __str__(self) -> str:
         options = " ".join(f'--map "{title}={name}"' for title, name in self.options.items())
-        return f"{self.text}: {options}"
+        return f"{self.text} ({options})"
 
 
 @cache
@@ -156,7 +156,11 @@ def single_rows(values: Values, lines: Array) -> list[str]:
         ("the thrust ratio is not within %g to %g" % THRUST, (p.thrust < THRUST[0]) | (p.thrust > THRUST[1])),
         (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
     )
-    return [f"warning: {text} in line{'s' * (bad.sum() > 1)} {', '.join(map(str, lines[bad][:10]))}{' …' * (bad.sum() > 10)}" for text, bad in kinds if bad.any()]
+    return [f"warning: {text}: {_places(lines[bad])}" for text, bad in kinds if bad.any()]
+
+
+def _places(lines: Array) -> str:
+    return f"line {', '.join(map(str, lines[:10]))}{' …' if len(lines) > 10 else ''}"
 
 
 # Other readings
@@ -169,11 +173,11 @@ def readings(sheet: Sheet) -> Iterator[Reading]:
     for name in ("ratio.geometric", "ratio.speed", "thrustRatio"):
         if name in there:
             prefix = "" if taken[name].turned == "1/" else "1/"
-            yield Reading(f"{taken[name].title} is the inverse", {taken[name].title: f"{prefix}{name}"}, _inverse(name))
+            yield Reading(f"{taken[name].title}, if it is the inverse of {name}", {taken[name].title: f"{prefix}{name}"}, _inverse(name))
     for name in ("primary.torque", "slip"):
         if name in there:
             prefix = "" if taken[name].turned == "-" else "-"
-            yield Reading(f"{taken[name].title} has the other sign", {taken[name].title: prefix + _named(name, taken[name].unit)}, _scaled([name], -1.0))
+            yield Reading(f"{taken[name].title} with the other sign", {taken[name].title: prefix + _named(name, taken[name].unit)}, _scaled([name], -1.0))
     yield from _units(sheet, there)
     pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= set(there)]
     for some in ([quantity] for quantity in pairs):
@@ -205,7 +209,7 @@ def _exchanged(sheet: Sheet, quantities: Sequence[str]) -> Reading:
     """Columns of both pulleys exchanged."""
     names = {f"{pulley}.{q}": f"{other}.{q}" for q in quantities for pulley, other in (("primary", "secondary"), ("secondary", "primary"))}
     options = {sheet.title(name): _named(other, sheet.taken[name].unit) for name, other in names.items()}
-    text = f"{' and '.join(sheet.title(name) for name in names)} are exchanged (P and S)"
+    text = f"{' and '.join(sheet.title(name) for name in names)} exchanged (P and S)"
     return Reading(text, options, lambda values: {other: values[name] for name, other in names.items()})
 
 

@@ -218,7 +218,7 @@ class _Points:
         self.computed()
         missing = self._missing(RECORDED if self._series else REQUIRED)
         points: list[Point] = []
-        if not missing and (not sheet.faults or len(sheet)):
+        if not missing and not sheet.faults:
             points = self._records() if self._series else self._steady()
         if not points and not sheet.faults:
             reasons = "; ".join(map(str, sheet.left_out[:5]))
@@ -467,6 +467,21 @@ class _Points:
 
 
 # Description of a table
+
+SOLUTION = 0.03
+"""Processor time of a steady state, s."""
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
+"""Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
+
+
+def solving_time(rig: Rig) -> float:
+    """Processor time of a solution of all points, s."""
+    costs = (
+        SAMPLE_COST * len(point.measured) if isinstance(point, Record)
+        else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
+        for point in rig.points
+    )  # fmt: skip
+    return SOLUTION * sum(costs)
 
 
 def understood(rig: Rig) -> list[str]:

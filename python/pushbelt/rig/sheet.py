@@ -26,6 +26,8 @@ INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "u
 """Titles of columns that count the rows."""
 SAMPLE = 500
 """Rows that suffice to settle the decimal sign if all their numbers agree."""
+SEVERAL = 3
+"""Least number of values without a unit that are read as per cent."""
 SHOWN = 12
 """Largest number of faults that an error lists in full."""
 HEADERS = 4
@@ -280,7 +282,7 @@ class _Reader:
                 if len(errors) == len(column) > 0 and all(text.endswith("is no value") for text in errors.values()):
                     self.remarks.append(f"column {one.title} has no value")
                     continue
-                left_out += [Fault(text, int(lines[row]), one.title) for row, text in errors.items() if not bad[row]]
+                left_out += [Fault(text, int(lines[row]), one.title) for row, text in errors.items()]
                 bad[list(errors)] = True
         found = Sheet(
             self.path, self.cells.source, decimal or "unknown", self.taken, self.ignored, self.remarks, values, texts, lines, left_out,
@@ -417,7 +419,7 @@ class _Reader:
         found = np.array([numerals.number(str(cell), decimal if isinstance(cell, str) else "point") for cell in column], dtype=float)
         found = np.abs(found[np.isfinite(found)])
         low, high = (0.5, 50.0) if one.name == "slip" else (1.5, 100.0)
-        if found.size == 0 or not low < float(np.median(found) if one.name == "efficiency" else found.max()) <= high:
+        if found.size < SEVERAL or not low < float(np.median(found) if one.name == "efficiency" else found.max()) <= high:
             return one
         self.remarks.append(f"{one.title} has no unit and is read as %")
         return replace(one, unit="%", scale=Unit(0.01))

@@ -76,7 +76,7 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(6894.757293168, "psia", -ATMOSPHERE),
         **_all(98066.5, "kgf/cm2 kgf/cm^2 at"),
     },
-    "time": {**_all(1.0, "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:ss.sss hh:mm:ss.fff yyyy-mm-ddhh:mm:ss dd.mm.yyyyhh:mm:ss"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
+    "time": {**_all(1.0, "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
     "rate": {**_all(1.0, "1/s s-1 s^-1 /s 1/sec hz"), **_all(1.0 / 60.0, "1/min /min min-1 min^-1")},
     "velocity": {
         **_all(1.0, "m/s ms-1 ms^-1 m/sec"),
