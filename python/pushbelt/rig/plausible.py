@@ -41,8 +41,8 @@ MOST = 0.5
 """Share of the points above which the whole table has a fault."""
 OFF = 0.3
 """Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
-READ_AS = {"speed": ("rpm", "rad/s", "Hz"), "torque": ("N.m", "kN.m", "mN.m"), "force": ("N", "kN", "daN", "lbf"), "ratio": ("1", "%")}
-"""Units that are tried."""
+READ_AS = ("speed", "torque", "force", "pressure")
+"""Dimensions of which other units are tried."""
 PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
@@ -55,6 +55,8 @@ class Reading:
     """Its `--map` options."""
     change: Callable[[Values], dict[str, Array]]
     """Changed columns."""
+    unit: bool = False
+    """Whether it is another unit."""
 
     def __str__(self) -> str:
         options = " ".join(f'--map "{title}={name}"' for title, name in self.options.items())
@@ -191,18 +193,18 @@ def _units(sheet: Sheet, there: Sequence[str]) -> Iterator[Reading]:
     groups: dict[tuple[str, str], list[str]] = {}
     for name in there:
         one = sheet.taken[name]
-        if one.column.dimension in READ_AS and not one.turned and (one.column.dimension != "ratio" or name in ("slip", "efficiency")):
+        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
             group = name if one.column.dimension == "ratio" else one.column.dimension
             groups.setdefault((group, one.unit), []).append(name)
     for names in groups.values():
         for some in [names, *([name] for name in names if len(names) > 1)]:
             one = sheet.taken[some[0]]
-            for unit in READ_AS[one.column.dimension]:
+            for unit in units.CONFUSED[one.column.dimension]:
                 scale = units.find(unit, one.column.dimension)
                 if scale is not None and scale != one.scale:
                     titles = " and ".join(sheet.title(name) for name in some)
                     options = {sheet.title(name): f"{name} [{unit}]" for name in some}
-                    yield Reading(f"{titles} in {unit}", options, _scaled(some, scale.factor / one.scale.factor))
+                    yield Reading(f"{titles} in {unit}", options, _scaled(some, scale.factor / one.scale.factor), unit=True)
 
 
 def _exchanged(sheet: Sheet, quantities: Sequence[str]) -> Reading:
@@ -231,6 +233,9 @@ def plausible(sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, 
     before = _Points(values, count).thrust_off()
     better = []
     for reading in readings(sheet):
+        if reading.unit and set(found) == {"thrust law"}:
+            # The law is too rough to tell units.
+            continue
         changed = replace(sheet, values={**sheet.values, **reading.change(sheet.values)}, faults=[], left_out=[])
         other = rebuilt(changed)
         left, off = doubts(other, count), _Points(other, count).thrust_off()

@@ -253,8 +253,9 @@ class _Points:
         values = self.values[name]
         # The ratio 1 distinguishes nothing.
         there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
-        bad = there & (np.abs(values / speed_ratio - 1.0) > (AGREE if name == "ratio.speed" else 0.5))
-        if not bad.any() or bad[there].mean() > UNLIKELY:
+        off = np.abs(values / speed_ratio - 1.0)
+        bad = there & (off > (AGREE if name == "ratio.speed" else 0.5))
+        if not bad.any() or (off[there] > 2 * AGREE).mean() > UNLIKELY:
             return
         for row in np.flatnonzero(bad):
             fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"

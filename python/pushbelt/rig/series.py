@@ -17,7 +17,7 @@ FEWEST = 20
 """Rows from which a table with ascending times may be a time series."""
 MANY = 200
 """Rows from which a table is one in any case: so many points are not measured one by one."""
-HALF, SAMPLES = 0.25, 5
+HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
 WITHOUT_TIME = 25
@@ -42,47 +42,49 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     step = float(np.median(np.diff(np.unique(times[good]))))
     half = max(SAMPLES, round(HALF / step)) if timed else WITHOUT_TIME
     grid = np.arange(times[good][0], times[good][-1] + 0.5 * step, step)
-    even = {channel: _even(times, values, grid) for channel, values in channels.items()}
-    found = _plateaus(list(even.values()), half)
+    raw = {channel: _even(times, values, grid) for channel, values in channels.items()}
+    # Without spikes of one or two samples.
+    even = {channel: pd.Series(values).rolling(5, center=True, min_periods=1).median().to_numpy() for channel, values in raw.items()}
+    found = _plateaus([(even[channel], raw[channel]) for channel in channels], half)
     enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
     if not enough and (not timed or step > 2.0 or len(sheet) < MANY):
         return sheet
-    drifting = [span for span in found if any(_drifts(values, span) for values in even.values())]
+    drifting = [span for span in found if any(_drifts(values, span) for values in raw.values())]
     found = [span for span in found if span not in drifting]
     spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found]
     reduced = _rows(sheet, times, spans, time, name)
-    reduced.remarks.append(f"a time series of {len(sheet)} rows and {np.ptp(times[good]):.4g} s: {len(spans)} plateaus")
+    reduced.remarks.append(f"a time series of {len(sheet)} rows{f' and {np.ptp(times[good]):.4g} s' if timed else ''}: {len(spans)} plateaus")
     for start, end in drifting:
         reduced.remarks.append(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used")
     reduced.remarks += [_described(sheet, reduced, row, span, channels) for row, span in enumerate(spans)]
     if not spans:
         length = 3 * half * step
-        text = f"a time series without a plateau of {length:.3g} s; for recorded shifts add a column series"
+        why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
+        text = f"a time series without a plateau of {length:.3g} s{why}; for recorded shifts add a column series"
         reduced.faults.append(Fault(text))
     return reduced
 
 
 def _even(times: Array, values: Array, grid: Array) -> Array:
-    """A channel at evenly spaced times, without spikes of one or two samples."""
+    """A channel at evenly spaced times."""
     own = np.isfinite(values) & np.isfinite(times)
-    smooth = pd.Series(np.interp(grid, times[own], values[own])).rolling(5, center=True, min_periods=1).median()
-    return smooth.to_numpy()
+    return np.interp(grid, times[own], values[own])
 
 
-def _plateaus(channels: Sequence[Array], half: int) -> list[tuple[int, int]]:
+def _plateaus(channels: Sequence[tuple[Array, Array]], half: int) -> list[tuple[int, int]]:
     """Spans without a change in any channel, at least a window long. The windows before and after a place are within the plateau."""
-    count = len(channels[0]) - 2 * half + 1
+    count = len(channels[0][0]) - 2 * half + 1
     if count < half:
         return []
     steady = np.ones(count, dtype=bool)
-    for values in channels:
+    for values, raw in channels:
         sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
         means = (sums[half:] - sums[:-half]) / half
         change = np.abs(means[half:] - means[:-half])
         level = np.quantile(np.abs(values), 0.95)
         # The scatter of the quieter half of the places, and that of white noise: the first one includes slow noise.
         usual = np.quantile(change, 0.4) / 0.524
-        white = np.median(np.abs(np.diff(values))) / 0.954 * np.sqrt(2.0 / half)
+        white = np.median(np.abs(np.diff(raw))) / 0.954 * np.sqrt(2.0 / half)
         limit = min(max(NOISE * usual, LEAST * level), max(LARGEST * level, NOISE * white))
         steady &= change <= limit
     edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(int)))
@@ -94,7 +96,7 @@ def _drifts(values: Array, span: tuple[int, int]) -> bool:
     own = values[slice(*span)]
     third = max(len(own) // 3, 1)
     apart = abs(own[:third].mean() - own[-third:].mean())
-    return bool(apart > max(LARGEST * np.quantile(np.abs(values), 0.95), 3.0 * own.std() / np.sqrt(third)))
+    return bool(apart > max(LARGEST * np.quantile(np.abs(values), 0.95), NOISE * own.std() * np.sqrt(2.0 / third)))
 
 
 def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str) -> Sheet:
@@ -116,7 +118,7 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
             if own.size:
                 apart = np.abs(own - np.median(own))
                 # 1.4826 medians of the distances are a standard deviation.
-                kept = own[apart <= SPIKE * 1.4826 * np.median(apart)] if own.size > SAMPLES and np.median(apart) > 0.0 else own
+                kept = own[apart <= SPIKE * 1.4826 * np.median(apart)] if own.size > 2 * SAMPLES and np.median(apart) > 0.0 else own
                 spikes += own.size - kept.size
                 values[channel][row] = kept.mean()
                 if channel in errors:

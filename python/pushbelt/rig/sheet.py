@@ -304,6 +304,10 @@ class _Reader:
             explicit = [one for one in found if one.place in renamed] or found
             # A pulley in the title counts before none.
             explicit = [one for one in explicit if one.place in renamed or not self.names.bare(one.title)] or explicit
+            if explicit[0].column.dimension == "time":
+                # A date beside a clock is not needed.
+                known = [key(spelled) for spelled in (name, *explicit[0].column.aliases)]
+                explicit = [min(explicit, key=lambda one: min(known.index(k) for k in (key(w) for w, _ in splits(one.title)) if k in known))]
             self.ignored += [one.title for one in found if one not in explicit]
             if self.names.bare(explicit[0].title) and explicit[0].place not in renamed:
                 self.remarks.append(f"{explicit[0].title} is taken as {name}")
@@ -400,7 +404,7 @@ class _Reader:
     def _decimal(self, body: pd.DataFrame) -> str | None:
         if self.reading.decimal is not None:
             return self.reading.decimal
-        places = [one.place for one in self.taken.values() if one.column.dimension != "text"]
+        places = [one.place for one in self.taken.values() if one.column.dimension not in ("text", "time")]
         sample = {cell for place in places for cell in body[place].iloc[:SAMPLE] if isinstance(cell, str)}
         sure = numerals.certain(sample)
         if sure is not None:
@@ -450,7 +454,7 @@ class _Reader:
             else:
                 outside[row], raw[row] = text, value
         other = next(name for name in numerals.SIGNS if name != decimal)
-        for row in [row for row in errors if isinstance(column[row], str) and numerals.number(column[row], other) is not None]:
+        for row in [row for row in errors if isinstance(column[row], str) and numerals.number(column[row], decimal) is None is not numerals.number(column[row], other)]:
             # A decimal sign unlike that of the other numbers is ambiguous.
             text = f"'{column[row]}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             self.faults.append(Fault(text, self._line_of(row), one.title))
@@ -485,15 +489,14 @@ class _Reader:
 
     @staticmethod
     def _other_unit(one: Taken, values: np.ndarray[Any, Any]) -> str:
-        """The usual units in which numbers would be in the range of the column, with the option that says so."""
-        fitting = []
-        for unit in units.PREFERRED.get(one.column.dimension, ()):
+        """The first unit in which numbers would be in the range of the column, with the option that says so."""
+        for unit in units.CONFUSED.get(one.column.dimension, ()):
             scale = units.find(unit, one.column.dimension)
             if scale is not None and scale != one.scale and not one.turned:
                 si = scale.factor * values + scale.offset
                 if ((si >= one.column.low) & (si <= one.column.high)).all():
-                    fitting.append(f'{unit} (--map "{one.title}={one.name} [{unit}]")')
-        return f"; plausible is {' or '.join(fitting)}" if fitting else ""
+                    return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
+        return ""
 
     @staticmethod
     def _plain(one: Taken, column: Sequence[Any], decimal: str) -> np.ndarray[Any, Any] | None:

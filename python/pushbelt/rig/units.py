@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 RPM = math.pi / 30.0
 ATMOSPHERE = 101325.0
@@ -132,6 +133,14 @@ PREFERRED: Mapping[str, tuple[str, ...]] = {
     "impulse": ("N.s",),
 }
 """Units that messages and templates name; the first one is the SI unit as the FMU spells it."""
+CONFUSED: Mapping[str, tuple[str, ...]] = {
+    **PREFERRED,
+    "speed": ("rpm", "rad/s", "Hz"),
+    "torque": ("N.m", "kN.m", "mN.m"),
+    "force": ("N", "kN", "daN", "MN"),
+    "pressure": ("bar", "Pa", "kPa", "MPa"),
+}
+"""Units that are taken for each other, the usual ones first."""
 OF_FMU: Mapping[str, str] = {
     **{units[0]: dimension for dimension, units in PREFERRED.items() if dimension != "pressure"},
     "N/m2": "stress",
@@ -143,6 +152,7 @@ PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
 
 
+@lru_cache(10_000)
 def normal(text: str) -> str:
     """A unit without blanks, multiplication signs and superscripts; the case is kept."""
     text = text.strip().translate(SIGNS)
@@ -156,6 +166,7 @@ def normal(text: str) -> str:
     return text.rstrip(".") if len(text) > 1 else text
 
 
+@lru_cache(100_000)
 def find(text: str, dimension: str) -> Unit | None:
     """The unit of a dimension with this spelling; None if there is none. The case matters only where it distinguishes units."""
     spelled, known = normal(text), SPELLINGS.get(dimension, {})
@@ -169,9 +180,10 @@ def find(text: str, dimension: str) -> Unit | None:
     return found.popitem()[1] if len(set(found.values())) == 1 else None
 
 
-def dimensions(text: str) -> set[str]:
+@lru_cache(10_000)
+def dimensions(text: str) -> frozenset[str]:
     """All dimensions that have a unit with this spelling."""
-    return {dimension for dimension in SPELLINGS if find(text, dimension) is not None}
+    return frozenset(dimension for dimension in SPELLINGS if find(text, dimension) is not None)
 
 
 def is_unit(text: str) -> bool:
