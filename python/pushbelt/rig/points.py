@@ -221,7 +221,7 @@ class _Points:
         if not missing and not sheet.faults:
             points = self._records() if self._series else self._steady()
         if not points and not sheet.faults:
-            reasons = "; ".join(map(str, sheet.left_out[:5]))
+            reasons = "; ".join(sheets.grouped(sheet.left_out)[:5])
             what = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
             sheet.faults.append(Fault(f"no row can be used: {reasons}" if sheet.left_out else what))
             sheet.left_out.clear()

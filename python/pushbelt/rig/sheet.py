@@ -351,6 +351,9 @@ class _Reader:
         # A unit in the title counts before one in the row below.
         written = candidates[0][1] if candidates[0][1] is not None else (own if wanted is not None else None)
         spelled = written if written is not None and written.strip() else row_unit
+        if self.names.columns[candidates[0][0].removesuffix(DEVIATION)].dimension == "ratio" and (self.names.find(spelled) or self.names.inverse(spelled)):
+            # `i (n_P/n_S)` has no unit.
+            spelled = ""
         missed: list[tuple[str, Column]] = []
         for name, _ in candidates:
             column = self.names.columns[name.removesuffix(DEVIATION)]

@@ -303,16 +303,16 @@ def _mf4(data: bytes, known: Known) -> Cells:
     columns, titles, unit_row = [], ["time"], ["s"]
     try:
         with MDF(io.BytesIO(data)) as file:
-            for name, places in file.channels_db.items():
-                if not known([name.split("\\")[0]]):
+            for name, ((group, index), *_) in file.channels_db.items():
+                title = name.split("\\")[0]
+                if file.masters_db.get(group) == index or not known([title]):
                     continue
-                signal = file.get(group=places[0][0], index=places[0][1])
-                if name in file.masters_db or not np.issubdtype(signal.samples.dtype, np.number) or signal.samples.ndim != 1:
-                    continue
-                own = pd.Series(signal.samples.astype(float), index=signal.timestamps)
-                columns.append(own[~own.index.duplicated()])
-                titles.append(name.split("\\")[0])
-                unit_row.append(signal.unit or "")
+                signal = file.get(group=group, index=index)
+                if np.issubdtype(signal.samples.dtype, np.number) and signal.samples.ndim == 1:
+                    own = pd.Series(signal.samples.astype(float), index=signal.timestamps)
+                    columns.append(own[~own.index.duplicated()])
+                    titles.append(title)
+                    unit_row.append(signal.unit or "")
     except Exception as error:  # asammdf's errors have no common base class.
         raise TextError(f"the file is not a readable MDF file: {error}") from error
     if not columns:

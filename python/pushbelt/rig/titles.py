@@ -23,7 +23,7 @@ CLOSE = 0.82
 LETTERS = str.maketrans({"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s"})
 
 SIDES = {
-    "primary": "primary primär primaer primäre primärer primäres pri prim input in driving antrieb antriebs an eingang eingangs",
+    "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
     "secondary": "secondary sekundär sekundaer sekundäre sekundärer sekundäres sec sek output out driven abtrieb abtriebs ab ausgang ausgangs",
 }
 WORDS = {
@@ -115,6 +115,10 @@ class Names:
         if not any(map(str.isalpha, title)):
             return []
         bracketed = title.rstrip()[-1:] in ("]", ")", "}")
+        whole = self._known.get(key(title))
+        if whole and title.strip() != "t_s":
+            # T_S is a torque, not a T in S; t_s is a time.
+            return [(name, None) for name in whole]
         for written, unit in splits(title):
             base, deviation = without_deviation(written)
             found = self.find(written)
