@@ -200,8 +200,10 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     try:
         cells = text.read(path, known, reading.sheet)
         return _Reader(path, cells, names, reading, known, misspelled).sheet()
+    except TableError:
+        raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
-        raise error if isinstance(error, TableError) else TableError([Fault(str(error))], path) from error
+        raise TableError([Fault(str(error))], path) from error
 
 
 def _is_number(cell: str) -> bool:

@@ -115,7 +115,7 @@ class Names:
         if not any(map(str.isalpha, title)):
             return []
         bracketed = title.rstrip()[-1:] in ("]", ")", "}")
-        whole = self._known.get(key(title))
+        whole = self._known.get(key(title)) if re.fullmatch(r"\w+", title.strip()) else None
         if whole and title.strip() != "t_s":
             # T_S is a torque, not a T in S; t_s is a time.
             return [(name, None) for name in whole]
