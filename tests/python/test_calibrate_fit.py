@@ -131,17 +131,18 @@ def words(path: Path, fmu: Path, out: Path, *more: str) -> list[str]:
     return [str(path), "--fmu", str(fmu), "--output", str(out), "--short", "--workers", "1", "--fit", "friction.pulley", *more]
 
 
-def test_an_inverted_ratio_does_not_fit_and_is_found(
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(
     fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, out = tmp_path / "rig.csv", tmp_path / "out"
     rows = [f"{1 / i!r};{SPEED};{t};{FORCE};{v['thrustRatio']!r};{v['slip']!r};{v['efficiency']!r}" for i, t, v in solved]
     header = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
     path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 3
-    said = capsys.readouterr().out
-    assert said.startswith("does not fit: ")
-    assert '--map "ratio.geometric=1/ratio.geometric"' in said
+    assert __main__.main(words(path, fmu, out)) == 1
+    assert '--map "ratio.geometric=1/ratio.geometric"' in capsys.readouterr().err
+    assert not out.exists()
+    assert __main__.main(words(path, fmu, out, "--as-written")) == 3
+    assert capsys.readouterr().out.startswith("does not fit: ")
     assert json.loads((out / "parameters.json").read_text(encoding="utf-8"))["fits"] is False
     assert (out / "residuals.csv").is_file()
     assert '<div class="fault" role="alert">' in reports.stands_alone(out / "report.html")

@@ -309,7 +309,8 @@ class _Reader:
             if explicit[0].column.dimension == "time":
                 # A date beside a clock is not needed.
                 known = [key(spelled) for spelled in (name, *explicit[0].column.aliases)]
-                explicit = [min(explicit, key=lambda one: min(known.index(k) for k in (key(w) for w, _ in splits(one.title)) if k in known))]
+                ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in explicit]
+                explicit = [one for one, rank in zip(explicit, ranks, strict=True) if rank == min(ranks)]
             self.ignored += [one.title for one in found if one not in explicit]
             if self.names.bare(explicit[0].title) and explicit[0].place not in renamed:
                 self.remarks.append(f"{explicit[0].title} is taken as {name}")
@@ -340,7 +341,9 @@ class _Reader:
 
     def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
         row_unit = self.units[place].strip() if place < len(self.units) else ""
-        if wanted is None and (wanted := self.names.inverse(title)) is not None:
+        said = wanted is None and self.names.inverse(title)
+        if said:
+            wanted = said
             self.remarks.append(f"{title} is taken as {wanted}")
         sign, wanted = turned(wanted)
         candidates = self.names.split(wanted if wanted is not None else title)
@@ -350,6 +353,8 @@ class _Reader:
             self._unknown(title)
             return None
         own = next((unit for written, unit in splits(title) if unit is not None and key(written)), None)
+        if said and own is not None and units.find(own, "ratio") is None:
+            own = None
         # A unit in the title counts before one in the row below.
         written = candidates[0][1] if candidates[0][1] is not None else (own if wanted is not None else None)
         spelled = written if written is not None and written.strip() else row_unit
@@ -464,11 +469,14 @@ class _Reader:
             text = f"'{column[row]}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             self.faults.append(Fault(text, self._line_of(row), one.title))
             del errors[row]
-        if outside and len(outside) > MOST * (len(outside) + np.isfinite(found).sum()):
-            row, more = next(iter(outside)), f" (and {len(outside) - 1} more rows)" if len(outside) > 1 else ""
-            self.faults.append(Fault(outside[row] + more + self._other_unit(one, raw[np.isfinite(raw)]), self._line_of(row), one.title))
-        else:
-            errors |= outside
+        words = {row: text for row, text in errors.items() if text.endswith("is not a number")}
+        for some, hint in ((outside, self._other_unit(one, raw[np.isfinite(raw)])), (words, "")):
+            if some and len(some) >= MOST * (len(some) + np.isfinite(found).sum()):
+                row, more = next(iter(some)), f" (and {len(some) - 1} more rows)" if len(some) > 1 else ""
+                self.faults.append(Fault(some[row] + more + hint, self._line_of(row), one.title))
+                errors = {row: text for row, text in errors.items() if row not in some}
+            else:
+                errors |= some
         return found, dict(sorted(errors.items()))
 
     def _line_of(self, row: int) -> int:
@@ -514,7 +522,7 @@ class _Reader:
         numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
         values = one.scale.factor * numbers + one.scale.offset
         inside = (values >= one.column.low) & (values <= one.column.high)
-        return values if (inside | (cells == "").to_numpy()).all() and not np.isin(numbers, numerals.SENTINELS).any() else None
+        return values if ((inside & np.isfinite(values)) | (cells == "").to_numpy()).all() and not np.isin(numbers, numerals.SENTINELS).any() else None
 
     @staticmethod
     def _out_of_range(one: Taken, value: float, cell: Any, scale: Unit) -> str | None:
