@@ -51,7 +51,9 @@ def table(path: Path, some: Mapping[str, np.ndarray]) -> Path:
     return written(path, [list(some), *map(list, np.column_stack(list(some.values())))])
 
 
-def recorded(step: float = 0.01, length: float = 2.0, ramp: float = 0.0, noise: float = 0.005, points: int = 12) -> np.ndarray:
+def recorded(
+    step: float = 0.01, length: float = 2.0, ramp: float = 0.0, noise: float = 0.005, points: int = 12
+) -> np.ndarray:
     """A time series of the points with time in its first column; `ramp` is the time of the change between two of them."""
     held = [np.tile(point, (round(length / step), 1)) for point in POINTS[:points]]
     parts = [held[0]]

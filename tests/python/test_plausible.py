@@ -16,7 +16,9 @@ from pushbelt.rig.points import Reading, Rig, TableError
 
 RPM = np.pi / 30.0
 Columns = dict[str, np.ndarray]
-TITLES = dict(zip(columns(), [f"{name} [{unit}]" for name, unit in zip(columns(), [*UNITS, "%", "%"], strict=True)], strict=True))
+TITLES = dict(
+    zip(columns(), [f"{name} [{unit}]" for name, unit in zip(columns(), [*UNITS, "%", "%"], strict=True)], strict=True)
+)
 FULL = ("i_geo", "n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
 WITHOUT_OUTPUT = ("i_geo", "n_P", "T_P", "F_S", "F_P", "slip", "eta")
 WITHOUT_RATIO = ("n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
@@ -59,7 +61,9 @@ def of(some: tuple[str, ...], fault: Callable[[Columns], Columns]) -> Columns:
 
 
 def values(rig: Rig) -> np.ndarray:
-    return np.array([[p.ratio or p.speed_ratio, p.speed, p.torque, p.force, *(m.value for m in p.measured)] for p in rig.points])
+    return np.array(
+        [[p.ratio or p.speed_ratio, p.speed, p.torque, p.force, *(m.value for m in p.measured)] for p in rig.points]
+    )
 
 
 @pytest.mark.parametrize("some", [FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST])
@@ -68,8 +72,12 @@ def test_a_right_table_is_read_without_a_warning(some: tuple[str, ...], tmp_path
     assert len(rig.points) == 12 and not any("warning" in remark for remark in rig.remarks)
 
 
-@pytest.mark.parametrize(("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables])
-def test_a_wrong_column_is_named_with_the_reading_that_is_right(fault: str, some: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables]
+)
+def test_a_wrong_column_is_named_with_the_reading_that_is_right(
+    fault: str, some: tuple[str, ...], tmp_path: Path
+) -> None:
     """The options of the message, taken as they are, give the points of the right table."""
     change, _, options = FAULTS[fault]
     path = table(tmp_path / "wrong.csv", of(some, change))
@@ -78,7 +86,11 @@ def test_a_wrong_column_is_named_with_the_reading_that_is_right(fault: str, some
     said = str(error.value)
     assert all(f'--map "{option}"' in said for option in options)
     # The first reading that has all these options.
-    named = next(n for n in re.findall(r"\(((?:--map \"[^\"]+\" ?)+)\)", said) if all(f'"{option}"' in n for option in options[:1]))
+    named = next(
+        n
+        for n in re.findall(r"\(((?:--map \"[^\"]+\" ?)+)\)", said)
+        if all(f'"{option}"' in n for option in options[:1])
+    )
     renamed = dict(text.split("=") for text in re.findall(r'--map "([^"]+)"', named))
     if fault == "N under kN":
         renamed["F_P [kN]"] = "primary.clampingForce [N]"
@@ -104,7 +116,9 @@ def test_a_single_wrong_line_is_named_and_kept(tmp_path: Path) -> None:
     assert [r for r in rig.remarks if "warning" in r] == ["warning: the thrust ratio is not within 0.2 to 5: line 5"]
 
 
-@pytest.mark.parametrize(("title", "name"), [("n_S/n_P", "ratio.speed"), ("i (n2/n1)", "ratio.speed"), ("r_P/r_S", "ratio.geometric")])
+@pytest.mark.parametrize(
+    ("title", "name"), [("n_S/n_P", "ratio.speed"), ("i (n2/n1)", "ratio.speed"), ("r_P/r_S", "ratio.geometric")]
+)
 def test_a_title_that_says_the_inverse_is_the_inverse(title: str, name: str, tmp_path: Path) -> None:
     c = columns()
     some = {title: 1.0 / c["i_geo"], **{TITLES[n]: c[n] for n in ("n_P", "T_P", "F_S", "F_P")}}

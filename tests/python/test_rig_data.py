@@ -70,8 +70,13 @@ def test_titles_of_rigs(head: str, tmp_path: Path) -> None:
 
 def test_the_ratio_in_german_is_that_of_the_speeds(tmp_path: Path) -> None:
     c = columns()
-    some = {"Übersetzung": c["n_P"] / c["n_S"], **{f"{n} [{u}]": c[n] for n, u in zip(COLUMNS, UNITS, strict=True) if n in ("n_P", "T_P", "F_S", "F_P")}}
-    assert [p.speed_ratio for p in points.read(table(tmp_path / "table.csv", some)).points] == pytest.approx(c["n_P"] / c["n_S"])
+    some = {
+        "Übersetzung": c["n_P"] / c["n_S"],
+        **{f"{n} [{u}]": c[n] for n, u in zip(COLUMNS, UNITS, strict=True) if n in ("n_P", "T_P", "F_S", "F_P")},
+    }
+    assert [p.speed_ratio for p in points.read(table(tmp_path / "table.csv", some)).points] == pytest.approx(
+        c["n_P"] / c["n_S"]
+    )
 
 
 def test_a_pulley_in_the_title_counts_before_none(tmp_path: Path) -> None:
@@ -91,16 +96,31 @@ def test_units_of_pounds(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("unit", "pascal"), [("bar", 1e5), ("psi", 6894.757293168)])
 def test_pressures_in_bar_and_psi(unit: str, pascal: float, tmp_path: Path) -> None:
     c = columns()
-    some = {"i_geo": c["i_geo"], "n_P [rpm]": c["n_P"], "T_P [Nm]": c["T_P"], f"Sekundärdruck [{unit}]": 1e3 * c["F_S"] / 0.01 / pascal, "slip [%]": c["slip"]}
+    some = {
+        "i_geo": c["i_geo"],
+        "n_P [rpm]": c["n_P"],
+        "T_P [Nm]": c["T_P"],
+        f"Sekundärdruck [{unit}]": 1e3 * c["F_S"] / 0.01 / pascal,
+        "slip [%]": c["slip"],
+    }
     found = points.read(table(tmp_path / "table.csv", some), oil=Oil((0.01, 0.01))).points
     assert [p.force for p in found] == pytest.approx(1e3 * c["F_S"])
 
 
 def test_per_cent_without_a_sign(tmp_path: Path) -> None:
     c = columns()
-    some = {"i_geo": c["i_geo"], "n_P [rpm]": c["n_P"], "T_P [Nm]": c["T_P"], "F_S [kN]": c["F_S"], "Schlupf": c["slip"], "Wirkungsgrad": c["eta"]}
+    some = {
+        "i_geo": c["i_geo"],
+        "n_P [rpm]": c["n_P"],
+        "T_P [Nm]": c["T_P"],
+        "F_S [kN]": c["F_S"],
+        "Schlupf": c["slip"],
+        "Wirkungsgrad": c["eta"],
+    }
     rig = points.read(table(tmp_path / "table.csv", some))
-    assert [m.value for p in rig.points for m in p.measured] == pytest.approx(0.01 * np.column_stack([c["slip"], c["eta"]]).ravel())
+    assert [m.value for p in rig.points for m in p.measured] == pytest.approx(
+        0.01 * np.column_stack([c["slip"], c["eta"]]).ravel()
+    )
     assert sum("is read as %" in remark for remark in rig.sheet.remarks) == 2
 
 
@@ -140,7 +160,9 @@ def test_a_missing_column_is_one_line(absent: str, tmp_path: Path) -> None:
     with pytest.raises(TableError) as error:
         points.read(table(tmp_path / "table.csv", some))
     assert len(error.value.faults) == 1 and "there is no column" in str(error.value)
-    empty = {name: values for name, values in some.items() if name != "T_S [Nm]"} | {f"{absent} [{dict(zip(COLUMNS, UNITS, strict=True))[absent]}]": [""] * len(ROWS)}
+    empty = {name: values for name, values in some.items() if name != "T_S [Nm]"} | {
+        f"{absent} [{dict(zip(COLUMNS, UNITS, strict=True))[absent]}]": [""] * len(ROWS)
+    }
     with pytest.raises(TableError) as error:
         points.read(table(tmp_path / "table.csv", empty))
     assert len(error.value.faults) == 1 and absent in str(error.value)
@@ -194,14 +216,26 @@ def shown(row: np.ndarray) -> list[str]:
 
 def is_series(rig: Rig, count: int = 12, rel: float = 0.01) -> None:
     assert values(rig) == pytest.approx(POINTS[:count, [0, 1, 3, 5]], rel=rel)
-    assert all(p.measured[0].value == pytest.approx(point[6] / point[5], rel=rel) for p, point in zip(rig.points, POINTS, strict=False))
+    assert all(
+        p.measured[0].value == pytest.approx(point[6] / point[5], rel=rel)
+        for p, point in zip(rig.points, POINTS, strict=False)
+    )
 
 
 @pytest.mark.parametrize(
     ("step", "length", "ramp", "noise"),
-    [(0.01, 2.0, 0.0, 0.005), (0.01, 1.0, 0.3, 0.01), (0.1, 5.0, 1.0, 0.005), (1.0, 15.0, 0.0, 0.005), (0.01, 2.0, 2.0, 0.002), (0.02, 2.0, 0.0, 0.0)],
+    [
+        (0.01, 2.0, 0.0, 0.005),
+        (0.01, 1.0, 0.3, 0.01),
+        (0.1, 5.0, 1.0, 0.005),
+        (1.0, 15.0, 0.0, 0.005),
+        (0.01, 2.0, 2.0, 0.002),
+        (0.02, 2.0, 0.0, 0.0),
+    ],
 )
-def test_plateaus_of_a_time_series_are_the_points(step: float, length: float, ramp: float, noise: float, tmp_path: Path) -> None:
+def test_plateaus_of_a_time_series_are_the_points(
+    step: float, length: float, ramp: float, noise: float, tmp_path: Path
+) -> None:
     rig = points.read(written(tmp_path / "series.csv", [HEAD, *map(shown, recorded(step, length, ramp, noise))]))
     is_series(rig, rel=0.02)
 
@@ -259,7 +293,9 @@ def test_samples_without_times(tmp_path: Path) -> None:
 def test_channels_with_their_own_rasters(tmp_path: Path) -> None:
     rows = [[cell if line % every == 0 else "" for cell, every in zip(shown(row), (1, 3, 3, 1, 2, 10, 5, 1), strict=True)]
             for line, row in enumerate(recorded())]  # fmt: skip
-    rig = points.read(written(tmp_path / "series.csv", [[HEAD[0], *HEAD[2:], HEAD[1]], *([r[0], *r[2:], r[1]] for r in rows)]))
+    rig = points.read(
+        written(tmp_path / "series.csv", [[HEAD[0], *HEAD[2:], HEAD[1]], *([r[0], *r[2:], r[1]] for r in rows)])
+    )
     is_series(rig)
 
 

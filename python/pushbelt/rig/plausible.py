@@ -82,11 +82,17 @@ class _Points:
         self.geometric, self.speed_ratio = get("ratio.geometric"), get("ratio.speed")
         self.ratio = np.where(np.isfinite(self.geometric), self.geometric, self.speed_ratio)
         self.speeds = get("primary.speed") / get("secondary.speed")
-        self.torque, self.force, self.efficiency = get("primary.torque"), get("secondary.clampingForce"), get("power ratio")
+        self.torque, self.force, self.efficiency = (
+            get("primary.torque"),
+            get("secondary.clampingForce"),
+            get("power ratio"),
+        )
         self.belt_speed = np.abs(get("primary.speed")) * np.interp(self.ratio, ratios, radii)
         with np.errstate(divide="ignore", invalid="ignore"):
             self.used = self.torque / (np.interp(self.ratio, ratios, carried) * self.force)
-            self.thrust = np.where(np.isfinite(get("thrustRatio")), get("thrustRatio"), get("primary.clampingForce") / self.force)
+            self.thrust = np.where(
+                np.isfinite(get("thrustRatio")), get("thrustRatio"), get("primary.clampingForce") / self.force
+            )
         self.slip = get("slip")
         self.loaded = np.abs(self.used) > LOADED
         if "di/dt" in values or "ds/dt" in values:
@@ -136,7 +142,9 @@ def doubts(values: Values, count: int) -> dict[str, str]:
     known = p.loaded & np.isfinite(p.efficiency)
     low, high = EFFICIENCY
     if _mostly((p.efficiency < low) | (p.efficiency > high), known):
-        found["power"] = f"driven over driving power is {_extent(p.efficiency[known])} with the direction of the primary torque"
+        found["power"] = (
+            f"driven over driving power is {_extent(p.efficiency[known])} with the direction of the primary torque"
+        )
     known = p.loaded & np.isfinite(p.slip)
     if _mostly(np.abs(p.slip) > SLIP, known):
         found["slip"] = f"slips of {_extent(100.0 * p.slip[known], ' %')}; usual are at most {100.0 * SLIP:g} %"
@@ -153,9 +161,12 @@ def single_rows(values: Values, lines: Array) -> list[str]:
     """Warnings about lines that no variator has."""
     p = _Points(values, len(lines))
     kinds = (
-        ("the belt speed is above %g m/s" % BELT_SPEED, p.belt_speed > BELT_SPEED),
+        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
         (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
-        ("the thrust ratio is not within %g to %g" % THRUST, (p.thrust < THRUST[0]) | (p.thrust > THRUST[1])),
+        (
+            f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}",
+            (p.thrust < THRUST[0]) | (p.thrust > THRUST[1]),
+        ),
         (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
     )
     return [f"warning: {text}: {_places(lines[bad])}" for text, bad in kinds if bad.any()]
@@ -175,11 +186,19 @@ def readings(sheet: Sheet) -> Iterator[Reading]:
     for name in ("ratio.geometric", "ratio.speed", "thrustRatio"):
         if name in there:
             prefix = "" if taken[name].turned == "1/" else "1/"
-            yield Reading(f"{taken[name].title}, if it is the inverse of {name}", {taken[name].title: f"{prefix}{name}"}, _inverse(name))
+            yield Reading(
+                f"{taken[name].title}, if it is the inverse of {name}",
+                {taken[name].title: f"{prefix}{name}"},
+                _inverse(name),
+            )
     for name in ("primary.torque", "slip"):
         if name in there:
             prefix = "" if taken[name].turned == "-" else "-"
-            yield Reading(f"{taken[name].title} with the other sign", {taken[name].title: prefix + _named(name, taken[name].unit)}, _scaled([name], -1.0))
+            yield Reading(
+                f"{taken[name].title} with the other sign",
+                {taken[name].title: prefix + _named(name, taken[name].unit)},
+                _scaled([name], -1.0),
+            )
     yield from _units(sheet, there)
     pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= set(there)]
     for some in ([quantity] for quantity in pairs):
@@ -204,12 +223,18 @@ def _units(sheet: Sheet, there: Sequence[str]) -> Iterator[Reading]:
                 if scale is not None and scale != one.scale:
                     titles = " and ".join(sheet.title(name) for name in some)
                     options = {sheet.title(name): f"{name} [{unit}]" for name in some}
-                    yield Reading(f"{titles} in {unit}", options, _scaled(some, scale.factor / one.scale.factor), unit=True)
+                    yield Reading(
+                        f"{titles} in {unit}", options, _scaled(some, scale.factor / one.scale.factor), unit=True
+                    )
 
 
 def _exchanged(sheet: Sheet, quantities: Sequence[str]) -> Reading:
     """Columns of both pulleys exchanged."""
-    names = {f"{pulley}.{q}": f"{other}.{q}" for q in quantities for pulley, other in (("primary", "secondary"), ("secondary", "primary"))}
+    names = {
+        f"{pulley}.{q}": f"{other}.{q}"
+        for q in quantities
+        for pulley, other in (("primary", "secondary"), ("secondary", "primary"))
+    }
     options = {sheet.title(name): _named(other, sheet.taken[name].unit) for name, other in names.items()}
     text = f"{' and '.join(sheet.title(name) for name in names)} exchanged (P and S)"
     return Reading(text, options, lambda values: {other: values[name] for name, other in names.items()})
@@ -227,7 +252,9 @@ def _scaled(names: Sequence[str], factor: float) -> Callable[[Values], dict[str,
     return lambda values: {name: factor * values[name] for name in names}
 
 
-def plausible(sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, found: Mapping[str, str]) -> list[Reading]:
+def plausible(
+    sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, found: Mapping[str, str]
+) -> list[Reading]:
     """The readings that remove most doubts and add none, best first. `rebuilt` computes the values of a changed sheet."""
     count = len(sheet)
     before = _Points(values, count).thrust_off()
@@ -246,4 +273,6 @@ def plausible(sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, 
     closest = min((off for _, _, off, _ in best), default=0.0)
     best = [one for one in best if one[2] <= 1.5 * closest + 0.05]
     # A reading of more columns is named only if none of its parts is enough.
-    return [one[3] for one in best if not any(set(other[3].options.items()) < set(one[3].options.items()) for other in best)]
+    return [
+        one[3] for one in best if not any(set(other[3].options.items()) < set(one[3].options.items()) for other in best)
+    ]

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from .sheet import Fault, Sheet
+from .faults import Fault
+from .sheet import Sheet
 from .titles import DEVIATION
 
 Array = np.ndarray
@@ -33,18 +34,28 @@ SPIKE = 8.0
 def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     """A time series as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
     compared, `name` the column for the plateaus' names."""
-    channels = {channel: sheet.values[channel] for channel in names if np.isfinite(sheet.values.get(channel, np.nan)).sum() > 1}
+    channels = {
+        channel: sheet.values[channel] for channel in names if np.isfinite(sheet.values.get(channel, np.nan)).sum() > 1
+    }
     timed = time in sheet.values
     times = sheet.values[time] if timed else np.arange(len(sheet), dtype=float)
     good = np.isfinite(times)
-    if not channels or good.sum() < (FEWEST if timed else MANY) or not (np.diff(times[good]) >= 0.0).all() or np.ptp(times[good]) == 0.0:
+    if (
+        not channels
+        or good.sum() < (FEWEST if timed else MANY)
+        or not (np.diff(times[good]) >= 0.0).all()
+        or np.ptp(times[good]) == 0.0
+    ):
         return sheet
     step = float(np.median(np.diff(np.unique(times[good]))))
     half = max(SAMPLES, round(HALF / step)) if timed else WITHOUT_TIME
     grid = np.arange(times[good][0], times[good][-1] + 0.5 * step, step)
     raw = {channel: _even(times, values, grid) for channel, values in channels.items()}
     # Without spikes of one or two samples.
-    even = {channel: pd.Series(values).rolling(5, center=True, min_periods=1).median().to_numpy() for channel, values in raw.items()}
+    even = {
+        channel: pd.Series(values).rolling(5, center=True, min_periods=1).median().to_numpy()
+        for channel, values in raw.items()
+    }
     found = _plateaus([(even[channel], raw[channel]) for channel in channels], half)
     enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
     if not enough and (not timed or step > 2.0 or len(sheet) < MANY):
@@ -53,7 +64,9 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     found = [span for span in found if span not in drifting]
     spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found]
     reduced = _rows(sheet, times, spans, time, name)
-    reduced.remarks.append(f"a time series of {len(sheet)} rows{f' and {np.ptp(times[good]):.4g} s' if timed else ''}: {len(spans)} plateaus")
+    reduced.remarks.append(
+        f"a time series of {len(sheet)} rows{f' and {np.ptp(times[good]):.4g} s' if timed else ''}: {len(spans)} plateaus"
+    )
     for start, end in drifting:
         reduced.remarks.append(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used")
     reduced.remarks += [_described(sheet, reduced, row, span, channels) for row, span in enumerate(spans)]
@@ -88,7 +101,9 @@ def _plateaus(channels: Sequence[tuple[Array, Array]], half: int) -> list[tuple[
         limit = min(max(NOISE * usual, LEAST * level), max(LARGEST * level, NOISE * white))
         steady &= change <= limit
     edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(int)))
-    return [(start + half, end + half) for start, end in zip(edges[::2], edges[1::2], strict=True) if end - start >= half]
+    return [
+        (start + half, end + half) for start, end in zip(edges[::2], edges[1::2], strict=True) if end - start >= half
+    ]
 
 
 def _drifts(values: Array, span: tuple[int, int]) -> bool:
@@ -118,13 +133,21 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
             if own.size:
                 apart = np.abs(own - np.median(own))
                 # 1.4826 medians of the distances are a standard deviation.
-                kept = own[apart <= SPIKE * 1.4826 * np.median(apart)] if own.size > 2 * SAMPLES and np.median(apart) > 0.0 else own
+                kept = (
+                    own[apart <= SPIKE * 1.4826 * np.median(apart)]
+                    if own.size > 2 * SAMPLES and np.median(apart) > 0.0
+                    else own
+                )
                 spikes += own.size - kept.size
                 values[channel][row] = kept.mean()
                 if channel in errors:
                     errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size) if kept.size > 1 else np.nan
-    remarks = [*sheet.remarks, f"{spikes} samples far from their plateau are not averaged"] if spikes else list(sheet.remarks)
-    return replace(sheet, values=values, texts={name: texts}, lines=np.array(lines, dtype=int), errors=errors, remarks=remarks)
+    remarks = (
+        [*sheet.remarks, f"{spikes} samples far from their plateau are not averaged"] if spikes else list(sheet.remarks)
+    )
+    return replace(
+        sheet, values=values, texts={name: texts}, lines=np.array(lines, dtype=int), errors=errors, remarks=remarks
+    )
 
 
 def _described(sheet: Sheet, reduced: Sheet, row: int, span: tuple[float, float], channels: Sequence[str]) -> str:
@@ -137,6 +160,8 @@ def _described(sheet: Sheet, reduced: Sheet, row: int, span: tuple[float, float]
         own = column[np.isfinite(column)]
         shown = one.scale.factor if not one.turned else 1.0
         spread = f" ± {own.std(ddof=1) / shown:.2g}" if own.size > 1 else ""
-        parts.append(f"{one.title} {(reduced.values[channel][row] - (one.scale.offset if shown != 1.0 else 0.0)) / shown:.5g}{spread}")
+        parts.append(
+            f"{one.title} {(reduced.values[channel][row] - (one.scale.offset if shown != 1.0 else 0.0)) / shown:.5g}{spread}"
+        )
     ends = f"lines {sheet.lines[inside[0]]} to {sheet.lines[inside[-1]]}" if inside.size else "no lines"
     return f"plateau {row + 1}: {span[0]:.4g} to {span[1]:.4g} s, {ends}, {inside.size} samples: {'; '.join(parts)}"

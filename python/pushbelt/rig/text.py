@@ -126,7 +126,7 @@ def parse(data: bytes, known: Known) -> Cells:
     if declared:
         lines[0] = ""
     lines = _with_header(lines, known)
-    shown = [line for line in lines if line.strip(" ,;|\t\"")]
+    shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
         raise TextError("the table is empty")
     separator = declared.group(1) if declared else _separator(shown[:HEAD], known)
@@ -137,7 +137,9 @@ def parse(data: bytes, known: Known) -> Cells:
     frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
     filled = (frame != "").any(axis=1).to_numpy()
     name = SEPARATORS.get(separator, repr(separator))
-    return Cells(frame[filled].reset_index(drop=True), numbers[filled], separator, f"{encoding.upper()}, {name} between columns")
+    return Cells(
+        frame[filled].reset_index(drop=True), numbers[filled], separator, f"{encoding.upper()}, {name} between columns"
+    )
 
 
 def _with_header(lines: list[str], known: Known) -> list[str]:
@@ -206,7 +208,7 @@ def _spreadsheet(data: bytes, known: Known, wanted: str | None) -> Cells:
     with book:
         if wanted is not None and wanted not in book.sheet_names:
             raise TextError(f"there is no sheet {wanted}; there are {', '.join(map(str, book.sheet_names))}")
-        found: list[tuple[int, Cells]] = []
+        found: list[tuple[float, Cells]] = []
         for name in [wanted] if wanted is not None else book.sheet_names:
             cells = _sheet(book, str(name), data)
             if cells is not None:
@@ -232,9 +234,15 @@ def _sheet(book: pd.ExcelFile, name: str, data: bytes) -> Cells | None:
             frame.iat[row, column] = "="
     # pandas gives NaN for error values and an empty text for empty cells.
     frame = frame.map(lambda cell: "#N/A" if isinstance(cell, float) and np.isnan(cell) else cell)
-    frame = frame.map(lambda cell: cell if isinstance(cell, (int, float, Percent)) and not isinstance(cell, bool) else str(cell).strip())
+    frame = frame.map(
+        lambda cell: (
+            cell if isinstance(cell, (int, float, Percent)) and not isinstance(cell, bool) else str(cell).strip()
+        )
+    )
     filled = (frame != "").any(axis=1).to_numpy()
-    remarks = np.array([is_remark(str(next((c for c in row if str(c) != ""), ""))) for row in frame.itertuples(index=False)])
+    remarks = np.array(
+        [is_remark(str(next((c for c in row if str(c) != ""), ""))) for row in frame.itertuples(index=False)]
+    )
     headers = np.array([sum(str(cell) != "" for cell in row) > 3 for row in frame.itertuples(index=False)])
     keep = filled & (~remarks | headers)
     if not keep.any():
@@ -326,7 +334,11 @@ def _cells(head: list[list[str]], body: pd.DataFrame, source: str) -> Cells:
     import pandas as pd
 
     body = body.astype(object).where(body.notna(), "")
-    body = body.map(lambda cell: cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip())
+    body = body.map(
+        lambda cell: (
+            cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip()
+        )
+    )
     body.columns = range(body.shape[1])
     frame = pd.concat([pd.DataFrame(head, dtype=object), body], ignore_index=True)
     return Cells(frame, np.arange(len(frame)) - len(head) + 1, "", source)

@@ -20,7 +20,9 @@ DEVIATION = ".sd"
 """Suffix of a column of standard deviations."""
 CLOSE = 0.82
 """Similarity above which an unknown name is taken for a misspelled one."""
-LETTERS = str.maketrans({"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s"})
+LETTERS = str.maketrans(
+    {"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s"}
+)
 
 SIDES = {
     "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
@@ -33,7 +35,9 @@ WORDS = {
     "axialkraft kraft",
     "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck",
 }
-FILLERS = "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"
+FILLERS = (
+    "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"
+)
 BARE = {"speed": "primary.speed", "torque": "primary.torque", "clampingForce": "secondary.clampingForce"}
 """Names of quantities whose title has no pulley."""
 INVERSE = {
@@ -95,7 +99,9 @@ class Names:
 
     def bare(self, title: str) -> bool:
         """Whether a title names a quantity without a pulley."""
-        return any(key(written) not in self._known and (in_words(written) or ("", False))[1] for written, _ in splits(title))
+        return any(
+            key(written) not in self._known and (in_words(written) or ("", False))[1] for written, _ in splits(title)
+        )
 
     def close(self, written: str) -> str | None:
         """The known name that is probably meant by an unknown one."""
@@ -126,7 +132,11 @@ class Names:
             if not found and deviation:
                 found, end = self.find(base), DEVIATION
             # Without brackets the end of a title is a unit only if the column may have it.
-            fitting = [name for name in found if unit is None or bracketed or units.find(unit, self.columns[name].dimension) is not None]
+            fitting = [
+                name
+                for name in found
+                if unit is None or bracketed or units.find(unit, self.columns[name].dimension) is not None
+            ]
             if fitting:
                 return [(name + end, unit) for name in fitting]
         return []
@@ -142,7 +152,9 @@ class Names:
 
 def without_deviation(name: str) -> tuple[str, bool]:
     """A name without the word for a standard deviation, and whether it has one."""
-    found = re.fullmatch(r"(.+?)[.\s_-]*(?:sd|std|stddev|sigma)|(?:sd|std|sigma)[\s_.(]+(.+?)\)?", name.strip(), re.IGNORECASE)
+    found = re.fullmatch(
+        r"(.+?)[.\s_-]*(?:sd|std|stddev|sigma)|(?:sd|std|sigma)[\s_.(]+(.+?)\)?", name.strip(), re.IGNORECASE
+    )
     return (found.group(1) or found.group(2), True) if found else (name, False)
 
 
