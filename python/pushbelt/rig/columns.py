@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from . import units
 from .measured import SAMPLED
-from .sheet import Column
+from .titles import Column
 
 
 @dataclass(frozen=True)

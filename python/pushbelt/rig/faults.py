@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .sheet import Sheet
+from typing import Any
 
 SHOWN = 12
 """Largest number of faults that an error lists in full."""
@@ -31,10 +28,10 @@ class Fault:
 class TableError(ValueError):
     """The table cannot be used. The message has every fault with line, column and value."""
 
-    def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Sheet | None = None) -> None:
+    def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Any = None) -> None:
         self.faults = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
         self.found = found
-        """What was understood in spite of the faults."""
+        """The sheet as it was understood in spite of the faults."""
         start = f"{path}: " if path is not None else ""
         if len(self.faults) == 1:
             super().__init__(f"{start}{self.faults[0]}")

@@ -17,7 +17,7 @@ from .faults import Fault, TableError
 from .numerals import NumeralError, Percent
 from .text import Cells
 from .times import seconds
-from .titles import DEVIATION, Names, key, same, splits, turned
+from .titles import DEVIATION, Column, Names, key, same, splits, turned
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -33,29 +33,6 @@ HEADERS = 4
 """Rows below the titles in which units and descriptions are searched."""
 MOST = 0.5
 """Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column that a table may have."""
-
-    dimension: str
-    """Dimension of its unit, or `text`."""
-    low: float
-    """Least plausible value, SI."""
-    high: float
-    """Largest, SI."""
-    meaning: str
-    aliases: tuple[str, ...] = ()
-    """Other common names."""
-    default: str | None = None
-    """Unit of a column without one; None if a unit is required. Ratios need none."""
-
-    def without_unit(self) -> Unit | None:
-        """The unit of a column whose title and row of units have none."""
-        if self.dimension == "ratio":
-            return Unit(1.0)
-        return None if self.default is None else units.find(self.default, self.dimension)
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,10 @@ import difflib
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from . import units
-
-if TYPE_CHECKING:
-    from .sheet import Column
+from .units import Unit
 
 DEVIATION = ".sd"
 """Suffix of a column of standard deviations."""
@@ -77,6 +75,29 @@ def in_words(name: str) -> tuple[str, bool] | None:
     if sides:
         return f"{sides.pop()}.{quantities[0]}", False
     return (BARE[quantities[0]], True) if quantities[0] in BARE else None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a table may have."""
+
+    dimension: str
+    """Dimension of its unit, or `text`."""
+    low: float
+    """Least plausible value, SI."""
+    high: float
+    """Largest, SI."""
+    meaning: str
+    aliases: tuple[str, ...] = ()
+    """Other common names."""
+    default: str | None = None
+    """Unit of a column without one; None if a unit is required. Ratios need none."""
+
+    def without_unit(self) -> Unit | None:
+        """The unit of a column whose title and row of units have none."""
+        if self.dimension == "ratio":
+            return Unit(1.0)
+        return None if self.default is None else units.find(self.default, self.dimension)
 
 
 class Names:
