@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import gzip
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from rig_tables import COLUMNS, POINTS, UNITS, columns, recorded, table, titled,
 from pushbelt.calibrate import __main__
 from pushbelt.rig import points, titles
 from pushbelt.rig.points import Oil, Rig, TableError
+from pushbelt.sweep.design import listed
 
 POUND, FOOT = 4.4482216152605, 0.3048
 ROWS = POINTS.tolist()
@@ -299,6 +301,21 @@ def test_channels_with_their_own_rasters(tmp_path: Path) -> None:
     is_series(rig)
 
 
+def test_a_pause_of_the_recording_and_unequal_times_cost_no_memory(tmp_path: Path) -> None:
+    """The channels' times differ by less than a microsecond, and the recorder pauses for a year."""
+    data = recorded(points=5)
+    data[500:, 0] += 3e7
+    rows = []
+    for row in data:
+        rows += [
+            [f"{row[0]:.3f}", *shown(row[1:5]), "", "", ""],
+            [f"{row[0] + 5e-7:.7f}", "", "", "", "", *shown(row[5:])],
+        ]
+    rig = points.read(written(tmp_path / "series.csv", [HEAD, *rows]))
+    assert len(rig.points) == 5
+    is_series(rig, 5)
+
+
 def test_spikes_and_lost_samples_do_not_split_a_plateau(tmp_path: Path) -> None:
     rows = list(map(shown, recorded(points=5)))
     for line, cell in ((60, "-9999"), (61, "n/a"), (470, "99.9"), (700, "99.9")):
@@ -313,6 +330,11 @@ def test_a_ramp_has_no_plateau(tmp_path: Path) -> None:
     data[:, 0], data[:, 4] = 0.01 * np.arange(4800), np.linspace(0.0, 60.0, 4800)
     with pytest.raises(TableError, match="without a plateau"):
         points.read(written(tmp_path / "series.csv", [HEAD, *map(shown, data)]))
+
+
+@pytest.mark.parametrize("title", ["Datum", "time"])
+def test_words_for_the_time_lose_no_row(title: str, tmp_path: Path) -> None:
+    is_right(points.read(written(tmp_path / "table.csv", [[title, *titled()], *(["Monday", *row] for row in ROWS)])))
 
 
 def test_points_with_their_times_are_no_time_series(tmp_path: Path) -> None:
@@ -357,3 +379,20 @@ def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(TableError, match="MDF"):
         points.read(path)
+
+
+def test_a_list_of_points_of_a_sweep_is_read_in_the_same_way(description: Any, tmp_path: Path) -> None:
+    variables = {variable.name: variable for variable in description.modelVariables}
+    c = columns()
+    some = {
+        "Drehzahl Primär [1/min]": c["n_P"],
+        "geometrische Übersetzung": c["i_geo"],
+        "Anpresskraft [lbf]": 1e3 * c["F_S"] / POUND,
+    }
+    path = tmp_path / "points.csv.gz"
+    path.write_bytes(gzip.compress(table(tmp_path / "points.csv", some).read_bytes()))
+    design, _ = listed(path, variables)
+    assert design.columns == ("initial.primarySpeed", "initial.ratio", "secondary.clampingForce")
+    assert np.array(design.rows) == pytest.approx(
+        np.column_stack([c["n_P"] * np.pi / 30.0, c["i_geo"], 1e3 * c["F_S"]])
+    )

@@ -74,10 +74,10 @@ def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> 
         sheet = series.averaged(sheet, TIME, CHANNELS, NAME)
     points = _Points(sheet, oil)
     rig = points.rig()
-    found = plausible.doubts(points.values, len(sheet))
+    found = plausible.doubts(points.checked, len(sheet))
     if found:
-        _doubt(sheet, oil, points.values, found, rig, reading.as_written)
-    rig.remarks.extend(plausible.single_rows(points.values, sheet.lines))
+        _doubt(sheet, oil, points.checked, found, rig, reading.as_written)
+    rig.remarks.extend(plausible.single_rows(points.checked, sheet.lines))
     return rig
 
 
@@ -105,13 +105,15 @@ class _Points:
         self.values: dict[str, np.ndarray] = dict(sheet.values)
         self.lost: set[int] = set()
         """Rows that are left out because of a computed value."""
+        self.checked: dict[str, np.ndarray] = {}
 
     def computed(self) -> dict[str, np.ndarray]:
-        """Columns with those that follow from others."""
+        """Columns with those that follow from others, as they are checked: a recorded shift has no thrust ratio."""
         self._forces()
         self._ratios()
-        if not self._series:
-            self._computed()
+        if self._series:
+            return {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
+        self._computed()
         return self.values
 
     @property
@@ -120,7 +122,7 @@ class _Points:
 
     def rig(self) -> Rig:
         sheet = self.sheet
-        self.computed()
+        self.checked = self.computed()
         missing = self._missing(RECORDED if self._series else REQUIRED)
         points: list[Point] = []
         if not missing and not sheet.faults:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from .faults import Fault
 from .sheet import Sheet
@@ -34,22 +33,23 @@ SPIKE = 8.0
 def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     """A time series as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
     compared, `name` the column for the plateaus' names."""
-    channels = {
-        channel: sheet.values[channel] for channel in names if np.isfinite(sheet.values.get(channel, np.nan)).sum() > 1
-    }
+    import pandas as pd
+
+    channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
     timed = time in sheet.values
     times = sheet.values[time] if timed else np.arange(len(sheet), dtype=float)
     good = np.isfinite(times)
-    if (
-        not channels
-        or good.sum() < (FEWEST if timed else MANY)
-        or not (np.diff(times[good]) >= 0.0).all()
-        or np.ptp(times[good]) == 0.0
-    ):
+    steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
+    step = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
+    if good.sum() < (FEWEST if timed else MANY) or not (np.diff(times[good]) >= 0.0).all() or step <= 0.0:
         return sheet
-    step = float(np.median(np.diff(np.unique(times[good]))))
     half = max(SAMPLES, round(HALF / step)) if timed else WITHOUT_TIME
+    # A pause of the recording has the length of two windows.
+    pauses = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * step, 0.0)
+    times = times.copy()
+    times[good] -= np.cumsum(pauses)
     grid = np.arange(times[good][0], times[good][-1] + 0.5 * step, step)
+    channels = {channel: values for channel, values in channels.items() if (good & np.isfinite(values)).any()}
     raw = {channel: _even(times, values, grid) for channel, values in channels.items()}
     # Without spikes of one or two samples.
     even = {
@@ -69,7 +69,7 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     )
     for start, end in drifting:
         reduced.remarks.append(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used")
-    reduced.remarks += [_described(sheet, reduced, row, span, channels) for row, span in enumerate(spans)]
+    reduced.remarks += [_described(sheet, times, reduced, row, span, channels) for row, span in enumerate(spans)]
     if not spans:
         length = 3 * half * step
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
@@ -131,13 +131,7 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
                 there = np.isfinite(column) & np.isfinite(times)
                 own = np.interp([0.5 * (start + end)], times[there], column[there])
             if own.size:
-                apart = np.abs(own - np.median(own))
-                # 1.4826 medians of the distances are a standard deviation.
-                kept = (
-                    own[apart <= SPIKE * 1.4826 * np.median(apart)]
-                    if own.size > 2 * SAMPLES and np.median(apart) > 0.0
-                    else own
-                )
+                kept = _kept(own)
                 spikes += own.size - kept.size
                 values[channel][row] = kept.mean()
                 if channel in errors:
@@ -150,18 +144,25 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
     )
 
 
-def _described(sheet: Sheet, reduced: Sheet, row: int, span: tuple[float, float], channels: Sequence[str]) -> str:
-    """A plateau with time, number of samples, means and standard deviations."""
-    times = sheet.values.get("time", np.arange(len(sheet), dtype=float))
+def _kept(values: Array) -> Array:
+    """Values without spikes."""
+    apart = np.abs(values - np.median(values))
+    # 1.4826 medians of the distances are a standard deviation.
+    limit = SPIKE * 1.4826 * np.median(apart)
+    return values[apart <= limit] if len(values) > 2 * SAMPLES and limit > 0.0 else values
+
+
+def _described(
+    sheet: Sheet, times: Array, reduced: Sheet, row: int, span: tuple[float, float], channels: Iterable[str]
+) -> str:
+    """A plateau with time, number of samples, means and standard deviations in the units of the file."""
     inside = np.flatnonzero((times >= span[0]) & (times < span[1]))
     parts = []
     for channel in channels:
         one, column = sheet.taken[channel], sheet.values[channel][inside]
-        own = column[np.isfinite(column)]
-        shown = one.scale.factor if not one.turned else 1.0
-        spread = f" ± {own.std(ddof=1) / shown:.2g}" if own.size > 1 else ""
-        parts.append(
-            f"{one.title} {(reduced.values[channel][row] - (one.scale.offset if shown != 1.0 else 0.0)) / shown:.5g}{spread}"
-        )
-    ends = f"lines {sheet.lines[inside[0]]} to {sheet.lines[inside[-1]]}" if inside.size else "no lines"
+        factor, offset = (1.0, 0.0) if one.turned else (one.scale.factor, one.scale.offset)
+        own = _kept(column[np.isfinite(column)]) if np.isfinite(column).any() else column[:0]
+        spread = f" ± {own.std(ddof=1) / factor:.2g}" if own.size > 1 else ""
+        parts.append(f"{one.title} {(reduced.values[channel][row] - offset) / factor:.5g}{spread}")
+    ends = f"lines {sheet.lines[inside[0]]} to {sheet.lines[inside[-1]]}"
     return f"plateau {row + 1}: {span[0]:.4g} to {span[1]:.4g} s, {ends}, {inside.size} samples: {'; '.join(parts)}"

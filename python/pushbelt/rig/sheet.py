@@ -374,8 +374,7 @@ class _Reader:
     def _numbers(self, one: Taken, column: Sequence[Any], decimal: str) -> tuple[np.ndarray[Any, Any], dict[int, str]]:
         """SI values of a column, and why rows have none. A cell that is empty is no error."""
         if one.column.dimension == "time" and not one.name.endswith(DEVIATION):
-            times = seconds(column, one.scale, decimal)
-            return times, {row: f"'{cell}' is no time" for row, cell in enumerate(column) if np.isnan(times[row]) and cell != ""}
+            return seconds(column, one.scale, decimal), {}
         plain = self._plain(one, column, decimal)
         if plain is not None:
             return plain, {}
@@ -447,11 +446,15 @@ class _Reader:
     @staticmethod
     def _plain(one: Taken, column: Sequence[Any], decimal: str) -> np.ndarray[Any, Any] | None:
         """SI values of a column of plain numbers that are all in range, or empty; None for any other column."""
-        if decimal != "point" or one.turned or one.name.endswith(DEVIATION):
+        if one.turned or one.name.endswith(DEVIATION):
             return None
         import pandas as pd
 
         cells = pd.Series(list(column), dtype=object)
+        if decimal == "comma":
+            if not cells.map(type).eq(str).all() or cells.str.contains(r"[^-+\d,eE]").any():
+                return None
+            cells = cells.str.replace(",", ".", regex=False)
         numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
         values = one.scale.factor * numbers + one.scale.offset
         inside = (values >= one.column.low) & (values <= one.column.high)

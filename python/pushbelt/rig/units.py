@@ -53,7 +53,7 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1e-3, "mNm"),
         **_all(10.0, "daNm"),
         **_all(0.01, "Ncm"),
-        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lbsft lb-ft ft-lb lbf-ft ft-lbf lbs-ft ft-lbs lb_ft ft_lb lb/ft poundfeet pound-feet footpounds foot-pounds"),
+        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lbsft lb-ft ft-lb lbf-ft ft-lbf lbs-ft ft-lbs lb_ft ft_lb poundfeet pound-feet footpounds foot-pounds"),
         **_all(POUND * FOOT / 12.0, "lbfin lbin inlbf inlb in-lb lb-in"),
         **_all(9.80665, "kgfm kgm kpm mkp"),
     },
