@@ -98,6 +98,29 @@ def test_a_wrong_column_is_named_with_the_reading_that_is_right(
     assert values(points.read(path, Reading(renamed=renamed))) == pytest.approx(values(right), rel=1e-9)
 
 
+@pytest.mark.parametrize("share", [0.45, 0.6, 1.0])
+def test_rpm_under_rad_per_second_are_named_at_any_speed(share: float, tmp_path: Path) -> None:
+    c = columns()
+    some = {
+        "i_geo": c["i_geo"],
+        "n_P [rad/s]": share * c["n_P"],
+        "T_P [Nm]": c["T_P"],
+        "F_S [kN]": c["F_S"],
+        "slip [%]": c["slip"],
+    }
+    with pytest.raises(TableError, match=re.escape('--map "n_P [rad/s]=primary.speed [rpm]"')):
+        points.read(table(tmp_path / "table.csv", some))
+
+
+def test_a_fast_table_is_read(tmp_path: Path) -> None:
+    c = columns()
+    overdrive = c["i_geo"] == 0.5
+    some = {TITLES[name]: c[name][overdrive] for name in ("i_geo", "T_P", "F_S", "slip")} | {
+        "n_P [rpm]": np.full(4, 6000.0)
+    }
+    assert len(points.read(table(tmp_path / "table.csv", some)).points) == 4
+
+
 def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = table(tmp_path / "table.csv", of(FULL, FAULTS["rad/s under rpm"][0]))
     rig = points.read(path, Reading(as_written=True))

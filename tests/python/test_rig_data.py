@@ -123,7 +123,7 @@ def test_per_cent_without_a_sign(tmp_path: Path) -> None:
     assert [m.value for p in rig.points for m in p.measured] == pytest.approx(
         0.01 * np.column_stack([c["slip"], c["eta"]]).ravel()
     )
-    assert sum("is read as %" in remark for remark in rig.sheet.remarks) == 2
+    assert sum("read as %" in remark for remark in rig.sheet.remarks) == 2
 
 
 # Headers

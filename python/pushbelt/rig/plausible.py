@@ -25,6 +25,10 @@ USUAL = "bench168"
 """Parameter set for radii and capacity. Those of other variators for cars differ by less than the limits allow."""
 SLOWEST = 3.0
 """Belt speed that the fastest point of a table has at least, m/s: about 500 rpm."""
+FASTEST = 40.0
+"""Median belt speed above which another unit of speed is likely, m/s."""
+UNCERTAIN = frozenset({"fast", "thrust law"})
+"""Doubts that count only if another reading removes them."""
 CARRIED = 1.5 * BEYOND
 """Largest utilisation at the usual friction."""
 IDLE = 0.005
@@ -122,6 +126,8 @@ def doubts(values: Values, count: int) -> dict[str, str]:
     speeds = p.belt_speed[np.isfinite(p.belt_speed)]
     if speeds.size and (speeds.max() < SLOWEST or np.median(speeds) > BELT_SPEED):
         found["speed"] = f"belt speeds of {_extent(speeds)} m/s; usual are {SLOWEST:g} to {BELT_SPEED:g} m/s"
+    elif speeds.size and np.median(speeds) > FASTEST:
+        found["fast"] = f"belt speeds of {_extent(speeds)} m/s"
     used = np.abs(p.used[np.isfinite(p.used) & (p.torque != 0.0)])
     if used.size and np.median(used) > CARRIED:
         found["capacity"] = f"torques of {_extent(used)} times the capacity of the clamping forces"
@@ -260,8 +266,8 @@ def plausible(
     before = _Points(values, count).thrust_off()
     better = []
     for reading in readings(sheet):
-        if reading.unit and set(found) == {"thrust law"}:
-            # The law is too rough to tell units.
+        if set(found) == ({"thrust law"} if reading.unit else {"fast"}):
+            # The law is too rough to tell units, and a fast belt can only have another unit.
             continue
         changed = replace(sheet, values={**sheet.values, **reading.change(sheet.values)}, faults=[], left_out=[])
         other = rebuilt(changed)

@@ -84,10 +84,10 @@ def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> 
 def _doubt(sheet: Sheet, oil: Oil, values: Mapping[str, np.ndarray], found: Mapping[str, str], rig: Rig, as_written: bool) -> None:
     """Raises TableError with what is not plausible, and how else the columns could be read."""
     others = plausible.plausible(sheet, lambda changed: _Points(changed, oil).computed(), values, found)
-    if set(found) <= {"thrust law"} and not others:
+    certain = [text for kind, text in found.items() if kind not in plausible.UNCERTAIN]
+    if not certain and not others:
         return
-    # The usual thrust ratios are less certain than the rest.
-    texts = [text for kind, text in found.items() if kind != "thrust law" or len(found) == 1]
+    texts = certain or list(found.values())
     if as_written:
         rig.remarks.extend(f"warning: {text}" for text in texts)
         return

@@ -360,15 +360,15 @@ class _Reader:
             return None
 
     def _per_cent(self, one: Taken, column: Sequence[Any], decimal: str) -> Taken:
-        """The column in per cent if it has no unit and its values are no shares, like an efficiency of 97."""
-        if one.unit or one.turned or one.name not in ("slip", "efficiency") or not all(isinstance(c, (str, float, int)) for c in column):
+        """The column in per cent if it has no unit, or 1, and its values are no shares, like an efficiency of 97."""
+        if one.scale != Unit(1.0) or one.turned or one.name not in ("slip", "efficiency") or not all(isinstance(c, (str, float, int)) for c in column):
             return one
         found = np.array([numerals.number(str(cell), decimal if isinstance(cell, str) else "point") for cell in column], dtype=float)
         found = np.abs(found[np.isfinite(found)])
         low, high = (0.5, 50.0) if one.name == "slip" else (1.5, 100.0)
         if found.size < SEVERAL or not low < float(np.median(found) if one.name == "efficiency" else found.max()) <= high:
             return one
-        self.remarks.append(f"{one.title} has no unit and is read as %")
+        self.remarks.append(f"{one.title} has values that are no shares and is read as %")
         return replace(one, unit="%", scale=Unit(0.01))
 
     def _numbers(self, one: Taken, column: Sequence[Any], decimal: str) -> tuple[np.ndarray[Any, Any], dict[int, str]]:
