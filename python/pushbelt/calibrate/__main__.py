@@ -42,7 +42,6 @@ from pushbelt.rig import options as reading_options
 from pushbelt.rig.parameters import ParameterError
 from pushbelt.rig.points import TableError
 
-from . import misfit
 from .fit import FitError, fit
 from .results import Effort, Results
 
@@ -182,15 +181,27 @@ def _check(options: argparse.Namespace) -> int:
         if error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
-    print("\n".join(points.understood(once(rig))))
+    counted = once(rig)
+    print("\n".join([*points.understood(counted), f"  {_effort(counted, len(options.fit), options.workers)}"]))
     return 0
+
+
+def sets(parameters: int) -> int:
+    """Number of solutions of all points in a fit of so many parameters."""
+    return 1 + ITERATIONS + 4 * parameters
+
+
+def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
+    """Number of points, and the time that a fit takes."""
+    seconds = sets(parameters) * points.solving_time(rig) / workers
+    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
+    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
 def _run(options: argparse.Namespace) -> int:
     from . import report
 
-    reading, oil = reading_options.reading(options), reading_options.oil(options)
-    rig = once(points.read(options.table, reading, oil))
+    rig = once(points.read(options.table, reading_options.reading(options), reading_options.oil(options)))
     description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
@@ -199,8 +210,9 @@ def _run(options: argparse.Namespace) -> int:
         if one.prior is not None and not one.low <= one.prior[0] <= one.high:
             raise ParameterError(f"{one.name}: the prior, {one.prior[0]:g}, is not within its bounds, {one.low:g} to {one.high:g}")
     begin = time.perf_counter()
-    expected = (1 + ITERATIONS + 4 * len(chosen)) * len(rig.points)
-    alternatives: list[misfit.Alternative] = []
+    warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
+    print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
+    expected = sets(len(chosen)) * len(rig.points)
     with progress_bar(expected, "steady states") as bar:
 
         def update(count: float) -> None:
@@ -210,16 +222,11 @@ def _run(options: argparse.Namespace) -> int:
         with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
             finer = opened.with_points(opened.points, default_mesh(options, variables)) if options.short else None
             found = fit(opened, chosen, finer)
-            if not found.fits:
-                coarse = {**base, **COARSE}
-                alternatives = misfit.alternatives(
-                    rig, reading, oil, chosen, lambda own: opened.with_points(own, coarse), options.table
-                )
             results = Results(
                 options.table.name, description.version or "", options.variator,
                 {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
                 opened.points, opened.values, found,
-                Effort(opened.solves + (finer.solves if finer else 0), time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
+                Effort(opened.solves + (finer.solves if finer else 0), time.perf_counter() - begin), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -229,8 +236,6 @@ def _run(options: argparse.Namespace) -> int:
     report.write_html(results, path)
     if not found.fits:
         print(f"does not fit: {found.misfit}")
-        for alternative in alternatives:
-            print(f"  {alternative}")
     if results.outliers:
         print(report.outliers(results))
     for line in results.notes:

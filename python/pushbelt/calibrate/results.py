@@ -70,8 +70,6 @@ class Results:
     values: tuple[Value, ...]
     fit: Fit
     effort: Effort
-    alternatives: tuple[str, ...] = ()
-    """Other readings of a table that does not fit."""
     notes: tuple[str, ...] = ()
     """What was computed, ignored or left out of the table."""
 

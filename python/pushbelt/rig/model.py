@@ -101,13 +101,12 @@ class Model:
         found = (self.column(states) - self.measured) / self.deviations
         return np.where(np.isnan(found), LOST, found)
 
-    def distance(self, states: Sequence[Found], limited: bool = True) -> float:
-        """Merit of a start point: a sum of squares in which each residual is limited to `FAR`, unless not `limited`. The residual of a
+    def distance(self, states: Sequence[Found]) -> float:
+        """Merit of a start point: a sum of squares in which each residual is limited to `FAR`. The residual of a
         lost point is `FAR` times one plus the share of its torque that the belt does not carry."""
         found = np.abs(self.column(states) - self.measured) / self.deviations
         missing = np.array([states[value.point].missing for value in self.values])
-        most = FAR if limited else LOST
-        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, most)) ** 2))
+        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
     def slopes(
         self,

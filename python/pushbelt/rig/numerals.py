@@ -13,9 +13,11 @@ GROUPS = " \N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE}'\N{RIGHT SI
 """Signs between thousands that are no decimal signs."""
 MISSING = frozenset(
     "nan -nan +nan n/a na null none nil missing inf -inf +inf 1.#qnan 1.#inf -1.#ind #null! #div/0! #value! #ref! #name? #num! #n/a #nv "
-    "#wert! #bezug! #zahl! #name? #spill! #calc! #getting_data invalid overflow overrange -- --- ---- ? *".split()
+    "#wert! #bezug! #zahl! #name? #spill! #calc! #getting_data invalid overflow overrange -- --- ---- ? * error fehler nodata no_data null".split()
 )
 """Texts of cells without a value, in small letters."""
+SENTINELS = (-999.0, -9999.0, -99999.0, -999999.0)
+"""Numbers that loggers write where nothing was measured."""
 SIGNS = {"point": ".", "comma": ","}
 """Decimal signs by name."""
 
@@ -66,7 +68,7 @@ def number(text: str, decimal: str) -> float | None:
 
 def certain(cells: Iterable[str]) -> str | None:
     """The name of the decimal sign if all numbers can be read with it, and some not with the other one."""
-    texts = {cleaned(text) for text in cells if text.strip() and not missing(text)}
+    texts = {cleaned(text) for text in cells if text.strip() and not missing(text) and any(map(str.isdigit, text))}
     readable = [name for name in SIGNS if all(number(text, name) is not None for text in texts)]
     return readable[0] if len(readable) == 1 else None
 
@@ -77,6 +79,8 @@ def settle(cells: Iterable[str], separator: str) -> str:
     `separator` is the sign between columns: a file with commas between its columns has no decimal comma without quotes.
     """
     texts = list(dict.fromkeys(cleaned(text) for text in cells if text.strip() and not missing(text)))
+    # Words are no numbers with any sign.
+    texts = [text for text in texts if any(number(text, name) is not None for name in SIGNS)]
     unreadable = {name: sum(number(text, name) is None for text in texts) for name in SIGNS}
     if unreadable["point"] != unreadable["comma"]:
         return min(unreadable, key=lambda name: unreadable[name])

@@ -89,11 +89,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="C[,C]",
         help="coefficients of the oil's centrifugal force, N·s²: the forces are p A + c ω²",
     )
+    group.add_argument("--as-written", action="store_true", help="take values that are not plausible on a variator as they are written")
 
 
 def reading(options: argparse.Namespace) -> Reading:
     """Choices of the command line."""
-    return Reading(options.decimal, dict(options.map), options.sheet)
+    return Reading(options.decimal, dict(options.map), options.sheet, getattr(options, "as_written", False))
 
 
 def oil(options: argparse.Namespace) -> Oil:

@@ -3,107 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from . import plausible, series, units
 from . import sheet as sheets
-from . import units
+from .columns import (
+    CHANNELS, COLUMNS, CONDITIONS, EXAMPLES, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SERIES, TIME, template,
+)  # fmt: skip
+from .faults import Fault, TableError, grouped
 from .measured import SAMPLED, SHIFTS, Measured, Point, Record
-from .sheet import DEVIATION, Column, Fault, Reading, Sheet, TableError
+from .sheet import Reading, Sheet
+from .titles import DEVIATION
 
-__all__ = ["Measured", "Oil", "Point", "Reading", "Record", "Rig", "TableError", "read", "template"]
+__all__ = [
+    "CONDITIONS", "EXAMPLES", "MEASURED", "QUANTITIES", "Measured", "Oil", "Point", "Reading", "Record", "Rig", "TableError", "read", "template",
+]  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Quantity(Column):
-    """A column that is measured and compared with the model."""
-
-    absolute: float = 0.0
-    """Default standard deviation, SI: the root of the sum of squares of this value …"""
-    relative: float = 0.0
-    """… and this share of the measured value."""
-
-    def assumed(self, value: float) -> float:
-        """Default standard deviation, SI."""
-        return math.hypot(self.absolute, self.relative * value)
-
-
-def _spelled(quantity: str, *words: str) -> dict[str, tuple[str, ...]]:
-    """Common names of a quantity of both pulleys."""
-    ends = {"primary": ("P", "1", "pri", "prim", "primary", "in", "DR"), "secondary": ("S", "2", "sec", "secondary", "out", "DN")}
-    return {
-        pulley: (
-            *(f"{letter}{end}" for letter in quantity.split() for end in ends[pulley]),
-            *(f"{pulley} {word}" for word in words),
-            *(f"{word} {end}" for word in words for end in (pulley, ends[pulley][0], ends[pulley][2])),
-            *(f"{ends[pulley][2]} {word}" for word in words),
-        )
-        for pulley in ends
-    }
-
-
-_SPEEDS = _spelled("n w omega N", "speed", "rpm")
-_TORQUES = _spelled("T M Trq", "torque", "moment")
-_FORCES = _spelled("F Fax Fcl", "clamping force", "force", "axial force", "clampForce")
-_PRESSURES = _spelled("p", "pressure", "oil pressure")
-
-NAME, SERIES, TIME = "name", "series", "time"
-CONDITIONS: Mapping[str, Column] = {
-    "ratio.geometric": Column("ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive", ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "rS/rP")),
-    "ratio.speed": Column(
-        "ratio", 0.1, 10.0, "primary speed/secondary speed, in place of ratio.geometric", ("i", "speed ratio", "i_speed", "n_P/n_S", "n1/n2")
-    ),
-    "primary.speed": Column("speed", 1.0, 2000.0, "speed of the primary pulley", _SPEEDS["primary"]),
-    "secondary.speed": Column(
-        "speed", 1.0, 2000.0, "speed of the secondary pulley; gives the speed ratio, and with ratio.geometric the slip", _SPEEDS["secondary"]
-    ),
-    "primary.torque": Column("torque", -5000.0, 5000.0, "torque on the primary shaft, negative in overrun", _TORQUES["primary"]),
-    "secondary.torque": Column(
-        "torque", -5000.0, 5000.0, "torque on the secondary shaft, of any sign; gives the efficiency", _TORQUES["secondary"]
-    ),
-    "secondary.clampingForce": Column("force", 100.0, 5e5, "clamping force of the secondary pulley", _FORCES["secondary"]),
-    "primary.clampingForce": Column(
-        "force",
-        100.0,
-        5e5,
-        "clamping force of the primary pulley; needed for a shift, else it gives the thrust ratio",
-        _FORCES["primary"],
-    ),
-    "secondary.pressure": Column(
-        "pressure", 0.0, 2e7, "oil pressure in place of the secondary force; needs --piston-area", _PRESSURES["secondary"]
-    ),
-    "primary.pressure": Column("pressure", 0.0, 2e7, "oil pressure in place of the primary force; needs --piston-area", _PRESSURES["primary"]),
-}
-HIGHEST = 1.0
-"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
-QUANTITIES: Mapping[str, Quantity] = {
-    "thrustRatio": Quantity(
-        "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio", ("thrust ratio", "F_P/F_S", "zeta", "KpKs", "Kp/Ks"), None, 0.0, 0.01
-    ),
-    "slip": Quantity(
-        "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric", ("belt slip", "slip ratio", "nu"), None, 5e-4, 0.05
-    ),
-    "efficiency": Quantity("ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad"), None, 3e-3, 0.0),
-    "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), None, 0.01, 0.05),
-    "ds/dt": Quantity("rate", -100.0, 100.0, "shift rate, s = 1/ratio.geometric", ("dsdt",), None, 0.01, 0.05),
-}
-MEASURED: Mapping[str, Quantity] = {
-    **QUANTITIES,
-    SAMPLED: Quantity("ratio", 0.1, 10.0, "ratio r_S/r_P during recorded shifts", (), None, 2e-3, 0.01),
-}
-"""All quantities that are compared with the model, in the order of the report."""
-OTHERS: Mapping[str, Column] = {
-    NAME: Column("text", 0.0, 0.0, "a name for the report", ("label", "point name", "operating point", "Bezeichnung")),
-    SERIES: Column("text", 0.0, 0.0, "name of a recorded shift; with time, each of its rows is a sample", ("shift", "run", "series no")),
-    TIME: Column("time", -1e12, 1e12, "time of a sample of a recorded shift", ("t", "Zeit", "timestamp"), "s"),
-}
-COLUMNS: Mapping[str, Column] = {**CONDITIONS, **QUANTITIES, **OTHERS}
-REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
-RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
-"""Columns of recorded shifts besides series and time."""
 AGREE = 0.05
 """Relative difference below which a geometric ratio and n_P/n_S are the same ratio."""
 UNLIKELY = 0.5
@@ -142,12 +61,39 @@ class Rig:
 
 
 def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> Rig:
-    """Points or recorded shifts of a file. Raises TableError with all faults of the file, and the errors of the file system."""
+    """Points or recorded shifts of a file; a time series gives a point for each plateau.
+
+    Raises TableError with all faults of the file, or with what cannot be on a variator, and the errors of the file system.
+    """
+    reading, oil = reading or Reading(), oil or Oil()
     try:
         sheet = sheets.read(path, COLUMNS, reading)
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
-    return _Points(sheet, oil or Oil()).rig()
+    if SERIES not in sheet.taken and not sheet.faults:
+        sheet = series.averaged(sheet, TIME, CHANNELS, NAME)
+    points = _Points(sheet, oil)
+    rig = points.rig()
+    found = plausible.doubts(points.checked, len(sheet))
+    if found:
+        _doubt(sheet, oil, points.checked, found, rig, reading.as_written)
+    rig.remarks.extend(plausible.single_rows(points.checked, sheet.lines))
+    return rig
+
+
+def _doubt(sheet: Sheet, oil: Oil, values: Mapping[str, np.ndarray], found: Mapping[str, str], rig: Rig, as_written: bool) -> None:
+    """Raises TableError with what is not plausible, and how else the columns could be read."""
+    others = plausible.plausible(sheet, lambda changed: _Points(changed, oil).computed(), values, found)
+    certain = [text for kind, text in found.items() if kind not in plausible.UNCERTAIN]
+    if not certain and not others:
+        return
+    texts = certain or list(found.values())
+    if as_written:
+        rig.remarks.extend(f"warning: {text}" for text in texts)
+        return
+    fault = f"not plausible: {'; '.join(texts)}. "
+    fault += f"Plausible is: {', or '.join(map(str, others))}. " if others else "No other unit, sign or exchange of a column explains it. "
+    raise TableError([Fault(fault + "--as-written takes the table as it is"), *sheet.faults], sheet.path, sheet)
 
 
 class _Points:
@@ -157,22 +103,35 @@ class _Points:
         self.sheet, self.oil = sheet, oil
         self.remarks: list[str] = []
         self.values: dict[str, np.ndarray] = dict(sheet.values)
+        self.lost: set[int] = set()
+        """Rows that are left out because of a computed value."""
+        self.checked: dict[str, np.ndarray] = {}
+
+    def computed(self) -> dict[str, np.ndarray]:
+        """Columns with those that follow from others, as they are checked: a recorded shift has no thrust ratio."""
+        self._forces()
+        self._ratios()
+        if self._series:
+            return {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
+        self._computed()
+        return self.values
+
+    @property
+    def _series(self) -> bool:
+        return SERIES in self.sheet.taken and TIME in self.sheet.taken
 
     def rig(self) -> Rig:
         sheet = self.sheet
-        series = SERIES in sheet.taken and TIME in sheet.taken
-        self._forces()
-        self._ratios()
-        if not series:
-            self._computed()
-        self._missing(RECORDED if series else REQUIRED, series)
+        self.checked = self.computed()
+        missing = self._missing(RECORDED if self._series else REQUIRED)
         points: list[Point] = []
-        if not sheet.faults or len(sheet):
-            points = self._records() if series else self._steady()
+        if not missing and not sheet.faults:
+            points = self._records() if self._series else self._steady()
         if not points and not sheet.faults:
-            reasons = "; ".join(map(str, sheet.left_out[:5]))
+            reasons = "; ".join(grouped(sheet.left_out)[:5])
             what = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
             sheet.faults.append(Fault(f"no row can be used: {reasons}" if sheet.left_out else what))
+            sheet.left_out.clear()
         sheet.check()
         return Rig(sheet, points, self.remarks)
 
@@ -197,23 +156,27 @@ class _Points:
             self._compared("ratio.geometric", self.values["ratio.speed"])
 
     def _compared(self, name: str, speed_ratio: np.ndarray) -> None:
-        """A ratio column against the speeds: the inverse, or rows that cannot be right."""
+        """Rows whose ratio contradicts the speeds."""
         values = self.values[name]
         # The ratio 1 distinguishes nothing.
         there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
-        if not there.any():
+        off = np.abs(values / speed_ratio - 1.0)
+        bad = there & (off > (AGREE if name == "ratio.speed" else 0.5))
+        if not bad.any() or (off[there] > 2 * AGREE).mean() > UNLIKELY:
             return
-        off, inverse_off = np.abs(values / speed_ratio - 1.0), np.abs(values * speed_ratio - 1.0)
-        inverse = there & (inverse_off < 0.2) & (off > 0.2)
-        title = self.sheet.title(name)
-        if inverse[there].mean() > UNLIKELY:
-            fault = f'it is the inverse of {name}: the speeds give {speed_ratio[there][0]:.4g}, not {values[there][0]:.4g}; --map "{title}=1/{name}"'
-            self.sheet.faults.append(Fault(fault, None, title))
-            return
-        limit = AGREE if name == "ratio.speed" else 0.5
-        for row in np.flatnonzero(there & (off > limit)):
+        for row in np.flatnonzero(bad):
             fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"
-            self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), title))
+            self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), self.sheet.title(name)))
+
+    def _dropped(self, name: str, bad: np.ndarray, text: Callable[[int], str], title: str) -> None:
+        """Rows with a wrong value of a computed column: left out, or a fault of the column if most are wrong."""
+        rows, known = np.flatnonzero(bad), np.isfinite(self.values[name])
+        if len(rows) > UNLIKELY * known.sum():
+            more = f" (and {len(rows) - 1} more rows)" if len(rows) > 1 else ""
+            self.sheet.faults.append(Fault(text(int(rows[0])) + more, int(self.sheet.lines[rows[0]]), title))
+        else:
+            self.sheet.left_out += [Fault(text(int(row)), int(self.sheet.lines[row]), title) for row in rows]
+            self.lost.update(rows.tolist())
 
     def _forces(self) -> None:
         """Clamping forces from oil pressures."""
@@ -232,11 +195,9 @@ class _Points:
             speed = np.where(np.isfinite(speed), speed, self._get(f"{other}.speed") * factor)
             counted = speed if self.oil.centrifugal else np.zeros(len(self.sheet))
             found = np.array([self.oil.force(pulley, p, w) for p, w in zip(self.values[pressure], counted, strict=True)])
-            column = CONDITIONS[force]
-            for row in np.flatnonzero((found < column.low) | (found > column.high)):
-                text = f"the force is {found[row]:.4g} N, not within {column.low:g} to {column.high:g} N"
-                self.sheet.faults.append(Fault(text, int(self.sheet.lines[row]), self.sheet.title(pressure)))
-            self.values[force] = found
+            self.values[force], column = found, CONDITIONS[force]
+            text = f"the force is {{:.4g}} N, not within {column.low:g} to {column.high:g} N"
+            self._dropped(force, (found < column.low) | (found > column.high), lambda row, f=found, t=text: t.format(f[row]), self.sheet.title(pressure))
             law = "p A + c ω²" if self.oil.centrifugal else "p A"
             self.remarks.append(f"{force} is {law} of {self.sheet.title(pressure)}")
             if not self.oil.centrifugal:
@@ -255,9 +216,9 @@ class _Points:
                 self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
             self.values["efficiency"] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
-            for row in np.flatnonzero(found > HIGHEST):
-                text = f"{found[row] / factor:g} is not within {0.01 / factor:g} to {HIGHEST / factor:g}"
-                self.sheet.faults.append(Fault(text, int(self.sheet.lines[row]), title))
+            limits = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
+            self._dropped("efficiency", found > HIGHEST, lambda row: f"{found[row] / factor:g} {limits}", title)
+            self.values[POWER] = found
         elif self._has("secondary.torque") and self._has("primary.torque"):
             self._efficiency(torque)
 
@@ -270,23 +231,19 @@ class _Points:
         known = np.isfinite(found) & (torque != 0.0)
         if not known.any():
             return
+        self.values[POWER] = np.where(known, found, np.nan)
         inside = known & (found > 0.01) & (found <= HIGHEST)
         title = self.sheet.title("secondary.torque")
-        if inside[known].mean() < UNLIKELY:
-            row = int(np.flatnonzero(known & ~inside)[0])
-            text = f"the efficiency would be {found[row]:.4g} in line {self.sheet.lines[row]} and is above 1 in most lines: check units and ratio"
-            self.sheet.faults.append(Fault(text, None, title))
-            return
         self.values["efficiency"] = np.where(inside, found, np.nan)
         self.remarks.append(f"efficiency is |{title}| ω_S/(|{self.sheet.title('primary.torque')}| ω_P), its inverse in overrun")
         if (known & ~inside).any():
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
             self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
 
-    def _missing(self, required: Sequence[str], series: bool) -> None:
+    def _missing(self, required: Sequence[str]) -> bool:
         there = set(self.values) | self.sheet.failed
         missing = [name for name in required if name not in there]
-        if not series and not there & {"ratio.geometric", "ratio.speed"}:
+        if not self._series and not there & {"ratio.geometric", "ratio.speed"}:
             missing.insert(0, "ratio.geometric or ratio.speed")
         if missing:
             unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
@@ -295,12 +252,15 @@ class _Points:
             base = name.removesuffix(DEVIATION)
             if base != name and base not in self.sheet.taken and base not in self.values:
                 self.sheet.faults.append(Fault(f"there is no column {base}", None, self.sheet.title(name)))
+        return bool(missing)
 
     # Steady points
 
     def _steady(self) -> list[Point]:
         points, empty = [], 0
         for row, line in enumerate(self.sheet.lines):
+            if row in self.lost:
+                continue
             values = {name: float(column[row]) for name, column in self.values.items() if np.isfinite(column[row])}
             point = self._point(row, int(line), values)
             if isinstance(point, Point):
@@ -324,8 +284,7 @@ class _Points:
             measured = {"thrustRatio": primary_force / force, **measured}
             if not QUANTITIES["thrustRatio"].low <= measured["thrustRatio"] <= QUANTITIES["thrustRatio"].high:
                 text = f"primary force/secondary force is {measured['thrustRatio']:.4g}, not within 0.05 to 20"
-                self.sheet.faults.append(Fault(text, line, self.sheet.title("primary.clampingForce")))
-                return self.sheet.faults[-1]
+                return self._left_out(text, line, "primary.clampingForce")
         if not measured:
             return None
         ratio, speed_ratio = values.get("ratio.geometric"), values.get("ratio.speed")
@@ -347,7 +306,7 @@ class _Points:
             Measured(
                 quantity,
                 value,
-                values.get(quantity + DEVIATION, QUANTITIES[quantity].assumed(value)),
+                values.get(quantity + DEVIATION, math.hypot(QUANTITIES[quantity].assumed(value), self._noise(quantity, row, value))),
                 quantity + DEVIATION in values,
             )
             for quantity, value in measured.items()
@@ -363,6 +322,14 @@ class _Points:
             primary_force if shifting else None,
             found,
         )
+
+    def _noise(self, quantity: str, row: int, value: float) -> float:
+        """Standard error of a value that is averaged, or computed from averages."""
+        errors = self.sheet.errors
+        parts = (quantity,) if quantity in self.sheet.taken else PARTS.get(quantity, ())
+        shares = [errors[name][row] / self.sheet.values[name][row] for name in parts if name in errors]
+        size = abs(1.0 - value) if quantity == "slip" and quantity not in self.sheet.taken else abs(value)
+        return size * math.sqrt(sum(share**2 for share in shares if math.isfinite(share)))
 
     # Recorded shifts
 
@@ -409,6 +376,21 @@ class _Points:
 
 # Description of a table
 
+SOLUTION = 0.03
+"""Processor time of a steady state, s."""
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
+"""Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
+
+
+def solving_time(rig: Rig) -> float:
+    """Processor time of a solution of all points, s."""
+    costs = (
+        SAMPLE_COST * len(point.measured) if isinstance(point, Record)
+        else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
+        for point in rig.points
+    )  # fmt: skip
+    return SOLUTION * sum(costs)
+
 
 def understood(rig: Rig) -> list[str]:
     """Lines that describe what a table contains."""
@@ -430,7 +412,7 @@ def described(sheet: Sheet) -> list[str]:
     if sheet.ignored:
         lines.append(f"  ignored: {', '.join(sheet.ignored)}")
     lines += [f"  {remark}" for remark in sheet.remarks]
-    lines += [f"  left out: {fault}" for fault in sheet.left_out]
+    lines += [f"  left out: {text}" for text in grouped(sheet.left_out)]
     return lines
 
 
@@ -441,41 +423,3 @@ def _counted(rig: Rig) -> list[str]:
     found = {quantity: sum(m.quantity == quantity for p in rig.points for m in p.measured) for quantity in QUANTITIES}
     counts = ", ".join(f"{count} {quantity}" for quantity, count in found.items() if count)
     return [f"  {len(rig.points)} points: {counts}"]
-
-
-# Template
-
-EXAMPLES = (
-    ("underdrive", 2, 1500, 60, 14, "", 1.05, 0.8, "", "", ""),
-    ("ratio 1", 1, 2000, 50, 9, "", 1.37, "", 0.05, 97.1, ""),
-    ("overdrive", 0.5, 2000, 40, 10, 18.1, "", 0.3, 0.05, "", ""),
-    ("upshift", 1, 1000, 0, 20, 26, "", "", "", "", 0.45),
-)
-"""Template of a table."""
-
-
-def template() -> str:
-    """Text of the template: every column with its meaning, and example lines."""
-    header = (
-        "name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],"
-        "primary.clampingForce [kN],thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]"
-    )
-    return "\n".join(
-        (
-            "# Table for `cargo fmu calibrate`: one steady point per line. Replace the lines below the header.",
-            "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
-            *_described("Conditions", CONDITIONS),
-            *_described("Measured quantities, any of", QUANTITIES),
-            f"# {' ' * 4}….sd: standard deviation of a measured column; the default is an assumed one",
-            "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED),
-            header,
-            *(",".join(map(str, line)) for line in EXAMPLES),
-            "",
-        )
-    )
-
-
-def _described(title: str, columns: Mapping[str, Column]) -> Iterable[str]:
-    yield f"# {title}:"
-    for name, column in columns.items():
-        yield f"# {' ' * 4}{name} [{units.names(column.dimension)}]: {column.meaning}".replace(",", ";")

@@ -5,88 +5,34 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-import difflib
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import numerals, text, units
-from ..errors import PushbeltError
+from .faults import Fault, TableError
 from .numerals import NumeralError, Percent
 from .text import Cells
+from .times import seconds
+from .titles import DEVIATION, Column, Names, key, same, splits, turned
 from .units import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
 
-DEVIATION = ".sd"
-"""Suffix of a column of standard deviations."""
-CLOSE = 0.82
-"""Similarity above which an unknown name is taken for a misspelled one."""
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
 SAMPLE = 500
 """Rows that suffice to settle the decimal sign if all their numbers agree."""
-SHOWN = 12
-"""Largest number of faults that an error lists in full."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column that a table may have."""
-
-    dimension: str
-    """Dimension of its unit, or `text`."""
-    low: float
-    """Least plausible value, SI."""
-    high: float
-    """Largest, SI."""
-    meaning: str
-    aliases: tuple[str, ...] = ()
-    """Other common names."""
-    default: str | None = None
-    """Unit of a column without one; None if a unit is required. Ratios need none."""
-
-    def without_unit(self) -> Unit | None:
-        """The unit of a column whose title and row of units have none."""
-        if self.dimension == "ratio":
-            return Unit(1.0)
-        return None if self.default is None else units.find(self.default, self.dimension)
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A fault of a table."""
-
-    text: str
-    line: int | None = None
-    column: str | None = None
-
-    def __str__(self) -> str:
-        place = [f"line {self.line}"] if self.line is not None else []
-        place += [f"column {self.column}"] if self.column is not None else []
-        return f"{', '.join(place)}: {self.text}" if place else self.text
-
-
-class TableError(PushbeltError, ValueError):
-    """The table cannot be used. The message has every fault with line, column and value."""
-
-    def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Sheet | None = None) -> None:
-        self.faults = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
-        self.found = found
-        """What was understood in spite of the faults."""
-        start = f"{path}: " if path is not None else ""
-        if len(self.faults) == 1:
-            super().__init__(f"{start}{self.faults[0]}")
-        else:
-            lines = [f"  {fault}" for fault in self.faults[:SHOWN]]
-            if len(self.faults) > SHOWN:
-                lines.append(f"  and {len(self.faults) - SHOWN} more of the same kinds")
-            super().__init__("\n".join([f"{start}{len(self.faults)} faults", *lines]))
+SEVERAL = 3
+"""Least number of values without a unit that are read as per cent."""
+HEADERS = 4
+"""Rows below the titles in which units and descriptions are searched."""
+MOST = 0.5
+"""Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +45,8 @@ class Reading:
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
     sheet: str | None = None
     """Sheet of a spreadsheet."""
+    as_written: bool = False
+    """Whether values that are not plausible are taken as they are written."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +96,8 @@ class Sheet:
     faults: list[Fault]
     failed: set[str]
     """Known names of columns that have faults and are not in `taken`."""
+    errors: dict[str, np.ndarray[Any, Any]] = field(default_factory=dict)
+    """Standard errors of averaged values by name."""
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -163,90 +113,9 @@ class Sheet:
         self.lines = self.lines[rows]
 
     def check(self) -> None:
-        """Raises TableError if there are faults."""
+        """Raises TableError if there are faults. It has the rows that are left out as well."""
         if self.faults:
-            raise TableError(self.faults, self.path, self)
-
-
-class Names:
-    """Known names and their other spellings."""
-
-    def __init__(self, columns: Mapping[str, Column]) -> None:
-        self.columns = columns
-        self._known: dict[str, list[str]] = {}
-        for name, column in columns.items():
-            for spelled in (name, *column.aliases):
-                self._known.setdefault(key(spelled), []).append(name)
-
-    def find(self, written: str) -> list[str]:
-        """Known names with this spelling."""
-        return self._known.get(key(written), [])
-
-    def close(self, written: str) -> str | None:
-        """The known name that is probably meant by an unknown one."""
-        spelled = key(written)
-        if len(spelled) < 4:
-            return None
-        near = difflib.get_close_matches(spelled, [known for known in self._known if len(known) > 3], 1, CLOSE)
-        return self._known[near[0]][0] if near else None
-
-    def count(self, cells: Sequence[str]) -> int:
-        """Number of known names among titles."""
-        return sum(bool(self.split(cell)) for cell in cells if cell)
-
-    def split(self, title: str) -> list[tuple[str, str | None]]:
-        """Known names and units of a title, possibly several if the unit decides."""
-        bracketed = title.rstrip()[-1:] in ("]", ")", "}")
-        for written, unit in splits(title):
-            base, deviation = without_deviation(written)
-            found = self.find(written)
-            end = ""
-            if not found and deviation:
-                found, end = self.find(base), DEVIATION
-            # Without brackets the end of a title is a unit only if the column may have it.
-            fitting = [name for name in found if unit is None or bracketed or units.find(unit, self.columns[name].dimension) is not None]
-            if fitting:
-                return [(name + end, unit) for name in fitting]
-        return []
-
-
-LETTERS = str.maketrans({"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s"})
-
-
-def key(name: str) -> str:
-    """A name without case, blanks and signs. The division stays."""
-    name = name.strip().lower().translate(LETTERS)
-    return re.sub(r"[^a-z0-9/äöüß]", "", name)
-
-
-def without_deviation(name: str) -> tuple[str, bool]:
-    """A name without the word for a standard deviation, and whether it has one."""
-    found = re.fullmatch(r"(.+?)[.\s_-]*(?:sd|std|stddev|sigma)|(?:sd|std|sigma)[\s_.(]+(.+?)\)?", name.strip(), re.IGNORECASE)
-    return (found.group(1) or found.group(2), True) if found else (name, False)
-
-
-def splits(title: str) -> Iterable[tuple[str, str | None]]:
-    """Possible pairs of name and unit of a title, the most explicit one first."""
-    title = title.strip().strip("\"'").strip()
-    bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\((.*)\))\s*", title)
-    if bracketed and bracketed.group(1):
-        yield bracketed.group(1), next(group for group in bracketed.groups()[1:] if group is not None)
-    for pattern in (r"(.+?)\s+/\s*(\S.*)", r"(.+)/(\S+)", r"(.+?)\s*,\s*(\S.*)", r"(.+?)\s+in\s+(\S.*)"):
-        found = re.fullmatch(pattern, title)
-        if found and units.dimensions(found.group(2)):
-            yield found.group(1), found.group(2)
-    for sign in re.finditer(r"[\s_.:]+", title):
-        if sign.start() and units.dimensions(title[sign.end() :]):
-            yield title[: sign.start()], title[sign.end() :]
-    yield title, None
-
-
-def _turned(wanted: str | None) -> tuple[str, str | None]:
-    """The prefix `1/` or `-` of a name, and the name."""
-    for prefix in ("1/", "-"):
-        if wanted is not None and wanted.strip().startswith(prefix):
-            return prefix, wanted.strip().removeprefix(prefix).strip()
-    return "", wanted
+            raise TableError([*self.faults, *self.left_out], self.path, self)
 
 
 def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
@@ -258,18 +127,20 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     names = Names(columns)
     mapped = {side for pair in reading.renamed.items() for side in pair}
 
-    def known(cells: Sequence[str]) -> int:
-        return names.count(cells) + sum(any(_same(cell, side) for side in mapped) and not names.count([cell]) for cell in cells if cell)
+    def known(cells: Sequence[str]) -> float:
+        return names.count(cells) + sum(any(same(cell, side) for side in mapped) and not names.count([cell]) for cell in cells if cell)
 
     try:
         cells = text.read(path, known, reading.sheet)
+        return _Reader(path, cells, names, reading, known, misspelled).sheet()
+    except TableError:
+        raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
         raise TableError([Fault(str(error))], path) from error
-    return _Reader(path, cells, names, reading, known, misspelled).sheet()
 
 
-def _same(title: str, wanted: str) -> bool:
-    return title.strip() == wanted.strip() or any(key(written) == key(wanted) != "" for written, _ in splits(title))
+def _is_number(cell: str) -> bool:
+    return any(numerals.number(cell, name) is not None for name in numerals.SIGNS)
 
 
 class _Reader:
@@ -281,23 +152,48 @@ class _Reader:
         self.ignored: list[str] = []
         self.taken: dict[str, Taken] = {}
         self.failed: set[str] = set()
-        rows = range(min(text.HEAD, len(cells.frame)))
+        self._find_header(known)
+
+    def _find_header(self, known: Any) -> None:
+        """Titles, units and the first row of values."""
+        cells = self.cells
+        head = [cells.row(row) for row in range(min(text.HEAD, len(cells.frame)))]
         # The first of the rows with most names.
-        self.header = max(rows, key=lambda row: (known(cells.row(row)), -row))
+        counts = [known(row) for row in head]
+        self.header = max(range(len(head)), key=lambda row: (counts[row], -row))
+        first_column = next((column for k in range(min(2, len(head[0]))) if known(column := [row[k] for row in head]) > max(counts[self.header], 2.0)), None)
+        if first_column:
+            raise TableError("the table is transposed: its titles are below each other. Exchange rows and columns", self.path)
+        self.titles = head[self.header]
+        for row in range(len(head) - 1):
+            # Titles over two rows: primary, secondary above speed, torque.
+            above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
+            joined = [f"{one} {other}".strip() if other else "" for one, other in zip(above, head[row + 1], strict=True)]
+            if known(joined) > max(known(self.titles), 1.0):
+                self.header, self.titles = row + 1, joined
         if self.header:
             self.remarks.append(f"{self.header} rows above the header are not read")
-        self.titles = cells.row(self.header)
-        self.units: list[str] = [""] * len(self.titles)
-        self.first = self.header + 1
-        if self.first < len(cells.frame) and self._is_row_of_units(cells.row(self.first)):
-            self.units = cells.row(self.first)
+        below = [row for row in range(self.header + 1, self.header + 1 + HEADERS) if row < len(head)]
+        found = next((row for row in [*below, self.header - 1] if row >= 0 and self._is_row_of_units(head[row])), None)
+        self.units = head[found] if found is not None else [""] * len(self.titles)
+        self.first = max(self.header, -1 if found is None else found) + 1
+        while self.first < len(head) and self.first in below and self._is_row_of_words(head[self.first]):
             self.first += 1
+        for row in range(self.header + 1, self.first):
+            if row != found:
+                self.remarks.append(f"line {cells.lines[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
+
+    @staticmethod
+    def _is_row_of_words(row: Sequence[str]) -> bool:
+        """Words in all cells, which are neither numbers nor signs for a missing value."""
+        filled = [cell for cell in row if cell]
+        return bool(filled) and all(any(map(str.isalpha, cell)) and not numerals.missing(cell) and not _is_number(cell) for cell in filled)
 
     @staticmethod
     def _is_row_of_units(row: Sequence[str]) -> bool:
         """No numbers apart from the unit 1, and at least half of the cells are units."""
         filled = [cell for cell in row if cell]
-        if not filled or any(cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS) for cell in filled):
+        if any(cell != "1" and _is_number(cell) for cell in filled):
             return False
         known = sum(units.is_unit(cell) for cell in filled)
         return any(cell not in ("1", "-") and units.is_unit(cell) for cell in filled) and 2 * known >= len(filled)
@@ -311,20 +207,18 @@ class _Reader:
         values, texts = {}, {}
         bad = np.zeros(len(body), dtype=bool)
         left_out: list[Fault] = []
-        columns = {}
         for name, one in self.taken.items():
             column = body[one.place].tolist()
             if one.column.dimension == "text":
                 texts[name] = [str(cell) for cell in column]
             elif decimal is not None:
-                columns[name], errors = self._numbers(one, column, lines, decimal)
-                if errors.all() and len(errors):
+                one = self.taken[name] = self._per_cent(one, column, decimal)
+                values[name], errors = self._numbers(one, column, decimal)
+                if len(errors) == len(column) > 0 and all(text.endswith("is no value") for text in errors.values()):
                     self.remarks.append(f"column {one.title} has no value")
-                    errors[:] = False
-                for row in np.flatnonzero(errors & ~bad):
-                    left_out.append(Fault(f"'{column[row]}' is no value", int(lines[row]), one.title))
-                bad |= errors
-        values = columns
+                    continue
+                left_out += [Fault(text, int(lines[row]), one.title) for row, text in errors.items()]
+                bad[list(errors)] = True
         found = Sheet(
             self.path, self.cells.source, decimal or "unknown", self.taken, self.ignored, self.remarks, values, texts, lines, left_out,
             self.faults, self.failed,
@@ -343,6 +237,16 @@ class _Reader:
                 places.setdefault(one.name, []).append(one)
         for name, found in places.items():
             explicit = [one for one in found if one.place in renamed] or found
+            # A pulley in the title counts before none.
+            explicit = [one for one in explicit if one.place in renamed or not self.names.bare(one.title)] or explicit
+            if explicit[0].column.dimension == "time":
+                # A date beside a clock is not needed.
+                known = [key(spelled) for spelled in (name, *explicit[0].column.aliases)]
+                ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in explicit]
+                explicit = [one for one, rank in zip(explicit, ranks, strict=True) if rank == min(ranks)]
+            self.ignored += [one.title for one in found if one not in explicit]
+            if self.names.bare(explicit[0].title) and explicit[0].place not in renamed:
+                self.remarks.append(f"{explicit[0].title} is taken as {name}")
             if len(explicit) > 1:
                 titles = " and ".join(one.title for one in explicit)
                 self.faults.append(Fault(f"it appears {len(explicit)} times: {titles}", self._line, name))
@@ -358,19 +262,23 @@ class _Reader:
         for one, other in self.reading.renamed.items():
             for title, wanted in ((one, other), (other, one)):
                 places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
-                places = places or [k for k, there in enumerate(self.titles) if there and _same(there, title)]
-                if places and self.names.split(_turned(wanted)[1] or ""):
+                places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
+                if places and self.names.split(turned(wanted)[1] or ""):
                     found[places[0]] = wanted
                     break
             else:
-                known = self.names.split(_turned(one)[1] or "") or self.names.split(_turned(other)[1] or "")
+                known = self.names.split(turned(one)[1] or "") or self.names.split(turned(other)[1] or "")
                 text = f"there is no column {one} in the file" if known else f"neither {one} nor {other} is a known name"
                 self.faults.append(Fault(f"--map {one}={other}: {text}"))
         return found
 
     def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
         row_unit = self.units[place].strip() if place < len(self.units) else ""
-        turned, wanted = _turned(wanted)
+        said = wanted is None and self.names.inverse(title)
+        if said:
+            wanted = said
+            self.remarks.append(f"{title} is taken as {wanted}")
+        sign, wanted = turned(wanted)
         candidates = self.names.split(wanted if wanted is not None else title)
         if wanted is None and title.startswith("#"):
             return None
@@ -378,9 +286,14 @@ class _Reader:
             self._unknown(title)
             return None
         own = next((unit for written, unit in splits(title) if unit is not None and key(written)), None)
+        if said and own is not None and units.find(own, "ratio") is None:
+            own = None
         # A unit in the title counts before one in the row below.
         written = candidates[0][1] if candidates[0][1] is not None else (own if wanted is not None else None)
         spelled = written if written is not None and written.strip() else row_unit
+        if self.names.columns[candidates[0][0].removesuffix(DEVIATION)].dimension == "ratio" and (self.names.find(spelled) or self.names.inverse(spelled)):
+            # `i (n_P/n_S)` has no unit.
+            spelled = ""
         missed: list[tuple[str, Column]] = []
         for name, _ in candidates:
             column = self.names.columns[name.removesuffix(DEVIATION)]
@@ -388,7 +301,7 @@ class _Reader:
                 return Taken(title, name, "", place, Unit(1.0), column)
             scale = units.find(spelled, column.dimension) if spelled else column.without_unit()
             if scale is not None:
-                return Taken(title, name, spelled, place, scale, column, turned)
+                return Taken(title, name, spelled, place, scale, column, sign)
             missed.append((name, column))
         name, column = missed[0]
         self.failed.add(name)
@@ -434,7 +347,7 @@ class _Reader:
     def _decimal(self, body: pd.DataFrame) -> str | None:
         if self.reading.decimal is not None:
             return self.reading.decimal
-        places = [one.place for one in self.taken.values() if one.column.dimension != "text"]
+        places = [one.place for one in self.taken.values() if one.column.dimension not in ("text", "time")]
         sample = {cell for place in places for cell in body[place].iloc[:SAMPLE] if isinstance(cell, str)}
         sure = numerals.certain(sample)
         if sure is not None:
@@ -446,58 +359,114 @@ class _Reader:
             self.faults.append(Fault(str(error)))
             return None
 
-    def _numbers(
-        self, one: Taken, column: Sequence[Any], lines: np.ndarray[Any, Any], decimal: str
-    ) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-        """SI values of a column, and the rows with an error value in it."""
+    def _per_cent(self, one: Taken, column: Sequence[Any], decimal: str) -> Taken:
+        """The column in per cent if it has no unit, or 1, and its values are no shares, like an efficiency of 97."""
+        if one.scale != Unit(1.0) or one.turned or one.name not in ("slip", "efficiency") or not all(isinstance(c, (str, float, int)) for c in column):
+            return one
+        found = np.array([numerals.number(str(cell), decimal if isinstance(cell, str) else "point") for cell in column], dtype=float)
+        found = np.abs(found[np.isfinite(found)])
+        low, high = (0.5, 50.0) if one.name == "slip" else (1.5, 100.0)
+        if found.size < SEVERAL or not low < float(np.median(found) if one.name == "efficiency" else found.max()) <= high:
+            return one
+        self.remarks.append(f"{one.title} has values that are no shares and is read as %")
+        return replace(one, unit="%", scale=Unit(0.01))
+
+    def _numbers(self, one: Taken, column: Sequence[Any], decimal: str) -> tuple[np.ndarray[Any, Any], dict[int, str]]:
+        """SI values of a column, and why rows have none. A cell that is empty is no error."""
+        if one.column.dimension == "time" and not one.name.endswith(DEVIATION):
+            return seconds(column, one.scale, decimal), {}
         plain = self._plain(one, column, decimal)
         if plain is not None:
-            return plain, np.zeros(len(column), dtype=bool)
+            return plain, {}
         found = np.full(len(column), np.nan)
-        errors = np.zeros(len(column), dtype=bool)
+        errors: dict[int, str] = {}
+        outside: dict[int, str] = {}
+        raw = np.full(len(column), np.nan)
         for row, cell in enumerate(column):
-            if isinstance(cell, str):
-                if not cell or cell in "-–—":
-                    continue
-                if numerals.missing(cell):
-                    errors[row] = True
-                    continue
-                value = numerals.number(cell, decimal)
-                scale = Unit(0.01) if cell.rstrip().endswith("%") else one.scale
-                if cell.rstrip().endswith("%") and one.column.dimension != "ratio":
-                    value = None
-            elif isinstance(cell, Percent):
-                value, scale = cell.share, Unit(1.0)
-            else:
-                value, scale = float(cell), one.scale
-            if value is None:
-                other = next(name for name in numerals.SIGNS if name != decimal)
-                is_other = isinstance(cell, str) and numerals.number(cell, other) is not None
-                hint = f" with a decimal {decimal}, which the other numbers of the file have" if is_other else ""
-                self.faults.append(Fault(f"'{cell}' is not a number{hint}", int(lines[row]), one.title))
+            if isinstance(cell, str) and (not cell or cell in "-–—"):
+                continue
+            value, scale = self._value(one, cell, decimal)
+            if isinstance(value, str):
+                errors[row] = value
                 continue
             si = one.si(value, scale) if not one.name.endswith(DEVIATION) else scale.factor * value
-            if self._in_range(one, si, cell, int(lines[row]), scale):
+            text = self._out_of_range(one, si, cell, scale)
+            if text is None:
                 found[row] = si
-        return found, errors
+            else:
+                outside[row], raw[row] = text, value
+        other = next(name for name in numerals.SIGNS if name != decimal)
+        for row in [row for row in errors if isinstance(column[row], str) and numerals.number(column[row], decimal) is None is not numerals.number(column[row], other)]:
+            # A decimal sign unlike that of the other numbers is ambiguous.
+            text = f"'{column[row]}' is not a number with a decimal {decimal}, which the other numbers of the file have"
+            self.faults.append(Fault(text, self._line_of(row), one.title))
+            del errors[row]
+        words = {row: text for row, text in errors.items() if text.endswith("is not a number")}
+        for some, hint in ((outside, self._other_unit(one, raw[np.isfinite(raw)])), (words, "")):
+            if some and len(some) >= MOST * (len(some) + np.isfinite(found).sum()):
+                row, more = next(iter(some)), f" (and {len(some) - 1} more rows)" if len(some) > 1 else ""
+                self.faults.append(Fault(some[row] + more + hint, self._line_of(row), one.title))
+                errors = {row: text for row, text in errors.items() if row not in some}
+            else:
+                errors |= some
+        return found, dict(sorted(errors.items()))
+
+    def _line_of(self, row: int) -> int:
+        return int(self.cells.lines[self.first + row])
+
+    @staticmethod
+    def _value(one: Taken, cell: Any, decimal: str) -> tuple[float | str, Unit]:
+        """The number of a cell with its unit, or why it has none."""
+        if isinstance(cell, Percent):
+            return cell.share, Unit(1.0)
+        if not isinstance(cell, str):
+            return f"'{cell:g}' is no value" if cell in numerals.SENTINELS else float(cell), one.scale
+        if cell.startswith("="):
+            return "a formula that was never calculated: open the file in a spreadsheet program and save it", one.scale
+        if numerals.missing(cell):
+            return f"'{cell}' is no value", one.scale
+        value, per_cent = numerals.number(cell, decimal), cell.rstrip().endswith("%")
+        if value is None or (per_cent and one.column.dimension != "ratio"):
+            return f"'{cell}' is not a number", one.scale
+        if value in numerals.SENTINELS:
+            return f"'{cell}' is no value", one.scale
+        return value, Unit(0.01) if per_cent else one.scale
+
+    @staticmethod
+    def _other_unit(one: Taken, values: np.ndarray[Any, Any]) -> str:
+        """The first unit in which numbers would be in the range of the column, with the option that says so."""
+        for unit in units.CONFUSED.get(one.column.dimension, ()):
+            scale = units.find(unit, one.column.dimension)
+            if scale is not None and scale != one.scale and not one.turned:
+                si = scale.factor * values + scale.offset
+                if ((si >= one.column.low) & (si <= one.column.high)).all():
+                    return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
+        return ""
 
     @staticmethod
     def _plain(one: Taken, column: Sequence[Any], decimal: str) -> np.ndarray[Any, Any] | None:
-        """SI values of a column of plain numbers that are all in range; None for any other column."""
-        if decimal != "point" or one.turned or one.name.endswith(DEVIATION):
+        """SI values of a column of plain numbers that are all in range, or empty; None for any other column."""
+        if one.turned or one.name.endswith(DEVIATION):
             return None
         import pandas as pd
 
-        numbers = pd.to_numeric(pd.Series(list(column), dtype=object), errors="coerce").to_numpy(dtype=float)
+        cells = pd.Series(list(column), dtype=object)
+        if decimal == "comma":
+            if not cells.map(type).eq(str).all() or cells.str.contains(r"[^-+\d,eE]").any():
+                return None
+            cells = cells.str.replace(",", ".", regex=False)
+        numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
         values = one.scale.factor * numbers + one.scale.offset
         inside = (values >= one.column.low) & (values <= one.column.high)
-        return values if inside.all() and np.isfinite(values).all() else None
+        return values if ((inside & np.isfinite(values)) | (cells == "").to_numpy()).all() and not np.isin(numbers, numerals.SENTINELS).any() else None
 
-    def _in_range(self, one: Taken, value: float, cell: Any, line: int, scale: Unit) -> bool:
+    @staticmethod
+    def _out_of_range(one: Taken, value: float, cell: Any, scale: Unit) -> str | None:
+        """What is wrong with a value outside the range of the column."""
         deviation = one.name.endswith(DEVIATION)
         low, high = (0.0, one.column.high - one.column.low) if deviation else (one.column.low, one.column.high)
         if low <= value <= high and not (deviation and value == 0.0):
-            return True
+            return None
         offset = 0.0 if deviation else scale.offset
         limits = [(low - offset) / scale.factor, (high - offset) / scale.factor]
         if one.turned and not deviation:
@@ -507,5 +476,4 @@ class _Reader:
         written = one.unit or one.column.default
         unit = f" {written}" if written not in (None, "", "1", "-") else ""
         shown = f"{cell.share:g}" if isinstance(cell, Percent) else f"{cell}"
-        self.faults.append(Fault(f"{shown} is not within {above}{allowed}{unit}", line, one.title))
-        return False
+        return f"{shown} is not within {above}{allowed}{unit}"

@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 RPM = math.pi / 30.0
 ATMOSPHERE = 101325.0
@@ -40,8 +41,8 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(0.001, "‰ permille"),
     },
     "speed": {
-        **_all(1.0, "rad/s rads-1 rads^-1 radians/s rad/sec"),
-        **_all(RPM, "rpm 1/min /min min-1 min^-1 u/min r/min rev/min revs/min revpermin revmin-1 tr/min upm umin-1 umin^-1 turns/min"),
+        **_all(1.0, "rad/s rads-1 rads^-1 radians/s rad/sec rad/sek"),
+        **_all(RPM, "rpm 1/min /min min-1 min^-1 u/min r/min rev/min revs/min revpermin revmin-1 tr/min upm umin-1 umin^-1 turns/min umdr/min"),
         **_all(1e3 * RPM, "krpm"),
         **_all(60.0 * RPM, "hz rps rev/s r/s u/s revs-1"),
         **_all(math.pi / 180.0, "deg/s °/s"),
@@ -52,7 +53,7 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1e-3, "mNm"),
         **_all(10.0, "daNm"),
         **_all(0.01, "Ncm"),
-        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lb-ft ft-lb lbf-ft ft-lbf"),
+        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lbsft lb-ft ft-lb lbf-ft ft-lbf lbs-ft ft-lbs lb_ft ft_lb poundfeet pound-feet footpounds foot-pounds"),
         **_all(POUND * FOOT / 12.0, "lbfin lbin inlbf inlb in-lb lb-in"),
         **_all(9.80665, "kgfm kgm kpm mkp"),
     },
@@ -61,7 +62,8 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1e3, "kN kilonewton"),
         **_all(1e6, "MN"),
         **_all(10.0, "daN"),
-        **_all(POUND, "lbf lb lbs"),
+        **_all(POUND, "lbf lb lbs pound-force poundforce"),
+        **_all(1e3 * POUND, "klbf kip kips"),
         **_all(9.80665, "kgf kp"),
     },
     "pressure": {
@@ -71,11 +73,11 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1e6, "MPa N/mm2 N/mm^2"),
         **_all(1e5, "bar bars barg bar(g) bar_g bar,g"),
         **_all(1e5, "bara bar(a) bar_a barabs bar,a", -ATMOSPHERE),
-        **_all(6894.757293168, "psi psig"),
+        **_all(6894.757293168, "psi psig lbf/in2 lbf/in^2"),
         **_all(6894.757293168, "psia", -ATMOSPHERE),
         **_all(98066.5, "kgf/cm2 kgf/cm^2 at"),
     },
-    "time": {**_all(1.0, "s sec secs second seconds"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
+    "time": {**_all(1.0, "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
     "rate": {**_all(1.0, "1/s s-1 s^-1 /s 1/sec hz"), **_all(1.0 / 60.0, "1/min /min min-1 min^-1")},
     "velocity": {
         **_all(1.0, "m/s ms-1 ms^-1 m/sec"),
@@ -131,6 +133,14 @@ PREFERRED: Mapping[str, tuple[str, ...]] = {
     "impulse": ("N.s",),
 }
 """Units that messages and templates name; the first one is the SI unit as the FMU spells it."""
+CONFUSED: Mapping[str, tuple[str, ...]] = {
+    **PREFERRED,
+    "speed": ("rpm", "rad/s", "Hz"),
+    "torque": ("N.m", "kN.m", "mN.m"),
+    "force": ("N", "kN", "daN", "MN"),
+    "pressure": ("bar", "Pa", "kPa", "MPa"),
+}
+"""Units that are taken for each other, the usual ones first."""
 OF_FMU: Mapping[str, str] = {
     **{units[0]: dimension for dimension, units in PREFERRED.items() if dimension != "pressure"},
     "N/m2": "stress",
@@ -142,6 +152,7 @@ PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
 
 
+@lru_cache(10_000)
 def normal(text: str) -> str:
     """A unit without blanks, multiplication signs and superscripts; the case is kept."""
     text = text.strip().translate(SIGNS)
@@ -155,6 +166,7 @@ def normal(text: str) -> str:
     return text.rstrip(".") if len(text) > 1 else text
 
 
+@lru_cache(100_000)
 def find(text: str, dimension: str) -> Unit | None:
     """The unit of a dimension with this spelling; None if there is none. The case matters only where it distinguishes units."""
     spelled, known = normal(text), SPELLINGS.get(dimension, {})
@@ -168,9 +180,10 @@ def find(text: str, dimension: str) -> Unit | None:
     return found.popitem()[1] if len(set(found.values())) == 1 else None
 
 
-def dimensions(text: str) -> set[str]:
+@lru_cache(10_000)
+def dimensions(text: str) -> frozenset[str]:
     """All dimensions that have a unit with this spelling."""
-    return {dimension for dimension in SPELLINGS if find(text, dimension) is not None}
+    return frozenset(dimension for dimension in SPELLINGS if find(text, dimension) is not None)
 
 
 def is_unit(text: str) -> bool:

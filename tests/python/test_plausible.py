@@ -1,0 +1,149 @@
+"""What cannot be on a variator is refused before any fit, with the reading that would be plausible."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rig_tables import UNITS, columns, table
+
+from pushbelt.calibrate import __main__
+from pushbelt.rig import points
+from pushbelt.rig.points import Reading, Rig, TableError
+
+RPM = np.pi / 30.0
+Columns = dict[str, np.ndarray]
+TITLES = dict(
+    zip(columns(), [f"{name} [{unit}]" for name, unit in zip(columns(), [*UNITS, "%", "%"], strict=True)], strict=True)
+)
+FULL = ("i_geo", "n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
+WITHOUT_OUTPUT = ("i_geo", "n_P", "T_P", "F_S", "F_P", "slip", "eta")
+WITHOUT_RATIO = ("n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
+LEAST = ("n_P", "n_S", "T_P", "F_S", "F_P")
+
+
+def scaled(factor: float, *names: str) -> Callable[[Columns], Columns]:
+    return lambda c: {**c, **{name: factor * c[name] for name in names if name in c}}
+
+
+def exchanged(*quantities: str) -> Callable[[Columns], Columns]:
+    names = {f"{q}_{one}": f"{q}_{other}" for q in quantities for one, other in ("PS", "SP")}
+    return lambda c: {name: c[names.get(name, name)] for name in c}
+
+
+def inverse(c: Columns) -> Columns:
+    return {**c, "i_geo": 1.0 / c["i_geo"]}
+
+
+FAULTS: Mapping[str, tuple[Callable[[Columns], Columns], tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
+    "rad/s under rpm": (scaled(RPM, "n_P", "n_S"), (FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST), ("n_P [rpm]=primary.speed [rad/s]",)),
+    "one speed in rad/s": (scaled(RPM, "n_P"), (FULL, WITHOUT_RATIO, LEAST), ("n_P [rpm]=primary.speed [rad/s]",)),
+    "1/s under rpm": (scaled(1 / 60, "n_P", "n_S"), (FULL, LEAST), ("n_P [rpm]=primary.speed [Hz]", "n_S [rpm]=secondary.speed [Hz]")),
+    "sign of the torque": (scaled(-1.0, "T_P"), (FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST), ("T_P [Nm]=-primary.torque [Nm]",)),
+    "sign of the slip": (scaled(-1.0, "slip"), (WITHOUT_OUTPUT,), ("slip [%]=-slip [%]",)),
+    "ratio": (inverse, (FULL, WITHOUT_OUTPUT), ("i_geo [-]=1/ratio.geometric",)),
+    "speeds of P and S": (exchanged("n"), (FULL, WITHOUT_RATIO, LEAST), ("n_P [rpm]=secondary.speed [rpm]", "n_S [rpm]=primary.speed [rpm]")),
+    "torques of P and S": (exchanged("T"), (FULL, WITHOUT_RATIO), ("T_P [Nm]=secondary.torque [Nm]",)),
+    "forces of P and S": (exchanged("F"), (FULL, WITHOUT_OUTPUT, LEAST), ("F_P [kN]=secondary.clampingForce [kN]",)),
+    "kN.m under Nm": (scaled(1e-3, "T_P", "T_S"), (FULL, WITHOUT_OUTPUT), ("T_P [Nm]=primary.torque [kN.m]",)),
+    "N.mm under Nm": (scaled(1e3, "T_P"), (LEAST,), ("T_P [Nm]=primary.torque [mN.m]",)),
+    "N under kN": (scaled(1e3, "F_P", "F_S"), (FULL,), ("F_S [kN]=secondary.clampingForce [N]",)),
+    "shares under %": (scaled(0.01, "slip"), (WITHOUT_OUTPUT,), ("slip [%]=slip [1]",)),
+}  # fmt: skip
+
+
+def of(some: tuple[str, ...], fault: Callable[[Columns], Columns]) -> Columns:
+    """The titled columns of a table with a fault."""
+    return {TITLES[name]: values for name, values in fault({name: columns()[name] for name in some}).items()}
+
+
+def values(rig: Rig) -> np.ndarray:
+    return np.array(
+        [[p.ratio or p.speed_ratio, p.speed, p.torque, p.force, *(m.value for m in p.measured)] for p in rig.points]
+    )
+
+
+@pytest.mark.parametrize("some", [FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST])
+def test_a_right_table_is_read_without_a_warning(some: tuple[str, ...], tmp_path: Path) -> None:
+    rig = points.read(table(tmp_path / "table.csv", of(some, dict)))
+    assert len(rig.points) == 12 and not any("warning" in remark for remark in rig.remarks)
+
+
+@pytest.mark.parametrize(
+    ("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables]
+)
+def test_a_wrong_column_is_named_with_the_reading_that_is_right(
+    fault: str, some: tuple[str, ...], tmp_path: Path
+) -> None:
+    """The options of the message, taken as they are, give the points of the right table."""
+    change, _, options = FAULTS[fault]
+    path = table(tmp_path / "wrong.csv", of(some, change))
+    with pytest.raises(TableError) as error:
+        points.read(path)
+    said = str(error.value)
+    assert all(f'--map "{option}"' in said for option in options)
+    # The first reading that has all these options.
+    named = next(
+        n
+        for n in re.findall(r"\(((?:--map \"[^\"]+\" ?)+)\)", said)
+        if all(f'"{option}"' in n for option in options[:1])
+    )
+    renamed = dict(text.split("=") for text in re.findall(r'--map "([^"]+)"', named))
+    if fault == "N under kN":
+        renamed["F_P [kN]"] = "primary.clampingForce [N]"
+    right = points.read(table(tmp_path / "right.csv", of(some, dict)))
+    assert values(points.read(path, Reading(renamed=renamed))) == pytest.approx(values(right), rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.45, 0.6, 1.0])
+def test_rpm_under_rad_per_second_are_named_at_any_speed(share: float, tmp_path: Path) -> None:
+    c = columns()
+    some = {
+        "i_geo": c["i_geo"],
+        "n_P [rad/s]": share * c["n_P"],
+        "T_P [Nm]": c["T_P"],
+        "F_S [kN]": c["F_S"],
+        "slip [%]": c["slip"],
+    }
+    with pytest.raises(TableError, match=re.escape('--map "n_P [rad/s]=primary.speed [rpm]"')):
+        points.read(table(tmp_path / "table.csv", some))
+
+
+def test_a_fast_table_is_read(tmp_path: Path) -> None:
+    c = columns()
+    overdrive = c["i_geo"] == 0.5
+    some = {TITLES[name]: c[name][overdrive] for name in ("i_geo", "T_P", "F_S", "slip")} | {
+        "n_P [rpm]": np.full(4, 6000.0)
+    }
+    assert len(points.read(table(tmp_path / "table.csv", some)).points) == 4
+
+
+def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = table(tmp_path / "table.csv", of(FULL, FAULTS["rad/s under rpm"][0]))
+    rig = points.read(path, Reading(as_written=True))
+    assert rig.points[0].speed == pytest.approx(1425.8 * RPM**2)
+    assert any("belt speed" in remark for remark in rig.remarks)
+    assert __main__.main([str(path), "--check"]) == 1
+    assert "belt speeds of" in capsys.readouterr().err
+    assert __main__.main([str(path), "--check", "--as-written"]) == 0
+
+
+def test_a_single_wrong_line_is_named_and_kept(tmp_path: Path) -> None:
+    some = of(FULL, dict)
+    some["F_P [kN]"] = np.where(np.arange(12) == 3, 10.0, 1.0) * some["F_P [kN]"]
+    rig = points.read(table(tmp_path / "table.csv", some))
+    assert len(rig.points) == 12
+    assert [r for r in rig.remarks if "warning" in r] == ["warning: the thrust ratio is not within 0.2 to 5: line 5"]
+
+
+@pytest.mark.parametrize(
+    ("title", "name"), [("n_S/n_P", "ratio.speed"), ("i (n2/n1)", "ratio.speed"), ("r_P/r_S", "ratio.geometric")]
+)
+def test_a_title_that_says_the_inverse_is_the_inverse(title: str, name: str, tmp_path: Path) -> None:
+    c = columns()
+    some = {title: 1.0 / c["i_geo"], **{TITLES[n]: c[n] for n in ("n_P", "T_P", "F_S", "F_P")}}
+    found = points.read(table(tmp_path / "table.csv", some)).points
+    assert [p.ratio if name == "ratio.geometric" else p.speed_ratio for p in found] == pytest.approx(c["i_geo"])
