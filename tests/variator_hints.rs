@@ -31,6 +31,19 @@ fn a_start_far_beyond_capacity_is_refused_with_variable_value_and_what_would_do(
     }
 }
 
+#[test]
+fn a_start_at_a_speed_that_breaks_the_ring_is_refused() {
+    for model in MODELS {
+        let mut parameters = variator(model);
+        parameters.initial.primary_speed = 5000.0;
+        let (error, residuals) = start(parameters, &inputs((50.0, 13e3), (-49.0, 10e3)));
+        let error = error.expect("no state");
+        println!("{error}");
+        assert!(error.contains("initial.primarySpeed = 5000 rad/s") && error.contains("below"));
+        assert_eq!(residuals, 0);
+    }
+}
+
 /// Less than half the work that the ladder of torques beyond capacity took.
 #[test]
 fn torques_beyond_capacity_are_not_tried() {

@@ -91,15 +91,3 @@ fn small_clamping_forces_start_with_bounded_work() {
         assert!(residuals <= MOST_RESIDUALS && error.is_none());
     }
 }
-
-/// A speed that no belt bears.
-#[test]
-fn a_start_at_5000_rad_per_s_has_bounded_work() {
-    for model in MODELS {
-        let mut parameters = variator(model);
-        parameters.initial.primary_speed = 5000.0;
-        let (residuals, error) = start(parameters, &Inputs::default());
-        println!("{model:?}: {residuals} residuals, {error:?}");
-        assert!(residuals <= MOST_RESIDUALS);
-    }
-}

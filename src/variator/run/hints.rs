@@ -3,7 +3,7 @@
 use crate::reference_curve::ratio_of_theta;
 use crate::tape::Tape;
 use crate::variator::run::plant::Plant;
-use crate::variator::settings::capacity::{Demand, clamped, short};
+use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
 use std::f64::consts::PI;
 
@@ -79,12 +79,9 @@ fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
         return None;
     }
     let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
-    let given = match (parameters.primary.drive, parameters.secondary.drive) {
-        (Drive::Speed, _) => Some(("primary.speedSetpoint", inputs.primary.speed_setpoint)),
-        (_, Drive::Speed) => Some(("secondary.speedSetpoint", inputs.secondary.speed_setpoint)),
-        _ => starts.then_some(("initial.primarySpeed", parameters.initial.primary_speed)),
-    };
-    let cause = if let Some((name, value)) = given {
+    let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
+    let cause = if led || starts {
+        let (name, value) = given_speed(parameters, &inputs);
         format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
     } else {
         format!(

@@ -12,7 +12,7 @@ use crate::variator::run::outcome::{InitialisationError, Message};
 use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::stepper::{COLD_STEP, WARM_STEP};
-use crate::variator::settings::capacity::Demand;
+use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
@@ -100,6 +100,8 @@ enum NoSteadyState {
     Unclamped(Pulley, f64),
     /// A small share of the torques is beyond capacity.
     Beyond(Option<Demand>),
+    /// No belt bears the speed, for this reason.
+    TooFast(String),
     /// The search has ended without a result.
     NotFound(Settled, Option<Demand>),
     /// The belt was not brought to rest.
@@ -116,6 +118,7 @@ impl std::fmt::Display for NoSteadyState {
                     "no steady state without a clamping force ({name}.clampingForce = {force} N)"
                 );
             }
+            Self::TooFast(why) => return write!(f, "no steady state: {why}"),
             Self::NotStopped(why) => return write!(f, "the belt was not brought to rest: {why}"),
             Self::Beyond(demand) => {
                 f.write_str("no steady state")?;
@@ -221,7 +224,9 @@ impl StartSearch<'_> {
             self.start_cold(start)?;
             match self.solve_steady() {
                 Ok(found) => Ok(found),
-                Err(why @ NoSteadyState::Beyond(_)) => Err(InitialisationError::NoState(why.to_string())),
+                Err(why @ (NoSteadyState::Beyond(_) | NoSteadyState::TooFast(_))) => {
+                    Err(InitialisationError::NoState(why.to_string()))
+                }
                 Err(why) => self.start_without_steady_state(&why, start),
             }
         } else {
@@ -431,7 +436,11 @@ impl StartSearch<'_> {
             return Err(NoSteadyState::Unclamped(clamped, task.clamping[clamped]));
         }
         let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
-        let demand = Demand::new(&self.plant.system.parameters, self.inputs, clamped, [task.ratio, speed]);
+        let (parameters, at) = (&self.plant.system.parameters, [task.ratio, speed]);
+        if let Some(why) = excessive_speed(parameters, self.inputs, at) {
+            return Err(NoSteadyState::TooFast(why));
+        }
+        let demand = Demand::new(parameters, self.inputs, clamped, at);
         let found = match self.carry(newton, demand)? {
             1.0 => StartState::Steady,
             share => {

@@ -132,6 +132,38 @@ impl std::fmt::Display for Demand {
     }
 }
 
+/// Stretch of a ring under its centrifugal tension that no steel bears.
+const BROKEN: f64 = 0.02;
+
+/// The variable that gives the speed of the start, and its value, rad/s.
+pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static str, f64) {
+    match (parameters.primary.drive, parameters.secondary.drive) {
+        (Drive::Speed, _) => ("primary.speedSetpoint", inputs.primary.speed_setpoint),
+        (_, Drive::Speed) => ("secondary.speedSetpoint", inputs.secondary.speed_setpoint),
+        _ => ("initial.primarySpeed", parameters.initial.primary_speed),
+    }
+}
+
+/// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`, rad/s.
+pub(crate) fn excessive_speed(parameters: &Parameters, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> Option<String> {
+    let (radius, _) = parameters.pitch_radii(ratio)?;
+    let belt = radius * speed.abs();
+    let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
+    let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
+    let (name, value) = given_speed(parameters, inputs);
+    (stretch > BROKEN).then(|| {
+        format!(
+            "{name} = {value} rad/s is a belt speed of {} m/s at ratio {}, whose centrifugal tension stretches the ring by {} %: below {} \
+             rad/s it stretches by less than {} %",
+            short(belt),
+            short(ratio),
+            short(100.0 * stretch),
+            short(value.abs() * (BROKEN / stretch).sqrt()),
+            100.0 * BROKEN
+        )
+    })
+}
+
 /// A number to three digits.
 pub(crate) fn short(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
