@@ -147,3 +147,30 @@ fn instances_are_independent() {
     assert_eq!(one.step(0.01, 0.001), Ok);
     assert!(one.record.0.borrow().iter().all(|message| message.0 == "one"));
 }
+
+/// The log has what can hardly be meant, as a warning; a hopeless start is an error that names variable and value.
+#[test]
+fn implausible_loads_are_logged() {
+    let logged = |name: &str, value: f64| {
+        let importer = Importer::new(c"implausible");
+        importer.make_cheap();
+        assert_eq!(importer.set_boolean("initial.steady", 1), Ok);
+        assert_eq!(importer.set_real(name, value), Ok);
+        // SAFETY: `c` is an instance.
+        let status = unsafe {
+            assert_eq!(fmi2EnterInitializationMode(importer.c), Ok);
+            fmi2ExitInitializationMode(importer.c)
+        };
+        let record = importer.record.0.borrow();
+        (status, record.last().cloned().expect("a message"))
+    };
+    let (status, (_, level, category, text)) = logged("initial.primarySpeed", 2000.0);
+    assert_eq!((status, level, category.as_str()), (Ok, 1, "logStatusWarning"));
+    assert!(text.contains("initial.primarySpeed") && text.contains("rpm"), "{text}");
+    let (status, (_, level, category, text)) = logged("secondary.clampingForce", 13.5);
+    assert_eq!((status, level, category.as_str()), (Error, 3, "logStatusError"));
+    assert!(
+        text.contains("secondary.clampingForce = 13.5 N") && text.contains("kN"),
+        "{text}"
+    );
+}

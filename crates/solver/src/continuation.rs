@@ -1,6 +1,6 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
-use super::newton::Newton;
+use super::newton::{Newton, Unsolved};
 use super::stage::{Stage, slopes};
 use super::{State, System, View};
 
@@ -62,7 +62,7 @@ pub struct Trial<'a> {
 /// solves what `control` corrected last.
 ///
 /// # Errors
-/// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
+/// [`Settled`] so far, if the step stalled, or the solves or the work of [`Newton::bound`] ran out. The state is then the last one solved.
 pub fn settle<S: System>(
     system: &mut S,
     newton: &mut Newton,
@@ -111,7 +111,11 @@ pub fn settle<S: System>(
                 report.step *= growth(jacobians);
                 report.step = report.step.min(longest).min(settings.last_step);
             }
-            Err(_) => report.step *= FAILED,
+            Err(Unsolved::OutOfWork) => {
+                newton.abandon();
+                return Err(report);
+            }
+            Err(Unsolved::NoSolution) => report.step *= FAILED,
         }
     }
 }

@@ -26,7 +26,7 @@ const TOOL: &str = env!("CARGO_PKG_NAME");
 const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
 
 /// Files of Rust tests of other packages that are in the second tier only: they take long, or need valgrind.
-const SECOND_TIER: [&str; 2] = ["sequences", "variator_real_time"];
+const SECOND_TIER: [&str; 3] = ["sequences", "variator_real_time", "variator_starts"];
 
 /// Options of the tests.
 #[derive(Args)]

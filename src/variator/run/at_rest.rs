@@ -19,6 +19,20 @@ const SETTLING_TOLERANCE: f64 = 1.0e-2;
 const STANDING: f64 = 5.0e-4;
 const CLAMPING: f64 = 1.0e-2;
 
+/// Residuals that this may take.
+const MOST_RESIDUALS: u64 = 20_000;
+
+/// Why a belt was not clamped or brought to rest.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unsettled {
+    /// A step is not possible.
+    #[error(transparent)]
+    Stalled(#[from] Stalled),
+    /// It takes more work than a start may.
+    #[error("it does not settle within {MOST_RESIDUALS} residuals")]
+    Exhausted,
+}
+
 impl Plant {
     /// Whether each sheave is held or has a clamping force.
     pub fn is_clamped(&self, inputs: &Inputs) -> bool {
@@ -31,8 +45,8 @@ impl Plant {
     /// Clamps and settles an unloaded belt at a standstill. Whether there is something to clamp it with.
     ///
     /// # Errors
-    /// The time at which it stalled; the belt is then clamped in part.
-    pub fn clamp_at_rest(&mut self, inputs: &Inputs) -> Result<bool, Stalled> {
+    /// The belt is then clamped in part.
+    pub fn clamp_at_rest(&mut self, inputs: &Inputs) -> Result<bool, Unsettled> {
         if self.system.parameters.holds_both_sheaves() || !self.is_clamped(inputs) {
             return Ok(false);
         }
@@ -44,8 +58,21 @@ impl Plant {
     ///
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
-    pub fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Stalled> {
+    pub fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
         self.clamp_before(SHARPENING, self.system.parameters.solver.tolerance, inputs)
+    }
+
+    /// Lets a belt that nothing clamps hang before a start at a standstill, without loads. From the kinematic state, whose elements all touch,
+    /// the film between them makes the first millisecond of a run take as many steps as seconds do.
+    ///
+    /// # Errors
+    /// As [`Plant::clamp_at_rest`].
+    pub fn let_hang(&mut self) -> Result<(), Unsettled> {
+        self.settle_before(SHARPENING, self.settling_tolerance(), &Inputs::ZERO, |from| SoftStart {
+            from,
+        })?;
+        self.soft_start = SoftStart { from: self.time };
+        Ok(())
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act. Places and the distribution of the
@@ -53,7 +80,7 @@ impl Plant {
     ///
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
-    pub fn bring_to_rest(&mut self, inputs: &Inputs) -> Result<(), Stalled> {
+    pub fn bring_to_rest(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
         let belt = &self.system.belt;
         for (speed, has_position) in self.state.y.iter_mut().zip(&belt.has_position) {
             if *has_position {
@@ -83,7 +110,7 @@ impl Plant {
     }
 
     /// Lets the clamping forces act on an unloaded belt in the `span` before the start, s. Torques come with the run.
-    fn clamp_before(&mut self, span: f64, tolerance: f64, inputs: &Inputs) -> Result<(), Stalled> {
+    fn clamp_before(&mut self, span: f64, tolerance: f64, inputs: &Inputs) -> Result<(), Unsettled> {
         let mut quiet = *inputs;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
         self.settle_before(span, tolerance, &quiet, |from| SoftStart { from })
@@ -96,7 +123,7 @@ impl Plant {
         tolerance: f64,
         inputs: &Inputs,
         soft_start: impl FnOnce(f64) -> SoftStart,
-    ) -> Result<(), Stalled> {
+    ) -> Result<(), Unsettled> {
         let start = self.time;
         self.time = start - span;
         self.soft_start = soft_start(self.time);
@@ -105,13 +132,16 @@ impl Plant {
         let profile = InputProfile::constant(self.time, inputs);
         let outcome = loop {
             match accurate.step(self, &profile, start) {
+                Ok(false) if accurate.counts().residuals > MOST_RESIDUALS => break Err(Unsettled::Exhausted),
                 Ok(false) => {}
-                outcome => break outcome,
+                Ok(true) => break Ok(()),
+                Err(stalled) => break Err(stalled.into()),
             }
         };
+        self.start_work += accurate.counts();
         self.system.parameters.solver.tolerance = own;
         self.time = start;
         self.end_soft_start();
-        outcome.map(drop)
+        outcome
     }
 }

@@ -221,6 +221,7 @@ impl CommunicationStep {
         variator.work = variator.stepper.finish(&mut variator.plant, &self.profile);
         variator.report_slip();
         variator.report_buckling();
+        variator.warn_of_loads(false);
         variator.update_outputs();
     }
 

@@ -12,10 +12,12 @@
 //! | `inputs` | inputs as functions of time |
 //! | `initial`, `at_rest`, `soft_start` | the state that a run starts from |
 //! | `pace` | the warning of a run that takes too much work |
+//! | `hints` | the warnings of loads and speeds that can hardly be meant |
 
 mod at_rest;
 mod checkpoint;
 mod communication_step;
+mod hints;
 mod initial;
 mod inputs;
 mod outcome;

@@ -2,6 +2,7 @@
 
 use crate::pulley::PerPulley;
 use crate::solver::State;
+use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads, ShaftMode, SheaveMode};
 use crate::variator::pulleys::rows::Stop;
@@ -25,6 +26,8 @@ pub(super) struct Plant {
     pub soft_start: SoftStart,
     /// Inputs in force.
     pub inputs: InputSegment,
+    /// Work of the search for the state to start from.
+    pub start_work: Counts,
 }
 
 impl Plant {
@@ -38,6 +41,7 @@ impl Plant {
             time: 0.0,
             soft_start: SoftStart::NONE,
             inputs: InputSegment::NONE,
+            start_work: Counts::default(),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::run::checkpoint::Checkpoint;
+use crate::variator::run::hints::Hints;
 use crate::variator::run::initial::find_start;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::outcome::{InitialisationError, Message, Moment};
@@ -59,6 +60,7 @@ pub struct Variator {
     pub(super) external_torque: PerPulley<f64>,
     pub(super) work: Work,
     pub(super) pace: Pace,
+    hints: Hints,
     pub(super) checkpoint: Checkpoint,
     observer: Observer,
     readings: Box<Readings>,
@@ -113,6 +115,7 @@ impl Variator {
             external_torque: PerPulley::default(),
             work: Work::default(),
             pace: Pace::default(),
+            hints: Hints::NONE,
             observer: Observer::default(),
             readings: Box::default(),
             stale: true,
@@ -144,6 +147,7 @@ impl Variator {
         self.macro_slip = plant.slips(false);
         self.warn_of_layers();
         self.warn_of_slip();
+        self.warn_of_loads(true);
         self.update_outputs();
         Ok(())
     }
@@ -173,6 +177,13 @@ impl Variator {
                 1e-9 * modulus
             );
             self.log(true, text);
+        }
+    }
+
+    /// Warns of loads and speeds that can hardly be meant. `starts`: in the state that the run starts from.
+    pub(super) fn warn_of_loads(&mut self, starts: bool) {
+        for hint in self.hints.new_at(&self.plant, starts) {
+            self.log(true, hint);
         }
     }
 
@@ -312,6 +323,7 @@ impl Variator {
             tape.integer(count);
         }
         self.pace.serialize(tape);
+        self.hints.serialize(tape);
         tape.real(defect);
         tape.real(behind);
         tape.flag(&mut self.macro_slip);
@@ -362,6 +374,12 @@ impl Variator {
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.stepper.counts()
+    }
+
+    /// Work of the search for the state that the run started from.
+    #[must_use]
+    pub fn start_work(&self) -> Counts {
+        self.plant.start_work
     }
 
     /// Changes the two tunable friction coefficients.

@@ -1,5 +1,6 @@
 //! Parameters with their ranges, inputs, outputs.
 
+pub(crate) mod capacity;
 pub(crate) mod parameters;
 pub(crate) mod signals;
 pub(crate) mod validation;

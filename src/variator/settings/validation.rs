@@ -363,7 +363,7 @@ impl Parameters {
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.
-    fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
+    pub(crate) fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
         let offset = self.pitch_offset();

@@ -162,8 +162,10 @@ fn start_on_coarse_mesh(
         return false;
     };
     let mut coarse_newton = Newton::new(&coarse);
+    coarse_newton.bound = newton.bound;
     let outcome = solve(&mut coarse, &mut coarse_newton, &mut found, task, max_solves);
     newton.counts += coarse_newton.counts;
+    newton.bound = coarse_newton.bound;
     if outcome.is_ok() {
         prolong(&coarse, &found, system, state);
     }

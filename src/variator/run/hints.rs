@@ -1,0 +1,115 @@
+//! Loads and speeds that can hardly be meant. Each is remarked upon once in a run.
+
+use crate::reference_curve::ratio_of_theta;
+use crate::tape::Tape;
+use crate::variator::run::plant::Plant;
+use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
+use crate::variator::settings::parameters::Drive;
+use std::f64::consts::PI;
+
+/// Belt speed above which no belt of a car runs, m/s: they run at up to about 50 m/s.
+const FASTEST: f64 = 60.0;
+
+/// Time for which a load seems to be in another unit before that is said, s: a force that comes in passes small values.
+const LASTING: f64 = 0.2;
+
+/// Deviation from balance up to which one torque seems to have the wrong sign, as a share.
+const BALANCED: f64 = 0.25;
+
+/// What was said.
+#[derive(Clone, Debug)]
+pub(super) struct Hints {
+    fast: bool,
+    unit: bool,
+    /// Time since which a load has seemed to be in another unit, s; the largest number if none does.
+    since: f64,
+}
+
+impl Hints {
+    pub const NONE: Self = Self {
+        fast: false,
+        unit: false,
+        since: f64::MAX,
+    };
+
+    /// Hints for the present state that were not given before. `starts`: the run starts from it.
+    pub fn new_at(&mut self, plant: &Plant, starts: bool) -> impl Iterator<Item = String> + use<> {
+        let fast = if self.fast { None } else { fast_belt(plant, starts) };
+        let unit = if self.unit { None } else { self.wrong_unit(plant) };
+        self.fast |= fast.is_some();
+        self.unit |= unit.is_some();
+        let sign = if starts { same_sign(plant) } else { None };
+        [fast, unit, sign].into_iter().flatten()
+    }
+
+    /// A force or torque that has seemed to be in another unit for some time.
+    fn wrong_unit(&mut self, plant: &Plant) -> Option<String> {
+        let parameters = &plant.system.parameters;
+        let inputs = plant.inputs.at(plant.time);
+        let small = |pulley| Demand::may_be_another_unit(&inputs, pulley);
+        let found = clamped(parameters).filter(|pulley| small(*pulley)).find_map(|pulley| {
+            let view = plant.state.view();
+            let at = [
+                ratio_of_theta(plant.system.belt.theta(view)),
+                plant.system.belt.shaft_speeds(view).primary,
+            ];
+            Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
+        });
+        let Some(demand) = found else {
+            self.since = f64::MAX;
+            return None;
+        };
+        self.since = self.since.min(plant.time);
+        (plant.time - self.since >= LASTING).then(|| format!("at {} s: {demand}", plant.time))
+    }
+
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        tape.flag(&mut self.fast);
+        tape.flag(&mut self.unit);
+        tape.real(&mut self.since);
+    }
+}
+
+/// A belt that is faster than belts are.
+fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
+    let belt = &plant.system.belt;
+    let speed = plant.state.y[belt.layout.drift()].abs();
+    if speed <= FASTEST {
+        return None;
+    }
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
+    let cause = if led || starts {
+        let (name, value) = given_speed(parameters, &inputs);
+        format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
+    } else {
+        format!(
+            "primary.torque = {} N·m and secondary.torque = {} N·m accelerate it; a load's torque is negative",
+            inputs.primary.torque, inputs.secondary.torque
+        )
+    };
+    Some(format!(
+        "at {} s the belt runs at {} m/s, faster than belts of cars do (up to {FASTEST} m/s): {cause}",
+        plant.time,
+        short(speed)
+    ))
+}
+
+/// Torques of a steady start that would balance if one of them had the other sign.
+fn same_sign(plant: &Plant) -> Option<String> {
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
+    let steady = parameters.initial.steady && plant.system.belt.shaft_speeds(plant.state.view()).primary.abs() > 1.0;
+    let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
+    let balancing = parameters.initial.ratio * primary;
+    let found =
+        steady && free && primary * secondary > 0.0 && (secondary - balancing).abs() < BALANCED * balancing.abs();
+    found.then(|| {
+        format!(
+            "primary.torque = {primary} N·m and secondary.torque = {secondary} N·m have the same sign, so that they change the speed \
+             together: against a drive a load has the other sign, {} N·m",
+            -secondary
+        )
+    })
+}

@@ -1,0 +1,186 @@
+//! What a clamping force carries at most, and loads that look like another unit's.
+
+use crate::contact::full_slip_torque;
+use crate::pulley::Pulley;
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::signals::Inputs;
+
+/// Torque over that of full slip that a belt may carry: friction along the flanks may raise the capacity by some percent.
+const BEYOND: f64 = 1.15;
+/// Torque over the capacity from which a wrong unit explains it better than a slipping belt.
+const FAR: f64 = 20.0;
+/// Clamping force below which kN may be meant, N, and torque above which N·mm may be meant, N·m.
+const SMALL_FORCE: f64 = 1.0e3;
+const LARGE_TORQUE: f64 = 2.0e3;
+
+/// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Demand {
+    /// The pulley whose force it is.
+    pulley: Pulley,
+    inputs: Inputs,
+    ratio: f64,
+    /// Torque of the belt on the primary pulley, N·m.
+    torque: f64,
+    /// Full slip of the pulley, seen from the primary one, N·m for each N.
+    carried_per_force: f64,
+    /// Drag of both shafts, seen from the primary one, N·m.
+    drag: f64,
+}
+
+impl Demand {
+    /// The demand on the clamping force of a pulley at a ratio and a primary speed, rad/s; none where no torque is given or no belt closes.
+    pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, [ratio, speed]: [f64; 2]) -> Option<Self> {
+        let (p, s) = (&parameters.primary, &parameters.secondary);
+        let torque = match (p.drive, s.drive) {
+            // Speeds in proportion: J_P ω̇_P = T_P + M, J_S ω̇_P/i = T_S − i M.
+            (Drive::Torque, Drive::Torque) => {
+                let (own, other) = (
+                    p.inertia * ratio * inputs.secondary.torque,
+                    s.inertia * inputs.primary.torque,
+                );
+                (own - other) / (s.inertia + ratio * ratio * p.inertia)
+            }
+            (Drive::Torque, Drive::Speed) => -inputs.primary.torque,
+            (Drive::Speed, Drive::Torque) => inputs.secondary.torque / ratio,
+            (Drive::Speed, Drive::Speed) => return None,
+        };
+        let (radius, _) = parameters.pitch_radii(ratio)?;
+        let cos_beta = parameters.geometry.wedge_angle.cos();
+        let force = inputs.pulley(pulley).clamping_force;
+        let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.at(speed.abs(), [force, 0.0]).torque;
+        Some(Self {
+            pulley,
+            inputs: *inputs,
+            ratio,
+            torque,
+            carried_per_force: full_slip_torque(&parameters.friction, cos_beta, 1.0, radius),
+            drag: drag(&p.drag, speed) + drag(&s.drag, speed / ratio) / ratio,
+        })
+    }
+
+    fn force(&self) -> f64 {
+        self.inputs.pulley(self.pulley).clamping_force
+    }
+
+    fn carried(&self) -> f64 {
+        self.carried_per_force * self.force()
+    }
+
+    /// Whether a share of the torque is beyond what the force can carry.
+    pub fn is_beyond(&self, share: f64) -> bool {
+        share * self.torque.abs() > BEYOND * self.carried() + self.drag
+    }
+
+    /// Whether a force is so small, or a torque so large, that another unit may be meant.
+    pub fn may_be_another_unit(inputs: &Inputs, pulley: Pulley) -> bool {
+        let force = inputs.pulley(pulley).clamping_force;
+        let torque = inputs.primary.torque.abs().max(inputs.secondary.torque.abs());
+        force > 0.0 && (force < SMALL_FORCE || torque >= LARGE_TORQUE)
+    }
+
+    /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
+    pub fn seems_another_unit(&self) -> bool {
+        let (carried, torque) = (self.carried(), self.torque.abs());
+        Self::may_be_another_unit(&self.inputs, self.pulley)
+            && torque > FAR * carried + self.drag
+            && 1.0e-3 * torque <= BEYOND * carried
+    }
+
+    /// The unit that is meant then.
+    fn other_unit(&self) -> String {
+        let (force, torque) = (self.force(), self.torque.abs());
+        if force < SMALL_FORCE {
+            let carried = short(1.0e3 * self.carried());
+            return format!(
+                "is {}.clampingForce in kN? {force} kN carry {carried} N·m",
+                self.pulley.name()
+            );
+        }
+        format!(
+            "are the torques in N·mm? {0} N·mm are {1} N·m",
+            short(torque),
+            short(1.0e-3 * torque)
+        )
+    }
+}
+
+/// What the force carries, what the torques demand, and which force would do: the reason why there is no steady state.
+impl std::fmt::Display for Demand {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}.clampingForce = {} N carries at most {} N·m at ratio {}, and the torques (primary {}, secondary {} N·m) load the belt \
+             with {} N·m: ",
+            self.pulley.name(),
+            self.force(),
+            short(self.carried()),
+            short(self.ratio),
+            short(self.inputs.primary.torque),
+            short(self.inputs.secondary.torque),
+            short(self.torque.abs()),
+        )?;
+        if self.is_beyond(1.0) {
+            write!(f, "at least {} N", (self.torque.abs() / self.carried_per_force).ceil())?;
+        } else {
+            write!(f, "a larger force, or another ratio, may have one")?;
+        }
+        if self.seems_another_unit() {
+            write!(f, "; {}", self.other_unit())?;
+        }
+        Ok(())
+    }
+}
+
+/// Stretch of a ring under its centrifugal tension that no steel bears.
+const BROKEN: f64 = 0.02;
+
+/// The variable that gives the speed of the start, and its value, rad/s.
+pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static str, f64) {
+    match (parameters.primary.drive, parameters.secondary.drive) {
+        (Drive::Speed, _) => ("primary.speedSetpoint", inputs.primary.speed_setpoint),
+        (_, Drive::Speed) => ("secondary.speedSetpoint", inputs.secondary.speed_setpoint),
+        _ => ("initial.primarySpeed", parameters.initial.primary_speed),
+    }
+}
+
+/// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`, rad/s.
+pub(crate) fn excessive_speed(parameters: &Parameters, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> Option<String> {
+    let (radius, _) = parameters.pitch_radii(ratio)?;
+    let belt = radius * speed.abs();
+    let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
+    let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
+    let (name, value) = given_speed(parameters, inputs);
+    (stretch > BROKEN).then(|| {
+        format!(
+            "{name} = {value} rad/s is a belt speed of {} m/s at ratio {}, whose centrifugal tension stretches the ring by {} %: below {} \
+             rad/s it stretches by less than {} %",
+            short(belt),
+            short(ratio),
+            short(100.0 * stretch),
+            short(value.abs() * (BROKEN / stretch).sqrt()),
+            100.0 * BROKEN
+        )
+    })
+}
+
+/// A number to three digits.
+pub(crate) fn short(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "within ±308")]
+    let digits = 2 - value.abs().log10().floor() as i32;
+    if digits > 0 {
+        (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits)
+    } else {
+        value.round()
+    }
+}
+
+/// The clamping forces that act: of sheaves that are not held.
+pub(crate) fn clamped(parameters: &Parameters) -> impl Iterator<Item = Pulley> + '_ {
+    Pulley::BOTH
+        .into_iter()
+        .filter(|pulley| parameters.pulley(*pulley).axial == Axial::Force)
+}

@@ -1,0 +1,93 @@
+//! The work of starts is bounded, whatever the parameters.
+
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::table::{Causality, Kind, Value};
+use pushbelt::unit::VariatorUnit;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Parameters, RingModel, range_of};
+use pushbelt_lab::noise;
+use pushbelt_lab::variators::{MODELS, inputs, variator};
+
+/// Residuals that a start may take: of the search for a steady state, and of a belt that settles at a standstill, twice.
+const MOST_RESIDUALS: u64 = 250_000 + 2 * 20_000;
+
+/// Starts; the residuals that it took and its error.
+fn start(parameters: Parameters, given: &Inputs) -> (u64, Option<String>) {
+    let mut variator = Variator::new(parameters).expect("checked parameters");
+    let error = variator.initialise(0.0, given).err();
+    (variator.start_work().residuals, error.map(|error| error.to_string()))
+}
+
+/// Random parameters and inputs: some near their defaults, some anywhere in their ranges. An error names a variable with its value.
+#[test]
+fn random_parameters_start_with_bounded_work_or_a_named_error() {
+    let table = VariatorUnit::table();
+    let mut noise = noise(62);
+    let mut uniform = move || noise() + 0.5;
+    let (mut most, mut started, mut failed, mut tried) = (0, 0, 0, 0);
+    while started + failed < 40 {
+        tried += 1;
+        let mut settings = <VariatorUnit as Unit>::Settings::default();
+        settings.parameters.ring_model = MODELS[usize::from(uniform() < 0.3)];
+        for variable in table.variables() {
+            // Meshes and tolerances change the work of a residual or the number of steps, as they are meant to.
+            let of_numerics = ["mesh.", "solver.", "inputs.", "initial.ratio"];
+            let chosen = variable.causality == Causality::Parameter || variable.causality == Causality::Input;
+            let (Kind::Real { .. }, Some((min, max))) = (&variable.kind, range_of(&variable.name)) else {
+                continue;
+            };
+            if !chosen || of_numerics.iter().any(|name| variable.name.starts_with(name)) || uniform() > 0.2 {
+                continue;
+            }
+            let Some(Value::Real(usual)) = variable.value(&settings, None) else {
+                continue;
+            };
+            let far = uniform() < 0.25;
+            let factor = 10_f64.powf((uniform() - 0.5) * if far { 4.0 } else { 0.6 });
+            let value = (usual * factor).clamp(min, max);
+            variable
+                .set(&mut settings, Value::Real(value))
+                .expect("a value in its range");
+        }
+        if <VariatorUnit as Unit>::check(&settings).is_err() {
+            continue;
+        }
+        let (residuals, error) = start(settings.parameters, &settings.inputs);
+        most = most.max(residuals);
+        assert!(residuals <= MOST_RESIDUALS, "{residuals} residuals, {error:?}");
+        if let Some(error) = error {
+            println!("{error}");
+            assert!(
+                table
+                    .variables()
+                    .iter()
+                    .any(|variable| error.contains(&format!("{} = ", variable.name))),
+                "{error}"
+            );
+            failed += 1;
+        } else {
+            started += 1;
+        }
+    }
+    println!("{started} of {tried} random sets start, {failed} have an error; at most {most} residuals");
+    assert!(started > 10);
+}
+
+/// Small forces away from ratio 1 under a small torque: a state is found, or the unloaded one is taken, within the bound.
+#[test]
+fn small_clamping_forces_start_with_bounded_work() {
+    for (model, force, ratio) in [
+        (RingModel::Ale0, 50.0, 0.4),
+        (RingModel::Ale0, 50.0, 2.2),
+        (RingModel::Ale0, 200.0, 0.6),
+        (RingModel::Ale, 50.0, 0.6),
+        (RingModel::Ale, 200.0, 0.4),
+        (RingModel::Ale, 200.0, 1.6),
+    ] {
+        let mut parameters = variator(model);
+        parameters.initial.ratio = ratio;
+        let (residuals, error) = start(parameters, &inputs((0.1, force), (-0.1 * ratio, force)));
+        println!("{model:?}, {force} N at ratio {ratio}: {residuals} residuals, {error:?}");
+        assert!(residuals <= MOST_RESIDUALS && error.is_none());
+    }
+}
