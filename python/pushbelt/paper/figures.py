@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from . import profiles
 from .results import MODELS, OTHERS, REFERENCE, CaseRun, PaperResults
-from .rings import Rings
+from .rings import Motion, Rings
 from .statements_rings import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
@@ -22,6 +22,8 @@ COLOURS = {"RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DI
 SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"width": 3.2, "opacity": 0.5}, "ANCF": {"dash": "dash"}}
 """Drawing order: the reference model is below the others."""
+BELT_RING = "ring of bench168"
+"""The ring of a belt in the tables of rings alone."""
 TIME = "time (ms)"
 
 
@@ -38,12 +40,6 @@ def _of(model: str, x: Array, y: Array, **look: object) -> Series:
 def reference_oscillation(rings: Rings) -> Chart:
     """Fig. 6: outlines at four times; the two coordinates and the energies over time."""
     motion, shapes = rings.motions["6", "ALE0"], rings.shapes["6", "ALE0"]
-    falling = np.nonzero(motion.theta < 0.0)[0]
-    half = motion.time[int(np.argmin(motion.theta[: 2 * falling[0] + 1]))]
-    outlines = []
-    for k, (share, colour) in enumerate(zip((0.0, 0.3, 0.5, 1.0), (INK, BLUE, GREEN, ORANGE), strict=True)):
-        moment = min(shapes, key=lambda t, share=share: abs(t - share * half))
-        outlines.append(Series(f"t{k} = {1e3 * moment:.1f} ms", *(1e3 * shapes[moment]).T, colour))
     time = 1e3 * motion.time
     energies = (
         ("kinetic", motion.kinetic, BLUE, ""),
@@ -52,7 +48,7 @@ def reference_oscillation(rings: Rings) -> Chart:
     )
     return Chart(
         [
-            Panel("Outline (mm)", outlines, equal=True, height=280),
+            _stages(motion, shapes),
             Panel(
                 "Ratio coordinate and drift",
                 [Series("Θ", time, motion.theta, BLUE), Series("s (m)", time, motion.drift, ORANGE, dash="dash")],
@@ -136,6 +132,57 @@ def _outlines(rings: Rings, names: Sequence[str], number: int, moment: float) ->
                 x, y = 1e3 * shapes[nearest][0]
                 series.append(Series("locked node of ALE", [x], [y], BLUE, "points", size=7))
     return Panel(f"t{number} = {1e3 * moment:.2f} ms", series, "x (mm)", equal=True, height=250)
+
+
+def belt_ring(rings: Rings) -> tuple[Chart, Chart]:
+    """Fig. 6 and 7 on the ring of a belt: outlines at the paper's four stages, and Θ over time."""
+    reference = rings.motions["6 belt", BELT_RING]
+    moving = {name: motion for (figure, name), motion in rings.motions.items() if figure == "7 belt"}
+    coarse, fine, rcm = (next(name for name in moving if word in name) for word in (", 8 el", ", 40 el", "RCM"))
+    kinked = float(moving[coarse].time[int(np.argmax(moving[coarse].theta))])
+    oval = float(moving[rcm].time[int(np.argmin(moving[rcm].ovality))])
+    looks = {rcm: ("RCM", INK, LINES["RCM"]), coarse: ("ALE, 8 elements", BLUE, {}), fine: ("ALE, 40 elements", GREEN, {"dash": "dash"})}
+    panels = [_stages(reference, rings.shapes["6 belt", BELT_RING])]
+    for number, moment in enumerate((0.2 * kinked, kinked, oval), start=1):
+        series = []
+        for name, (said, colour, look) in looks.items():
+            shapes = rings.shapes["7 belt", name]
+            nearest = min(shapes, key=lambda t: abs(t - moment))
+            # A run of ALE ends where Θ reaches its limit.
+            if abs(nearest - moment) < 0.02 * oval:
+                series.append(Series(said, *(1e3 * shapes[nearest]).T, colour, **look))  # type: ignore[arg-type]
+        panels.append(Panel(f"7: t{number} = {1e3 * moment:.1f} ms", series, "x (mm)", equal=True, height=250))
+    over_time = [
+        Panel("6: ratio coordinate Θ", [Series("Θ", 1e3 * reference.time, reference.theta, BLUE)], TIME),
+        Panel(
+            "7: ratio coordinate Θ",
+            [Series(looks[name][0], 1e3 * moving[name].time, moving[name].theta, looks[name][1]) for name in (coarse, fine)],
+            TIME,
+        ),
+        Panel(
+            "7: energy of stretch / energy at the start",
+            [
+                Series(said, 1e3 * moving[name].time, moving[name].membrane / moving[name].total[0], colour, **look)  # type: ignore[arg-type]
+                for name, (said, colour, look) in looks.items()
+            ],
+            TIME,
+        ),
+    ]
+    return (
+        Chart(panels, "Outlines of the ring of a belt", columns=4, least_width=230),
+        Chart(over_time, "Θ and energy of stretch over time", columns=3),
+    )
+
+
+def _stages(motion: Motion, shapes: Mapping[float, Array]) -> Panel:
+    """Outlines of the reference oscillation at four times of its first half."""
+    falling = np.nonzero(motion.theta < 0.0)[0]
+    half = motion.time[int(np.argmin(motion.theta[: 2 * falling[0] + 1]))]
+    outlines = []
+    for k, (share, colour) in enumerate(zip((0.0, 0.3, 0.5, 1.0), (INK, BLUE, GREEN, ORANGE), strict=True)):
+        moment = min(shapes, key=lambda t, share=share: abs(t - share * half))
+        outlines.append(Series(f"t{k} = {1e3 * moment:.1f} ms", *(1e3 * shapes[moment]).T, colour))
+    return Panel("6: outline (mm)", outlines, equal=True, height=280)
 
 
 def convergence(rings: Rings) -> Chart:

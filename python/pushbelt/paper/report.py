@@ -141,10 +141,13 @@ def context(results: PaperResults) -> dict[str, Any]:
     judged = [check for check in results.rings.checks if check.passed is not None]
     rings = results.rings
     outlines, over_time = figures.deformable_ring(rings)
+    belt_outlines, belt_over_time = figures.belt_ring(rings)
     pictures = {
         "figure6": figures.reference_oscillation(rings),
         "figure7": outlines,
         "figure7_over_time": over_time,
+        "belt_ring": belt_outlines,
+        "belt_ring_over_time": belt_over_time,
         "meshes": figures.mesh_energy(rings),
         "convergence": figures.convergence(rings),
         "levels": figures.thrust_and_efficiency(results),
