@@ -121,6 +121,17 @@ def test_a_fast_table_is_read(tmp_path: Path) -> None:
     assert len(points.read(table(tmp_path / "table.csv", some)).points) == 4
 
 
+def test_an_offset_of_the_ratio_and_torques_near_zero_are_no_reason_to_refuse(tmp_path: Path) -> None:
+    """The slip from a ratio 1 % too high has the wrong sign in drive, and an idle rig has the noise of its torque sensor."""
+    drive = columns()["T_P"] > 0.0
+    some = {TITLES[name]: columns()[name][drive] for name in FULL}
+    some["i_geo [-]"] = 1.015 * some["i_geo [-]"]
+    assert len(points.read(table(tmp_path / "offset.csv", some)).points) == drive.sum()
+    idle = {TITLES[name]: columns()[name] for name in LEAST}
+    idle["T_P [Nm]"] = np.linspace(-0.3, 0.3, 12)
+    assert len(points.read(table(tmp_path / "idle.csv", idle)).points) == 12
+
+
 def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = table(tmp_path / "table.csv", of(FULL, FAULTS["rad/s under rpm"][0]))
     rig = points.read(path, Reading(as_written=True))

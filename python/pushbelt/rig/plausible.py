@@ -27,11 +27,11 @@ SLOWEST = 3.0
 """Belt speed that the fastest point of a table has at least, m/s: about 500 rpm."""
 FASTEST = 40.0
 """Median belt speed above which another unit of speed is likely, m/s."""
-UNCERTAIN = frozenset({"fast", "thrust law"})
+UNCERTAIN = frozenset({"fast", "slip sign", "small slip", "thrust law"})
 """Doubts that count only if another reading removes them."""
 CARRIED = 1.5 * BEYOND
 """Largest utilisation at the usual friction."""
-IDLE = 0.005
+IDLE = 0.0012
 """Largest utilisation of a table whose torques are in a wrong unit."""
 LOADED = 0.1
 """Utilisation above which slip, thrust ratio and efficiency have the sign of the torque."""
@@ -155,9 +155,9 @@ def doubts(values: Values, count: int) -> dict[str, str]:
     if _mostly(np.abs(p.slip) > SLIP, known):
         found["slip"] = f"slips of {_extent(100.0 * p.slip[known], ' %')}; usual are at most {100.0 * SLIP:g} %"
     elif _mostly(p.slip * p.used < 0.0, known & (np.abs(p.slip) > 3e-4)) and known.sum() >= 4:
-        found["slip"] = "slips have the opposite sign of the primary torque"
+        found["slip sign"] = "slips have the opposite sign of the primary torque"
     elif known.sum() >= 4 and np.abs(p.slip[known]).max() < 2e-4:
-        found["slip"] = f"slips of at most {100.0 * np.abs(p.slip[known]).max():.2g} %"
+        found["small slip"] = f"slips of at most {100.0 * np.abs(p.slip[known]).max():.2g} %"
     if p.thrust_off() > OFF:
         found["thrust law"] = "thrust ratios do not rise to overdrive and with the primary torque as usual"
     return found
