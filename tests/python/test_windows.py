@@ -139,6 +139,7 @@ def lanes(build: str) -> bool:
     return build.endswith("AVX2") or build == "this machine"
 
 
+@pytest.mark.parametrize("variant", ["", ", AVX2"])
 def test_windows_and_linux_agree(first, sizes: np.ndarray, variant: str) -> None:
     assert np.max(np.abs(first[f"windows{variant}"][0] - first[f"linux{variant}"][0]) / sizes) < SAME
 
