@@ -292,7 +292,7 @@ def test_the_first_line_names_a_wrong_value(
     assert document["fits"]
     found = document["parameters"]["friction.pulley"]
     assert found["value"] == pytest.approx(alone["value"], rel=1e-3)
-    assert found["interval95"][0] <= FRICTION <= found["interval95"][1]
+    assert found["value"] == pytest.approx(FRICTION, rel=1e-3)
     page = reports.stands_alone(out / "report.html")
     assert "Left out as outliers: line 7" in page and "residuals of outliers" in page
 
@@ -302,7 +302,11 @@ def test_a_short_fit_contains_that_on_the_default_mesh(
     fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path
 ) -> None:
     path, found = tmp_path / "rig.csv", []
-    rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
+    noise = 1.0 + np.array([0.005, 0.02, 0.001]) * np.random.default_rng(62).standard_normal((len(solved), 3))
+    rows = [
+        f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE * a},{v['slip'] * b},{v['efficiency'] * c}"
+        for (i, t, v), (a, b, c) in zip(solved, noise, strict=True)
+    ]
     path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
     for more in ([], ["--short"]):
         out = tmp_path / f"out{len(more)}"
@@ -311,7 +315,7 @@ def test_a_short_fit_contains_that_on_the_default_mesh(
     for name in ("friction.pulley", "friction.ring", "belt.play"):
         low, high = found[1][name]["interval95"]
         assert low <= found[0][name]["value"] <= high
-        assert found[1][name]["value"] == pytest.approx(found[0][name]["value"], rel=5e-3)
+        assert high - low < 3.0 * np.ptp(found[0][name]["interval95"])
 
 
 def test_a_speed_ratio_starts_from_the_slip_of_the_last_search(

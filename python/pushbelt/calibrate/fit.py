@@ -333,10 +333,11 @@ class _Search:
         while self.evaluations < MOST_EVALUATIONS:
             total = self._loss(self._residuals)
             step, expected = self._step(free, reach)
-            tolerance = TOLERANCE[0] + TOLERANCE[1] * total
+            # A lost point is constant, and does not make the search coarse.
+            tolerance = TOLERANCE[0] + TOLERANCE[1] * self._loss(np.where(self._residuals == LOST, 0.0, self._residuals))
             if expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0) or reach < REACH[2] or confirmed and jacobians >= MOST_JACOBIANS:
                 if robust:
-                    return
+                    break
                 if self._moved <= NEAR:
                     self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
                     break
@@ -344,6 +345,10 @@ class _Search:
                 jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
                 continue
             better = self._try(step, total, expected)
+            if better <= 0.0 and self._first is not self.model:
+                # The derivatives of the first model lead no farther down.
+                self.converged = True
+                break
             largest = self._length
             if better > 0.75:
                 reach = min(max(reach, 2.0 * largest), REACH[1])
@@ -352,6 +357,8 @@ class _Search:
                 if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
                     self._slopes = self._differences(every, central=False)
                     jacobians, reach = jacobians + 1, 0.1
+        if robust:
+            return
         for k in free:
             if _at_bound(self.parameters[k], float(self.place[k])):
                 near = self._low[k] if self.place[k] - self._low[k] < self._high[k] - self.place[k] else self._high[k]
