@@ -218,7 +218,7 @@ fn motions(settings: &Settings, start: f64, sums: bool) -> Vec<[f64; 3]> {
     let mut slave = running(settings, start).expect("a run");
     let mut time = start;
     let step = |k: u32| {
-        let torque = if k / 500 % 2 == 0 { 80.0 } else { 20.0 };
+        let torque = if (k / 500).is_multiple_of(2) { 80.0 } else { 20.0 };
         slave.set(Type::Real, &[TORQUE], &[torque]).expect("a torque");
         slave.do_step(time, 1e-4).expect("a step");
         time = if sums {
