@@ -37,7 +37,7 @@ fn outputs(mode: Mode, start: f64, sums: bool) -> Vec<[f64; 4]> {
     let (torque, references) = (reference("primary.torque"), OUTPUTS.map(reference));
     let mut time = start;
     let step = |k: u32| {
-        let value = if k / 50 % 2 == 0 { 80.0 } else { 50.0 };
+        let value = if (k / 50).is_multiple_of(2) { 80.0 } else { 50.0 };
         slave.set(Type::Real, &[torque], &[value]).expect("a torque");
         slave.do_step(time, 1e-4).expect("a step");
         time = if sums {

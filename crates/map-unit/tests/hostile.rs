@@ -187,6 +187,16 @@ fn tables_that_grow_too_large_are_refused_before_they_are_refined() {
     assert!(why.contains("16777216"), "{why}");
 }
 
+/// On the stack that the docs ask of hosts.
+#[test]
+fn deeply_nested_lists_are_refused() {
+    let text = format!("{}0{}", "[".repeat(1_000_000), "]".repeat(1_000_000));
+    let host = std::thread::Builder::new().stack_size(256 * 1024);
+    let host = host.spawn(move || Tables::of_bytes(text.as_bytes()).map(drop));
+    let why = host.expect("a thread").join().expect("no panic").unwrap_err();
+    assert!(why.contains("not JSON"), "{why}");
+}
+
 // Times
 
 fn running(settings: &Settings, start: f64) -> Result<Slave<MapUnit>, CallError> {
@@ -208,7 +218,7 @@ fn motions(settings: &Settings, start: f64, sums: bool) -> Vec<[f64; 3]> {
     let mut slave = running(settings, start).expect("a run");
     let mut time = start;
     let step = |k: u32| {
-        let torque = if k / 500 % 2 == 0 { 80.0 } else { 20.0 };
+        let torque = if (k / 500).is_multiple_of(2) { 80.0 } else { 20.0 };
         slave.set(Type::Real, &[TORQUE], &[torque]).expect("a torque");
         slave.do_step(time, 1e-4).expect("a step");
         time = if sums {
