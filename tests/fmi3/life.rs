@@ -227,3 +227,19 @@ fn an_instance_without_logging_sends_errors_only() {
     }
     assert!(importer.last().contains("\"noise ##1\""), "a number sign is doubled");
 }
+
+/// What can hardly be meant is a warning in the log.
+#[test]
+fn implausible_loads_are_logged() {
+    let importer = Importer::new(Handles::default());
+    importer.make_cheap();
+    assert_eq!(importer.set_boolean("initial.steady", 1), Ok);
+    assert_eq!(importer.set_real("initial.primarySpeed", 2000.0), Ok);
+    importer.start(false);
+    let messages = importer.record.messages.borrow();
+    assert!(
+        messages
+            .iter()
+            .any(|(_, category, text)| category == "logStatusWarning" && text.contains("initial.primarySpeed in rpm"))
+    );
+}

@@ -8,6 +8,7 @@ use crate::solver::newton::{Counts, Newton, WorkBound};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::at_rest::Unsettled;
+use crate::variator::run::no_steady_state::NoSteadyState;
 use crate::variator::run::outcome::{InitialisationError, Message};
 use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
@@ -91,48 +92,6 @@ fn no_clamping(why: &Unsettled) -> Message {
     Message {
         warning: true,
         text: format!("the belt was not clamped before the start: {why}"),
-    }
-}
-
-/// Why there is no steady state to start from.
-enum NoSteadyState {
-    /// The force on a pulley, N, does not clamp the belt.
-    Unclamped(Pulley, f64),
-    /// A small share of the torques is beyond capacity.
-    Beyond(Option<Demand>),
-    /// No belt bears the speed, for this reason.
-    TooFast(String),
-    /// The search has ended without a result.
-    NotFound(Settled, Option<Demand>),
-    /// The belt was not brought to rest.
-    NotStopped(Unsettled),
-}
-
-impl std::fmt::Display for NoSteadyState {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let demand = match self {
-            Self::Unclamped(pulley, force) => {
-                let name = pulley.name();
-                return write!(
-                    f,
-                    "no steady state without a clamping force ({name}.clampingForce = {force} N)"
-                );
-            }
-            Self::TooFast(why) => return write!(f, "no steady state: {why}"),
-            Self::NotStopped(why) => return write!(f, "the belt was not brought to rest: {why}"),
-            Self::Beyond(demand) => {
-                f.write_str("no steady state")?;
-                demand
-            }
-            Self::NotFound(Settled { step, solves }, demand) => {
-                write!(
-                    f,
-                    "no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)"
-                )?;
-                demand
-            }
-        };
-        demand.map_or(Ok(()), |demand| write!(f, ": {demand}"))
     }
 }
 
@@ -505,11 +464,10 @@ impl StartSearch<'_> {
     /// beyond capacity has none, and isn't tried. The share.
     fn carry(&mut self, newton: &mut Newton, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
         let cold = self.plant.state.clone();
-        let is_beyond = |share: f64| demand.is_some_and(|demand| demand.is_beyond(share));
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(share);
-            if is_beyond(share) {
+            if let Some(demand) = demand.filter(|demand| demand.is_beyond(share)) {
                 if share <= LEAST_SHARE {
                     return Err(NoSteadyState::Beyond(demand));
                 }
@@ -533,7 +491,8 @@ impl StartSearch<'_> {
                 ..self.steady_task(middle)
             };
             let carried = self.plant.state.clone();
-            if !is_beyond(middle) && self.solve(newton, &task, STEADY_SOLVES / 4).is_ok() && !self.slips() {
+            let is_beyond = demand.is_some_and(|demand| demand.is_beyond(middle));
+            if !is_beyond && self.solve(newton, &task, STEADY_SOLVES / 4).is_ok() && !self.slips() {
                 share = middle;
             } else {
                 beyond = middle;

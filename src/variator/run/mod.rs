@@ -10,7 +10,7 @@
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
 //! | `inputs` | inputs as functions of time |
-//! | `initial`, `at_rest`, `soft_start` | the state that a run starts from |
+//! | `initial`, `no_steady_state`, `at_rest`, `soft_start` | the state that a run starts from |
 //! | `pace` | the warning of a run that takes too much work |
 //! | `hints` | the warnings of loads and speeds that can hardly be meant |
 
@@ -20,6 +20,7 @@ mod communication_step;
 mod hints;
 mod initial;
 mod inputs;
+mod no_steady_state;
 mod outcome;
 mod pace;
 mod pending_inputs;

@@ -4,6 +4,7 @@ use crate::contact::full_slip_torque;
 use crate::pulley::Pulley;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::validation::range_of;
 
 /// Torque over that of full slip that a belt may carry: friction along the flanks may raise the capacity by some percent.
 const BEYOND: f64 = 1.15;
@@ -120,10 +121,13 @@ impl std::fmt::Display for Demand {
             short(self.inputs.secondary.torque),
             short(self.torque.abs()),
         )?;
-        if self.is_beyond(1.0) {
-            write!(f, "at least {} N", (self.torque.abs() / self.carried_per_force).ceil())?;
+        let least = (self.torque.abs() / self.carried_per_force).ceil();
+        if !self.is_beyond(1.0) {
+            f.write_str("a larger force, or another ratio, may have one")?;
+        } else if range_of("primary.clampingForce").is_some_and(|(_, most)| least <= most) {
+            write!(f, "at least {least} N")?;
         } else {
-            write!(f, "a larger force, or another ratio, may have one")?;
+            f.write_str("no admissible force does")?;
         }
         if self.seems_another_unit() {
             write!(f, "; {}", self.other_unit())?;
