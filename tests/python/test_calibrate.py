@@ -219,6 +219,10 @@ STEADY = [
 SHIFTS = [shifting(1.0, 11e3), shifting(1.0, 19e3), shifting(1.6, 15e3)]
 
 
+MESH = [word for name, value in __main__.COARSE.items() for word in ("--set", f"{name}={value}")]
+"""The coarse mesh instead of the default one, on which a short fit ends."""
+
+
 class InProcess:
     """Solver of points in this process."""
 
@@ -350,7 +354,7 @@ def test_one_parameter_of_a_table_without_noise_is_recovered(fmu: Path, solver: 
         known["parameters"][name]["value"] = TRUTH[name]
     (tmp_path / "known.json").write_text(json.dumps(known), encoding="utf-8")
     out = tmp_path / "out"
-    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short"]
+    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short", *MESH]
     words += ["--variator", str(tmp_path / "known.json"), "--fit", "friction.pulley=0.085"]
     assert __main__.main(words) == 0
     entry = json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"]["friction.pulley"]
@@ -365,7 +369,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
     points = solver.measure([*STEADY, *SHIFTS], seed=168)
     write(points, tmp_path / "table.csv")
     out = tmp_path / "out"
-    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short"]
+    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short", *MESH]
     assert __main__.main([*words, "--fit", "friction.pulley=0.085,friction.ring,belt.play"]) == 0
     document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
     widest = {"friction.pulley": 0.04, "friction.ring": 0.3, "belt.play": 0.3}

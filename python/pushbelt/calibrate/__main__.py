@@ -121,7 +121,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
-    found.add_argument("--short", action="store_true", help="derivatives on a coarse mesh, in less time, for a first estimate")
+    found.add_argument("--short", action="store_true", help="derivatives on a coarse mesh, for a first estimate")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     reading_options.add(found)
     return found
