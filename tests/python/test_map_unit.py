@@ -324,6 +324,11 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     assert "wedgeAngle" in capsys.readouterr().err
 
 
+def test_a_byte_order_mark_does_not_change_the_token() -> None:
+    """As in the library, which accepts a mark that an editor has added."""
+    assert map_unit.hash_of(b"\xef\xbb\xbf{}") == map_unit.hash_of(b"{}") != map_unit.hash_of(b"")
+
+
 @pytest.mark.slow
 def test_the_command_solves_for_the_maps(
     map_fmu: Path, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

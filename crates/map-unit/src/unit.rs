@@ -27,8 +27,8 @@ const INSTANT: f64 = 1e-12;
 /// Steps that a communication step may take, and how many times as many as of the longest ones.
 const MOST_STEPS: f64 = 1e5;
 const MOST_PER_LONGEST: f64 = 100.0;
-/// Largest speed in a stored state, rad/s, far beyond what a shaft stands.
-const LARGEST_SPEED: f64 = 1e9;
+/// Largest speed and input in a stored state, SI units, far beyond what a shaft stands.
+const LARGEST: f64 = 1e9;
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -569,7 +569,7 @@ impl Unit for MapUnit {
             log_ratio,
         } = &mut self.state;
         for speed in [primary, secondary] {
-            tape.within(speed, -LARGEST_SPEED, LARGEST_SPEED);
+            tape.within(speed, -LARGEST, LARGEST);
         }
         let [least, most] = self.radii.stops;
         tape.within(log_ratio, least, most);
@@ -577,7 +577,7 @@ impl Unit for MapUnit {
         let [least, most] = THRUST_RATIO;
         tape.within(&mut self.thrust_ratio, least, most);
         for value in &mut self.acting {
-            tape.within(value, -LARGEST_SPEED, LARGEST_SPEED);
+            tape.within(value, -LARGEST, LARGEST);
         }
         tape.flag(&mut self.logged);
     }
