@@ -148,14 +148,12 @@ class Variator(LinearPoints):
         return self._outputs()
 
     def _check_start(self) -> None:
-        """Refuses loads that look like a wrong unit, and warns of an excessive speed, before the FMU solves the initial state."""
+        """Refuses loads that look like a wrong unit before the FMU solves the initial state."""
         values = self._values
         if values["initial.primarySpeed"] == 0.0:
             return
         if values["initial.steady"] and (hint := self._wrong_unit()):
             raise StartValueError(hint)
-        if why := capacity.excessive_speed(values, values["initial.ratio"], values["initial.primarySpeed"]):
-            warn(f"initial.primarySpeed: {why}")
 
     def _wrong_unit(self) -> str | None:
         """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""

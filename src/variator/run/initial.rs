@@ -32,8 +32,8 @@ const CLOSE_SHARE: f64 = 1.05;
 /// Factor from one share to the next while there is none that is carried.
 const NEXT_SHARE: f64 = 0.7;
 
-/// Most work of the search for a steady state, in residuals, and that of a Jacobian with its factors. Of 220 starts over ratio, torque,
-/// force and speed with both rings and a chain, a steady state took at most 49 000, one at reduced torque 77 000.
+/// Most work of the search for a steady state, in residuals, and that of a Jacobian with its factors. Of some 220 starts, two thirds of them
+/// at random with both rings and chains, a steady state took at most 49 000, one at reduced torque 77 000.
 const STEADY_WORK: f64 = 2.5e5;
 const JACOBIAN_WORK: f64 = 14.0;
 
