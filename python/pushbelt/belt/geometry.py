@@ -44,7 +44,7 @@ SHEAVE = 1.2e11
 """Stiffness of a sheave's face as an elastic half-space, N/m²."""
 PUSH_STIFFNESS = 1e7
 """Push stiffness of elements of `WIDTH`, N."""
-FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 600.0, "belt.suction": 19.0}
+FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 750.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
 CLEARANCE = 0.004
 """Distance of the two pulleys at the largest radii, m."""

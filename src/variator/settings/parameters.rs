@@ -286,7 +286,7 @@ impl Default for Parameters {
                 element_inertia: 2.6e-8,
                 film_thickness: 1.5e-6,
                 film_damping: 9.0,
-                squeeze_damping: 600.0,
+                squeeze_damping: 750.0,
                 suction: 19.0,
             },
             ring: Ring {
