@@ -18,22 +18,23 @@
 //!
 //! **Push force**, with ε = ν − 1, D = Dν/Dt, the gap g, and φ = 1/(1 + g/δ_f):
 //!
-//! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c D (2σ + (1 − σ) φ²) + d_s ⟨D⟩ φ³.
+//! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c (2⟨D⟩ + (D − ⟨D⟩) φ²) + d_s ⟨D⟩_c φ³.
 //!
 //! - Contact: ⟨ε⟩₊ = δ ln(1 + e^{ε/δ}), δ the roughness over the thickness of an element, H its derivative; it has half of its
 //!   stiffness at ε = 0, where the play is measured. g is ⟨ε⟩₊ − ε times the thickness. No force acts across a gap at rest.
-//! - Oily stack: σ changes from 0 to 1 where D changes its sign, over [`RATE_SMOOTHING`]. Where gaps close, elements that are
-//!   free meet a congested stack. In the limit that is a jump of ν and V, as in congested flow (Bouchut et al. 2000);
+//! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where gaps close, elements that are free
+//!   meet a congested stack. In the limit that is a jump of ν and V, as in congested flow (Bouchut et al. 2000);
 //!   lubrication is its regularisation (Lefebvre-Lepot and Maury 2011). 2c = m_e c_s h,
 //!   c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the rate of closing and f some 7 N/mm of
 //!   friction. h = 5 mm, a cell of the default mesh, is a constant of the law: other meshes have the same physics.
 //! - Squeezed oil: d_s φ³ between flat faces (Reynolds). 750 N·s are those of oil of 10 mPa·s that fills 6 µm between faces of
 //!   8 by 24 mm; zero gap stands for the distance of two rough faces in contact.
-//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise, and ⟨D⟩, which is zero at rest, is at least −F_c/d_s.
+//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise, and ⟨D⟩_c, of the width 2F_c/d_s, is above −F_c/d_s.
 //!   Oil between two faces has at most the suction F_c of their area under the pressure of the atmosphere, 8 × 24 mm × 1 bar =
 //!   19 N.
 //!
-//! Every part of F has the sign of D, so it dissipates. Nothing else acts between free elements: convection of V is
+//! Every part of F has the sign of D, so it dissipates, and rises with D: a law that falls somewhere, such as D times a switch, makes
+//! Newton fail. So the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N where elements separate at any gap. Nothing else acts between free elements: convection of V is
 //! central there, with the viscosity 2c where they approach.
 //!
 //! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this shortening. The ring is thus
@@ -345,17 +346,23 @@ impl<T: Real> Push<T> {
     }
 }
 
+/// ⟨D⟩ over a width w, 1/s: D where elements approach, −w/2 where they separate, zero at rest.
+#[inline(always)]
+fn approach<T: Real>(rate: T, width: f64) -> T {
+    let [plus, ..] = rate.smooth_plus(width);
+    plus - 0.5 * width
+}
+
 /// Push force from element density ν and its material rate D, 1/s.
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &PushElements, [nu, rate]: [T; 2]) -> Push<T> {
     let strain = nu - 1.0;
     let [closed, contact, _] = strain.soft_plus(belt.contact_strain());
     let near = ((closed - strain) * (belt.element_thickness / belt.film_thickness) + 1.0).recip();
-    let [_, closing, _] = rate.smooth_plus(RATE_SMOOTHING);
-    let width = 2.0 * belt.suction / belt.squeeze_damping.max(LEAST_SQUEEZE);
-    let [squeezed, ..] = rate.smooth_plus(width);
-    let oil = rate * (closing * 2.0 + (-closing + 1.0) * near * near) * belt.film_damping
-        + (squeezed - 0.5 * width) * near * near * near * belt.squeeze_damping;
+    let closing = approach(rate, RATE_SMOOTHING);
+    let squeezed = approach(rate, 2.0 * belt.suction / belt.squeeze_damping.max(LEAST_SQUEEZE));
+    let oil = (closing * 2.0 + (rate - closing) * near * near) * belt.film_damping
+        + squeezed * near * near * near * belt.squeeze_damping;
     let cavitating = (oil * oil * belt.suction.powi(-2) + 1.0).sqrt().recip();
     let viscous = contact * rate * (belt.push_stiffness * belt.damping) + oil.if_positive(oil, oil * cavitating);
     Push {

@@ -108,7 +108,7 @@ fn oil_opposes_closing_at_every_gap() {
 }
 
 /// The force of the oil has the sign of the rate and is zero at rest. Where elements separate it is never stronger than cavitation
-/// allows, and vanishes with the gap.
+/// allows, and across a wide gap only what smoothing leaves.
 #[test]
 fn oil_dissipates_and_cavitates() {
     let oil = PushElements { damping: 0.0, ..belt() };
@@ -123,7 +123,8 @@ fn oil_dissipates_and_cavitates() {
             );
         }
     }
-    assert!(viscous(&oil, 0.9, -10.0) > -0.1);
+    let smoothed = oil.film_damping * RATE_SMOOTHING;
+    assert!(viscous(&oil, 0.9, -10.0) > -1.01 * smoothed, "across a wide gap");
     assert_near(viscous(&oil, 1.0, -1e4), -oil.suction, oil.suction, 1e-2, "cavitation");
 }
 
