@@ -292,6 +292,22 @@ def test_samples_without_times(tmp_path: Path) -> None:
     is_series(points.read(written(tmp_path / "series.csv", [titled(), *map(shown, recorded(points=5)[:, 1:])])), 5)
 
 
+def test_channels_with_times_of_their_own(tmp_path: Path) -> None:
+    data = recorded(points=6)
+    groups = [(data[::every, [0]], data[::every, 1 + k]) for k, every in enumerate((1, 2, 5, 1, 2, 5, 1))]
+    longest = len(data)
+
+    def cell(column: np.ndarray, row: int) -> str:
+        return f"{column[row]:.5f}" if row < len(column) else ""
+
+    titles = [title for name in titled() for title in ("t [s]", name)]
+    rows = [[cell(column, row) for times, values in groups for column in (times[:, 0], values)] for row in range(longest)]
+    apart = points.read(written(tmp_path / "apart.csv", [titles, *rows]))
+    together = points.read(written(tmp_path / "together.csv", [["t [s]", *titled()], *data.tolist()]))
+    assert len(apart.points) == len(together.points) == 6
+    assert values(apart) == pytest.approx(values(together), rel=4e-3)
+
+
 def test_channels_with_their_own_rasters(tmp_path: Path) -> None:
     rows = [[cell if line % every == 0 else "" for cell, every in zip(shown(row), (1, 3, 3, 1, 2, 10, 5, 1), strict=True)]
             for line, row in enumerate(recorded())]  # fmt: skip

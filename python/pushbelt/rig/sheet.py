@@ -152,6 +152,8 @@ class _Reader:
         self.ignored: list[str] = []
         self.taken: dict[str, Taken] = {}
         self.failed: set[str] = set()
+        self.clocks: list[Taken] = []
+        """Columns of times, if each channel has its own."""
         self._find_header(known)
 
     def _find_header(self, known: Any) -> None:
@@ -219,12 +221,34 @@ class _Reader:
                     continue
                 left_out += [Fault(text, int(lines[row]), one.title) for row, text in errors.items()]
                 bad[list(errors)] = True
+        if self.clocks and decimal is not None and not texts:
+            values, lines = self._on_one_clock(values, body, lines, decimal)
+            bad = np.zeros(len(lines), dtype=bool)
         found = Sheet(
             self.path, self.cells.source, decimal or "unknown", self.taken, self.ignored, self.remarks, values, texts, lines, left_out,
             self.faults, self.failed,
         )  # fmt: skip
         found.keep(~bad)
         return found
+
+    def _on_one_clock(
+        self, values: dict[str, np.ndarray], body: Any, lines: np.ndarray, decimal: str
+    ) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Values and lines with a row for each time of any channel; a channel belongs to the times to the left of it."""
+        moments, rows, channels = [], [], []
+        for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
+            times, _ = self._numbers(clock, body[clock.place].tolist(), decimal)
+            there = np.flatnonzero(np.isfinite(times))
+            moments.append(times[there])
+            rows.append(there)
+            channels.append({name for name in values if clock.place < self.taken[name].place < end})
+        order = np.argsort(np.concatenate(moments), kind="stable")
+        found = {}
+        for name, column in values.items():
+            own = [column[there] if name in group else np.full(len(there), np.nan) for there, group in zip(rows, channels, strict=True)]
+            found[name] = np.concatenate(moments if name == self.clocks[0].name else own)[order]
+        self.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
+        return found, lines[np.concatenate(rows)[order]]
 
     # Titles
 
@@ -247,7 +271,9 @@ class _Reader:
             self.ignored += [one.title for one in found if one not in explicit]
             if self.names.bare(explicit[0].title) and explicit[0].place not in renamed:
                 self.remarks.append(f"{explicit[0].title} is taken as {name}")
-            if len(explicit) > 1:
+            if len(explicit) > 1 and explicit[0].column.dimension == "time" and len({key(one.title) for one in explicit}) == 1:
+                self.clocks = explicit
+            elif len(explicit) > 1:
                 titles = " and ".join(one.title for one in explicit)
                 self.faults.append(Fault(f"it appears {len(explicit)} times: {titles}", self._line, name))
             self.taken[name] = explicit[0]
