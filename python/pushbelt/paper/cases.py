@@ -41,6 +41,9 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Meshes of `ALE`: the default, the same number of elements evenly spaced, and three times as many of either."""
 
+OFFSET = 5e-4
+"""Axial offset of the pulleys in the run in space, m."""
+
 SHIFT_FORCE = 1.2
 """Primary clamping force of the shift on two meshes, relative to that at rest."""
 
@@ -80,11 +83,17 @@ def on_meshes(archive: Archive, parameters: Mapping[str, float], case: LoadCase)
     return {name: steady(archive, {**parameters, **mesh}, case) for name, mesh in MESHES.items()}
 
 
+def misaligned(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> SteadyState:
+    """The steady state of `ALE` in space with pulleys that are out of line."""
+    return steady(archive, {**parameters, "ring.spatial": True, "geometry.pulleyOffset": OFFSET}, case)
+
+
 def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration: float) -> dict[str, Shift]:
-    """`ALE` from its equilibrium at ratio 1 under a primary clamping force that is `SHIFT_FORCE` times as large."""
+    """`ALE` on two meshes, and with A_i = [t, n], from its equilibrium at ratio 1 under a primary clamping force that is `SHIFT_FORCE` times as large."""
     found = {}
-    for name in ("aligned", "even"):
-        start = {**parameters, **MESHES[name], "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
+    directions = {"ring.referenceDirections": True}
+    for name, changes in (("aligned", {}), ("even", MESHES["even"]), ("directions", directions)):
+        start = {**parameters, **changes, "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
         with Variator(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
@@ -94,7 +103,8 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
                 unit.step_to(float(moment))
                 rows.append(unit.get_reals(outputs))
             spent = time.process_time() - begin
-        found[name] = Shift(spent, *np.array(rows).T)
+            jacobians = int(unit.get("solver.jacobians"))
+        found[name] = Shift(spent, jacobians, *np.array(rows).T)
     return found
 
 

@@ -149,7 +149,7 @@ def belt_ring(rings: Rings) -> tuple[Chart, Chart]:
             shapes = rings.shapes["7 belt", name]
             nearest = min(shapes, key=lambda t: abs(t - moment))
             # A run of ALE ends where Θ reaches its limit.
-            if abs(nearest - moment) < 0.02 * oval:
+            if abs(nearest - moment) <= 0.51 * sorted(shapes)[1]:
                 series.append(Series(said, *(1e3 * shapes[nearest]).T, colour, **look))  # type: ignore[arg-type]
         panels.append(Panel(f"7: t{number} = {1e3 * moment:.1f} ms", series, "x (mm)", equal=True, height=250))
     over_time = [

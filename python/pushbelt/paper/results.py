@@ -162,6 +162,8 @@ class Shift:
 
     spent: float
     """Processor time, s."""
+    jacobians: int
+    """Jacobians that were formed, the start included."""
     ratio: Array
     """Geometric ratio."""
     residual: Array
@@ -185,7 +187,9 @@ class PaperResults:
     meshes: Mapping[str, Mapping[str, SteadyState]]
     """Steady states of ALE on several meshes, by case and mesh."""
     shifts: Mapping[str, Shift]
-    """The same shift of ALE, by mesh."""
+    """The same shift of ALE, by mesh, and with A_i = [t, n] (`directions`)."""
+    misaligned: SteadyState
+    """The steady state of ALE in space, with pulleys that are out of line."""
     failures: tuple[Failure, ...]
     """Failures. `runs` does not contain these cases for any model."""
     effort: Effort

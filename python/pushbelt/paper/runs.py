@@ -12,7 +12,7 @@ from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.side_by_side import Call, tick
 
 from . import rings
-from .cases import Runner, at_speeds, on_meshes, on_sheaves, shift_on_meshes, steady
+from .cases import Runner, at_speeds, misaligned, on_meshes, on_sheaves, shift_on_meshes, steady
 from .results import CHOSEN_CASE, MODELS, CaseRun, Effort, Failure, PaperResults
 from .rings import Rings
 
@@ -123,6 +123,7 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
         sheaves={c.name: on_sheaves(archive, parameters, c) for c in cases if c.name in plan.sheaves},
         meshes={c.name: on_meshes(archive, parameters, c) for c in cases},
         shifts=shift_on_meshes(archive, parameters, plan.shift),
+        misaligned=misaligned(archive, parameters, cases[0]),
         failures=failures,
         effort=plan.effort,
         short=plan.short,

@@ -20,6 +20,7 @@ class Verdict(Enum):
     PARTLY = "in part"
     NO = "not reproduced"
     OPEN = "not run"
+    ASIDE = "measured elsewhere"
 
 
 @dataclass(frozen=True)
