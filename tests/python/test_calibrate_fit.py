@@ -184,6 +184,9 @@ def test_a_fit_on_a_coarse_mesh_contains_its_error() -> None:
         assert abs(estimate.value - value) < 0.02 * abs(without.value - value)
 
 
+TITLES = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],F_P [kN],slip [%]"
+
+
 def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Rows with another value, or another name only."""
     path = tmp_path / "table.csv"
@@ -294,7 +297,7 @@ def test_the_first_line_names_a_wrong_value(
     assert found["value"] == pytest.approx(alone["value"], rel=1e-3)
     assert found["value"] == pytest.approx(FRICTION, rel=1e-3)
     page = reports.stands_alone(out / "report.html")
-    assert "Left out as outliers: line 7" in page and "residuals of outliers" in page
+    assert "Left out as outliers: line 7" in page
 
 
 @pytest.mark.slow

@@ -253,7 +253,7 @@ def test_an_fmu_for_other_machines_is_refused(tmp_path: Path, fmu: Path) -> None
             if not entry.filename.startswith("binaries/"):
                 target.writestr(entry, source.read(entry))
         target.writestr("binaries/win32/PushbeltVariator.dll", b"")
-    with pytest.raises(ValueError, match=r"no binary for this machine \(.*\), only for win32"):
+    with pytest.raises(ValueError, match=r"no binary for \S+, only for win32"):
         variator.Variator({}, fmu=tmp_path / "other.fmu")
 
 

@@ -20,7 +20,7 @@ class Verdict(Enum):
     PARTLY = "in part"
     NO = "not reproduced"
     OPEN = "not run"
-    ASIDE = "measured elsewhere"
+    ASIDE = "elsewhere"
 
 
 @dataclass(frozen=True)
