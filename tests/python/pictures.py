@@ -1,6 +1,7 @@
-"""Takes the docs' picture of the demo's report: `cargo fmu demo`, then `target/venv/bin/python tests/python/pictures.py`.
+"""Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python tests/python/pictures.py`; and `cargo fmu paper`, then the
+same with `--paper`.
 
-It needs the distribution's Chromium. Options: the report, and the file to write.
+It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the paper's figures.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ WIDTH, HEIGHT = 1206, 1090
 """Size of the part of the page, px."""
 MARGIN = 50
 """Empty height above the belt that is left out, px."""
+FIGURES = ("figure-6-7", "figure-6", "figure-7", "figure-8ab", "figure-8c", "figure-8d", "figure-9")
+"""Figures of the report on the paper."""
 SHOWN = 4.0
 """Time of the manoeuvre in the picture, s."""
 
@@ -32,17 +35,34 @@ def take(report: Path, picture: Path) -> None:
         page.picture(picture, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": HEIGHT, "scale": 1})
 
 
+def take_figures(report: Path, folder: Path) -> None:
+    """Saves the figures of the report on the paper, without their captions."""
+    program = browser.find()
+    if program is None:
+        raise SystemExit("no Chromium on the search path: install the package chromium")
+    with browser.page(program) as page:
+        page.open(report, WIDTH)
+        page.run("document.querySelectorAll('figcaption').forEach((one) => { one.style.display = 'none'; })")
+        for name in FIGURES:
+            box = f"document.querySelector('#{name}').getBoundingClientRect()"
+            clip = {key: page.run(f"{box}.{key}") for key in ("x", "width", "height")}
+            page.picture(folder / f"paper-{name}.png", clip={**clip, "y": page.run(f"{box}.top + scrollY"), "scale": 1})
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Takes the picture and prints its path."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", type=Path, nargs="?", default=ROOT / "target" / "demo" / "report.html")
-    parser.add_argument("picture", type=Path, nargs="?", default=ROOT / "docs" / "report.png")
+    parser.add_argument("--paper", action="store_true", help="the figures of the report on the paper")
+    parser.add_argument("report", type=Path, nargs="?")
+    parser.add_argument("picture", type=Path, nargs="?")
     options = parser.parse_args(arguments)
-    if not options.report.is_file():
-        print(f"{options.report} is missing: run `cargo fmu demo`", file=sys.stderr)
+    name, picture, save = ("paper", ROOT / "docs", take_figures) if options.paper else ("demo", ROOT / "docs" / "report.png", take)
+    report = options.report or ROOT / "target" / name / "report.html"
+    if not report.is_file():
+        print(f"{report} is missing: run `cargo fmu {name}`", file=sys.stderr)
         return 1
-    take(options.report, options.picture)
-    print(options.picture)
+    save(report, options.picture or picture)
+    print(options.picture or picture)
     return 0
 
 
