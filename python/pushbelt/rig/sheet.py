@@ -271,12 +271,18 @@ class _Reader:
             self.ignored += [one.title for one in found if one not in explicit]
             if self.names.bare(explicit[0].title) and explicit[0].place not in renamed:
                 self.remarks.append(f"{explicit[0].title} is taken as {name}")
-            if len(explicit) > 1 and explicit[0].column.dimension == "time" and len({key(one.title) for one in explicit}) == 1:
+            if len(explicit) > 1 and self._have_channels(explicit):
                 self.clocks = explicit
             elif len(explicit) > 1:
                 titles = " and ".join(one.title for one in explicit)
                 self.faults.append(Fault(f"it appears {len(explicit)} times: {titles}", self._line, name))
             self.taken[name] = explicit[0]
+
+    def _have_channels(self, clocks: Sequence[Taken]) -> bool:
+        """Whether these are equal titles of times, each with other columns to the right of it."""
+        ends = [*(clock.place for clock in clocks[1:]), len(self.titles)]
+        apart = all(end - clock.place > 1 for clock, end in zip(clocks, ends, strict=True))
+        return apart and clocks[0].column.dimension == "time" and len({key(clock.title) for clock in clocks}) == 1
 
     @property
     def _line(self) -> int:
