@@ -383,3 +383,14 @@ def test_enumerations_are_those_of_the_package(xml: ElementTree.Element, enumera
 
 def test_the_ring_model_is_a_choice_of_four() -> None:
     assert list(RingModel.__members__) == ["ALE0", "ALE"]
+
+
+def test_a_time_later_by_rounding_is_the_present_one(variator: Callable[..., Variator]) -> None:
+    unit = variator()
+    unit.initialise()
+    unit.step_to(0.1)
+    before = readings(unit)
+    unit.step_to(np.nextafter(0.1, 1.0))
+    assert unit.time == 0.1 and readings(unit) == before
+    unit.step_to(0.101)
+    assert unit.time == 0.101
