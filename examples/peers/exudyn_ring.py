@@ -50,6 +50,19 @@ def close(system: "exudyn.MainSystem", nodes: list, strain_free_as_placed: bool)
     system.Assemble()
 
 
+def fixed_steps(duration: float, step: float) -> "exudyn.SimulationSettings":
+    """Settings of a run with fixed steps, on one thread, without files."""
+    settings = exudyn.SimulationSettings()
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
+    settings.parallel.numberOfThreads = 1
+    integration = settings.timeIntegration
+    integration.endTime, integration.numberOfSteps = duration, round(duration / step)
+    integration.automaticStepSize = False
+    integration.verboseMode = 0
+    return settings
+
+
 def swing(step: float) -> tuple[float, float]:
     """Frequency, Hz, and processor time, s."""
     system = exudyn.SystemContainer().AddSystem()
@@ -64,14 +77,8 @@ def swing(step: float) -> tuple[float, float]:
         )
         nodes.append(system.AddNode(node))
     close(system, nodes, strain_free_as_placed=True)
-    settings = exudyn.SimulationSettings()
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
-    settings.parallel.numberOfThreads = 1
+    settings = fixed_steps(DURATION, step)
     integration = settings.timeIntegration
-    integration.endTime, integration.numberOfSteps = DURATION, round(DURATION / step)
-    integration.automaticStepSize = False
-    integration.verboseMode = 0
     integration.newton.useModifiedNewton = True
     integration.newton.relativeTolerance = 1e-5
     integration.generalizedAlpha.spectralRadius = 0.9
@@ -100,14 +107,8 @@ def large_swing(elements: int, step: float) -> float:
         for place, normal in zip(places, normals, strict=True)
     ]
     close(system, nodes, strain_free_as_placed=False)
-    settings = exudyn.SimulationSettings()
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
-    settings.parallel.numberOfThreads = 1
+    settings = fixed_steps(0.2, step)
     integration = settings.timeIntegration
-    integration.endTime, integration.numberOfSteps = 0.2, round(0.2 / step)
-    integration.automaticStepSize = False
-    integration.verboseMode = 0
     integration.newton.relativeTolerance, integration.newton.absoluteTolerance = 1e-5, 1e-6
     integration.newton.maxIterations = 60
     integration.generalizedAlpha.spectralRadius = 0.6

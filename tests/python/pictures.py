@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import browser
@@ -17,19 +19,26 @@ WIDTH, HEIGHT = 1206, 1090
 """Size of the part of the page, px."""
 MARGIN = 50
 """Empty height above the belt that is left out, px."""
-FIGURES = ("figure-6-7", "figure-6", "figure-7", "figure-8ab", "figure-8c", "figure-8d", "figure-9")
-"""Figures of the report on the paper."""
+FIGURES = ("figure-6-7", "figure-7", "figure-8ab", "figure-8c", "figure-8d", "figure-9")
+"""Figures of the report on the paper that docs/paper.md shows."""
 SHOWN = 4.0
 """Time of the manoeuvre in the picture, s."""
 
 
-def take(report: Path, picture: Path) -> None:
-    """Saves the beginning of the manoeuvre's figures: the belt, and the first panels."""
+@contextmanager
+def opened(report: Path) -> Iterator[browser.Page]:
+    """The report in Chromium."""
     program = browser.find()
     if program is None:
         raise SystemExit("no Chromium on the search path: install the package chromium")
     with browser.page(program) as page:
         page.open(report, WIDTH)
+        yield page
+
+
+def take(report: Path, picture: Path) -> None:
+    """Saves the beginning of the manoeuvre's figures: the belt, and the first panels."""
+    with opened(report) as page:
         page.run(f"pushbelt.belts[0].show({SHOWN}, true)")
         top = page.run("document.querySelector('.belt').getBoundingClientRect().top + scrollY") + MARGIN
         page.picture(picture, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": HEIGHT, "scale": 1})
@@ -37,11 +46,7 @@ def take(report: Path, picture: Path) -> None:
 
 def take_figures(report: Path, folder: Path) -> None:
     """Saves the figures of the report on the paper, without their captions."""
-    program = browser.find()
-    if program is None:
-        raise SystemExit("no Chromium on the search path: install the package chromium")
-    with browser.page(program) as page:
-        page.open(report, WIDTH)
+    with opened(report) as page:
         page.run("document.querySelectorAll('figcaption').forEach((one) => { one.style.display = 'none'; })")
         for name in FIGURES:
             box = f"document.querySelector('#{name}').getBoundingClientRect()"
