@@ -233,11 +233,13 @@ impl StartSearch<'_> {
         };
         self.plant.state = self.kinematic_state(&creep)?;
         let before = self.messages.len();
-        let parameters = &mut self.plant.system.parameters;
-        let own = parameters.clone();
-        parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
+        let system = &mut self.plant.system;
+        let own = system.parameters.clone();
+        system.parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
         // In the limit no oil flows.
-        (parameters.belt.film_damping, parameters.belt.squeeze_damping) = (0.0, 0.0);
+        let belt = &mut system.parameters.belt;
+        (belt.film_damping, belt.squeeze_damping) = (0.0, 0.0);
+        system.law.chain = belt.clone();
         let found = self.solve_steady();
         let belt = Survey::of(&self.plant.system, self.plant.state.view())
             .sums
