@@ -19,7 +19,7 @@ pub enum Status {
 }
 
 /// Categories of messages, as in the description's `LogCategories`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Category {
     /// Why a call failed.
     Error,

@@ -32,7 +32,7 @@ pub fn instantiation_token<U: Unit>() -> String {
 }
 
 /// The instantiation token of a unit with data of this hash.
-pub(super) fn instantiation_token_with<U: Unit>(data: Option<u128>) -> String {
+pub(crate) fn instantiation_token_with<U: Unit>(data: Option<u128>) -> String {
     token_with(&token_of(describe::<U>), data)
 }
 

@@ -36,6 +36,7 @@ mod types;
 #[forbid(unsafe_code)]
 mod unsupported;
 
+pub(crate) use description::instantiation_token_with;
 pub use description::{instantiation_token, model_description, model_description_with};
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};

@@ -85,6 +85,15 @@ impl<U: Unit> Slave<U> {
         } = &mut self.now;
         let end = clock.after(current, step, U::IDENTITY.longest_step, experiment.stop)?;
         let unit = started(unit)?;
+        if !end.is_after(unit.time()) {
+            // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
+            (*clock, *rates, self.now.state) = (end, None, State::StepComplete);
+            return Ok(Next::Ended(Ended {
+                event: false,
+                early: false,
+                time: end.point,
+            }));
+        }
         let mut step = CommunicationStep {
             from: unit.time(),
             // A longer previous step may have ended on a coarser grid, just ahead of this time.
