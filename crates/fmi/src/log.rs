@@ -46,17 +46,6 @@ impl Category {
         }
     }
 
-    /// What is logged under it.
-    #[must_use]
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Error => "Why a call failed (always logged)",
-            Self::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
-            Self::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
-            Self::Events => "What the unit did, e.g. how it found its initial state",
-        }
-    }
-
     /// The bit of the category in [`Log::enabled`].
     fn bit(self) -> u8 {
         1 << self as u8

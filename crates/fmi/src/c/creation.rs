@@ -3,15 +3,16 @@
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::ptr;
+use std::sync::atomic::Ordering;
 
 use libc::{c_char, c_int, c_void};
 
 use super::entry::{contain, text};
 use super::floating_point::in_hosts;
-use super::instances::instance_created;
 use super::{dispatch, library};
-use crate::fmi2::{Logger, guid_with};
-use crate::fmi3::{LogMessage, instantiation_token_with};
+use crate::description;
+use crate::fmi2::Logger;
+use crate::fmi3::LogMessage;
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
 use crate::slave::{Environment, Master, Slave, Version};
@@ -118,7 +119,7 @@ pub(crate) unsafe fn create<U: Unit>(
         if let Some((status, category, text)) = dispatch::remark() {
             log.send(status, category, &text);
         }
-        instance_created();
+        dispatch::INSTANCES.fetch_add(1, Ordering::SeqCst);
         Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
     })
 }
@@ -134,9 +135,9 @@ fn start<U: Unit>(
     if name.is_empty() || version == Version::Three && name.trim().is_empty() {
         return Err("the instance name is missing".to_owned());
     }
-    let (what, own): (_, fn(Option<u128>) -> String) = match version {
-        Version::Two => ("GUID", guid_with::<U>),
-        Version::Three => ("instantiation token", instantiation_token_with::<U>),
+    let what = match version {
+        Version::Two => "GUID",
+        Version::Three => "instantiation token",
     };
     let token = token?.ok_or_else(|| format!("the {what} is missing"))?;
     let master = master(warnings)?;
@@ -147,7 +148,7 @@ fn start<U: Unit>(
     });
     places.extend(library::own_folder().ok().and_then(|folder| resources::beside(&folder)));
     let defaults = load::<U>(&places)?;
-    let own = own(U::data(&defaults));
+    let own = description::token::<U>(version, U::data(&defaults));
     let token = Token::of(&token, &own).ok_or_else(|| {
         format!("the {what} {token} is not that of this binary, {own}: the model description belongs to another binary")
     })?;

@@ -2,9 +2,10 @@
 
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
 
+use super::dispatch::INSTANCES;
 use super::floating_point;
-use super::instances::instance_freed;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
@@ -142,7 +143,7 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
         unsafe {
             if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
                 drop(Box::from_raw(pointer));
-                instance_freed();
+                INSTANCES.fetch_sub(1, Ordering::SeqCst);
             }
         }
     });

@@ -3,9 +3,8 @@
 use libc::c_int;
 use std::ptr;
 
-use super::description::is_intermediate;
+use super::functions::CO_SIMULATION;
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Messages, create};
 use crate::c::entry::{array, contain};
 use crate::log::{Category, Sink, Status};
@@ -32,7 +31,7 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     }
     // Not through `Messages`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
-        let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2_FMI3.as_ptr());
+        let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
         // SAFETY: as the caller grants.
         unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
@@ -97,7 +96,7 @@ fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result
         if usable.contains(&reference) || others.contains(&reference) {
             continue;
         }
-        if is_intermediate(variable) {
+        if variable.is_intermediate() {
             usable.push(reference);
             sets_inputs |= variable.causality == Causality::Input;
         } else {
