@@ -66,7 +66,7 @@ enum Command {
     Test(commands::test::Arguments),
     /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside
     Wheel(commands::wheel::Arguments),
-    /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
+    /// Write the model descriptions, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
