@@ -32,7 +32,7 @@
 // The programs of the page for users of the library are tests.
 #![cfg_attr(doctest, doc = include_str!("../docs/rust-api.md"))]
 
-// A wrong number is worse than a slow one: docs/lab/experiments.md, "eight lanes with AVX-512".
+// A wrong number is worse than a slow one: docs/notebook/experiments.md, "eight lanes with AVX-512".
 #[cfg(target_feature = "avx512f")]
 compile_error!(
     "rustc 1.95, the pinned toolchain, miscompiles loops for AVX-512: compile for a processor without it, for example \
