@@ -1,5 +1,5 @@
 //! Gaps, slip and traction over the oil between the elements: the film force, its thickness, roughness and damping. Prints the
-//! Markdown table of `docs/sensitivity.md`:
+//! Markdown table:
 //!
 //! `cargo run --release --example film`
 //!
