@@ -12,8 +12,8 @@ use pushbelt::variator::settings::range_of;
 fn the_checked_in_files_are_generated_from_the_table() {
     for (name, generated) in [
         ("modelDescription.xml", model_description()),
-        ("modelDescription3.xml", model_description3()),
-        ("terminalsAndIcons.xml", terminals()),
+        ("resources/modelDescription3.xml", model_description3()),
+        ("resources/terminalsAndIcons.xml", terminals()),
         ("fmu-build/exports.def", exports::definition()),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);

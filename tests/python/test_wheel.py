@@ -33,7 +33,7 @@ EXTRA_OF = {
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
 """Modules that an option of a program imports: their packages, and the extras that install them."""
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
-"""Packages that docs/wheel.md describes separately: the WLTC's table, and the co-simulation of the source tree."""
+"""Packages that the book describes separately: the WLTC's table, and the co-simulation of the source tree."""
 CLUSTER = ("map_figures.py", "cluster.py", "slurm.py")
 """Shared modules of the programs that run on a cluster."""
 ON_DEMAND = {"pandas"}

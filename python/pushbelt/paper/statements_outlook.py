@@ -35,12 +35,12 @@ PROPOSALS = (
     ("Other belt systems", "paper/examples/idler.rs", "The ring runs around two pulleys and an idler on its back, and on any closed curve."),
     (
         "Separated integration of reference and overlay",
-        "docs/lab/experiments.md",
+        "docs/notebook/experiments.md",
         "A sweep reduces the error by 2 to 3 % only: s and Θ repeat motions of the overlay. Not taken.",
     ),
     (
         "Reduced overlay",
-        "docs/lab/experiments.md",
+        "docs/notebook/experiments.md",
         "Half of all modes are needed for 5 % of the ring tension, which is EA times small differences. Not taken.",
     ),
 )

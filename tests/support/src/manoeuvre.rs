@@ -14,7 +14,7 @@ pub struct Manoeuvre {
 impl Manoeuvre {
     /// Reads the file.
     pub fn read() -> Self {
-        let text = include_str!("../../resources/manoeuvre.csv");
+        let text = include_str!("../../../resources/manoeuvre.csv");
         let rows = text.lines().skip(1).map(|line| {
             let mut values = line.split(',').map(|x| x.parse().expect("a number"));
             std::array::from_fn(|_| values.next().expect("five columns"))
