@@ -123,7 +123,7 @@ def checks_by_number(results: PaperResults) -> list[tuple[str, list[RingCheck]]]
 
 def write_html(results: PaperResults, path: Path) -> None:
     """Writes the report."""
-    page.write_html("paper/paper.html.j2", context(results), path, signed=signed, brief=brief)
+    page.write_html("paper.html.j2", context(results), path, Path(__file__).parent, signed=signed, brief=brief)
 
 
 def brief(value: float) -> str:

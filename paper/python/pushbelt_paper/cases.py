@@ -20,7 +20,7 @@ from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 from pushbelt.fmu.tilt import RIGID
 from pushbelt.fmu.unit import Archive, Variator, output_names
-from pushbelt.paper.belts import RingModel
+from pushbelt_paper.belts import RingModel
 
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
 

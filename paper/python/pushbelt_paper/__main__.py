@@ -1,4 +1,4 @@
-"""Reproduces the paper's examples: `python -m pushbelt.paper --fmu … --rings … --output target/paper [--short]`."""
+"""Reproduces the paper's examples: `python -m pushbelt_paper --fmu … --rings … --output target/paper [--short]`."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .rings import RingsError
 
 def main(arguments: list[str] | None = None) -> int:
     """Simulates, writes report and tables, and prints their paths."""
-    parser = argparse.ArgumentParser(prog="pushbelt.paper", description=__doc__)
+    parser = argparse.ArgumentParser(prog="pushbelt_paper", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--rings", type=Path, required=True, help="the compiled example `paper_rings`")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
     parser.add_argument("--short", action="store_true", help="run two load cases and coarse tests of rings")
     options = parser.parse_args(arguments)
-    provenance.begin("paper", arguments, "paper")
+    provenance.begin("paper", arguments, "pushbelt_paper")
     begin = time.perf_counter()
     options.output.mkdir(parents=True, exist_ok=True)
     try:
