@@ -6,15 +6,17 @@ import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
+from types import SimpleNamespace
+from typing import Any
 
-import numpy as np
+import pandas as pd
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
-from pushbelt.tables import by_name
+from pushbelt.tables import split
 
-Row = dict[str, str]
+Motion = SimpleNamespace
+"""A ring over time, arrays by the names of the columns; `total` is the sum of the energies."""
 
 
 class RingsError(PushbeltError, RuntimeError):
@@ -22,192 +24,74 @@ class RingsError(PushbeltError, RuntimeError):
 
 
 @dataclass(frozen=True)
-class RingCheck:
-    """A check of a ring alone."""
-
-    number: str
-    """Group: 1 derivatives, 2 reference motion, 3 deformable ring, 4 running ring, 5 free ring, 6 orders."""
-    statement: str
-    model: str
-    value: float
-    reference: float | None
-    low: float | None
-    high: float | None
-    passed: bool | None
-    """Verdict; None if the value is only reported."""
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A ring over time."""
-
-    time: Array
-    theta: Array
-    drift: Array
-    kinetic: Array
-    membrane: Array
-    bending: Array
-    bulge: Array
-    """Outward deflection of the strands' midpoints from their chords, m."""
-    ovality: Array
-    """Mean square extent along x minus that along y, m²."""
-
-    @property
-    def total(self) -> Array:
-        """T + V, J."""
-        return self.kinetic + self.membrane + self.bending
-
-
-@dataclass(frozen=True)
-class Work:
-    """Computing effort of one experiment with one model."""
-
-    case: str
-    model: str
-    elements: int
-    cpu: tuple[float, ...]
-    """Processor times of the repetitions, s."""
-    steps: int
-    factorizations: int
-    residuals: int
-
-    @property
-    def median(self) -> float:
-        """Median processor time, s."""
-        return median(self.cpu)
-
-
-@dataclass(frozen=True)
-class Frequency:
-    """Frequency of a free ring, Hz."""
-
-    case: str
-    model: str
-    elements: int
-    frequency: float
-    reference: float
-
-    @property
-    def error(self) -> float:
-        """Error relative to the reference."""
-        return self.frequency / self.reference - 1.0
-
-
-@dataclass(frozen=True)
-class Order:
-    """Result at one of a series of resolutions."""
-
-    model: str
-    quantity: str
-    expected: float
-    resolution: float
-    error: float
-    order: float | None
-    """Order observed between the previous resolution and this one."""
-
-
-@dataclass(frozen=True)
 class Rings:
-    """All results on rings alone."""
+    """All results on rings alone. Rows have the columns as attributes."""
 
-    checks: tuple[RingCheck, ...]
-    frequencies: tuple[Frequency, ...]
-    orders: tuple[Order, ...]
+    checks: list[Any]
+    """By group: 1 derivatives, 2 reference motion, 3 deformable ring, 4 running ring, 5 free ring, 6 orders. `passed` is None if
+    the value is only reported."""
+    frequencies: list[Any]
+    """Frequencies of free rings, Hz; `error` is relative to the reference."""
+    orders: list[Any]
+    """Errors at a series of resolutions; `order` is observed between the previous one and this."""
     motions: dict[tuple[str, str], Motion]
     """Motions by figure and model."""
     shapes: dict[tuple[str, str], dict[float, Array]]
     """Outlines by figure and model, then by time; shape (n, 2), m."""
-    work: tuple[Work, ...]
+    work: pd.DataFrame
+    """Computing effort by case and model: processor time in s, median of the repetitions, and counts."""
 
-    def check(self, statement: str, model: str) -> RingCheck:
+    def check(self, statement: str, model: str) -> Any:
         """The check whose statement begins with the given text."""
         return next(c for c in self.checks if c.statement.startswith(statement) and c.model == model)
 
-    def effort(self, case: str, model: str) -> Work:
+    def effort(self, case: str, model: str) -> Any:
         """The effort of a model in an experiment."""
-        return next(w for w in self.work if w.case == case and w.model == model)
+        return self.work.loc[case, model]
 
 
-def run(program: Path, output: Path, short: bool, progress: Callable[[float, str], None]) -> Rings:
-    """Runs the program. `progress` is called with the finished share and the name of each job."""
+def run(program: Path, output: Path, short: bool, progress: Callable[[float], None]) -> Rings:
+    """Runs the program. `progress` is called with the share of each job."""
     command = [str(program), "--output", str(output), *(["--short"] if short else [])]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
-    ) as child:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8") as child:
         assert child.stdout is not None and child.stderr is not None
         for line in child.stdout:
-            count, _, name = line.strip().partition(" ")
-            done, _, total = count.partition("/")
-            progress(int(done) / int(total), name)
+            progress(1.0 / int(line.split()[0].partition("/")[2]))
         errors = child.stderr.read()
     if child.returncode != 0:
         raise RingsError(f"{program.name} failed: {errors.strip()}")
     return read(output)
 
 
-def _optional(text: str) -> float | None:
-    return float(text) if text else None
+def table(path: Path, **options: Any) -> pd.DataFrame:
+    """A CSV file by the names of the columns without their units."""
+    return pd.read_csv(path, float_precision="round_trip", **options).rename(columns=lambda title: split(title)[0])
 
 
-def _columns(rows: list[Row], names: tuple[str, ...]) -> dict[str, Array]:
-    return {name: np.array([float(row[name]) for row in rows]) for name in names}
-
-
-def _grouped(rows: list[Row], *names: str) -> dict[tuple[str, ...], list[Row]]:
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for row in rows:
-        groups.setdefault(tuple(row[name] for name in names), []).append(row)
-    return groups
+def _rows(frame: pd.DataFrame) -> list[Any]:
+    """Rows by the names of the columns, with None for empty cells."""
+    return [SimpleNamespace(**row) for row in frame.astype(object).where(frame.notna(), None).to_dict("records")]
 
 
 def read(folder: Path) -> Rings:
     """Reads the program's files."""
-    judged = {"yes": True, "no": False, "reported": None}
-    checks = tuple(
-        RingCheck(
-            row["check"],
-            row["statement"],
-            row["model"],
-            float(row["value"]),
-            *(_optional(row[name]) for name in ("reference", "low", "high")),
-            judged[row["passed"]],
-        )
-        for row in by_name(folder / "checks.csv")
+    checks, frequencies, orders, motions, shapes, work = (
+        table(folder / f"{name}.csv", dtype={"check": str, "figure": str}) for name in ("checks", "frequencies", "orders", "motions", "shapes", "work")
     )
-    frequencies = tuple(
-        Frequency(
-            row["case"], row["model"], round(float(row["elements"])), float(row["frequency"]), float(row["reference"])
-        )
-        for row in by_name(folder / "frequencies.csv")
+    checks["passed"] = checks["passed"].map({"yes": True, "no": False, "reported": None})
+    frequencies["error"] = frequencies["frequency"] / frequencies["reference"] - 1.0
+    motions["total"] = motions["kinetic"] + motions["membrane"] + motions["bending"]
+    outlines: dict[tuple[str, str], dict[float, Array]] = {}
+    for (figure, model, time), points in shapes.groupby(["figure", "model", "time"], sort=False):
+        outlines.setdefault((figure, model), {})[time] = points[["x", "y"]].to_numpy()
+    return Rings(
+        _rows(checks),
+        _rows(frequencies.astype({"elements": int})),
+        _rows(orders),
+        {
+            (figure, model): Motion(**{name: of[name].to_numpy() for name in motions.columns[2:]})
+            for (figure, model), of in motions.groupby(["figure", "model"], sort=False)
+        },
+        outlines,
+        work.groupby(["case", "model"], sort=False).median(numeric_only=True),
     )
-    orders = tuple(
-        Order(
-            row["model"],
-            row["quantity"],
-            float(row["expected"]),
-            float(row["resolution"]),
-            float(row["error"]),
-            _optional(row["order"]),
-        )
-        for row in by_name(folder / "orders.csv")
-    )
-    fields = ("time", "theta", "drift", "kinetic", "membrane", "bending", "bulge", "ovality")
-    motions = {
-        (figure, model): Motion(**_columns(rows, fields))
-        for (figure, model), rows in _grouped(by_name(folder / "motions.csv"), "figure", "model").items()
-    }
-    shapes: dict[tuple[str, str], dict[float, Array]] = {}
-    for (figure, model, time), rows in _grouped(by_name(folder / "shapes.csv"), "figure", "model", "time").items():
-        points = _columns(rows, ("x", "y"))
-        shapes.setdefault((figure, model), {})[float(time)] = np.column_stack([points["x"], points["y"]])
-    work = tuple(
-        Work(
-            case,
-            model,
-            round(float(rows[0]["elements"])),
-            tuple(float(row["cpu"]) for row in rows),
-            *(round(float(rows[0][name])) for name in ("steps", "factorizations", "residuals")),
-        )
-        for (case, model), rows in _grouped(by_name(folder / "work.csv"), "case", "model").items()
-    )
-    return Rings(checks, frequencies, orders, motions, shapes, work)
