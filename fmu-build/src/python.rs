@@ -1,6 +1,6 @@
 //! Python: finding an interpreter, and a virtual environment with the packages of a lock file.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,6 +49,9 @@ pub const PACKING: Packages = Packages {
     within: None,
     folder: "venv-wheel",
 };
+
+/// Folders of the Python packages: that of the wheel, and those that need the source tree.
+const SOURCES: [&str; 3] = ["python", "paper/python", "validation"];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.
@@ -115,13 +118,15 @@ impl Environment {
             .with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// A Python command in this environment, at the top level of the workspace. It can import the packages below `python/`
+    /// A Python command in this environment, at the top level of the workspace. It can import the packages of the source tree
     /// and finds the FMU by the variable `PUSHBELT_FMU`.
     pub fn command(&self) -> Command {
+        let separator = if cfg!(windows) { ";" } else { ":" };
+        let sources = SOURCES.map(|folder| self.root.join(folder).into_os_string());
         let mut command = Command::new(&self.interpreter);
         command
             .current_dir(&self.root)
-            .env("PYTHONPATH", self.root.join("python"))
+            .env("PYTHONPATH", sources.join(OsStr::new(separator)))
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PUSHBELT_FMU", &self.fmu);
         cargo::clear_own(&mut command);

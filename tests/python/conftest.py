@@ -14,7 +14,7 @@ import fmpy
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
+sys.path[:0] = [str(ROOT / folder) for folder in ("python", "paper/python", "validation")]
 
 from pushbelt.drive.cosim.masters import leave  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402

@@ -88,7 +88,7 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     assert [(one.name, one.sha256) for one in found.inputs] == [(path.name, hashlib.sha256(b"x").hexdigest())]
     assert provenance.current("calibrate") is found
     assert provenance.current("validate") is None
-    assert provenance.begin("paper", [], "paper").command == "python -m pushbelt.paper"
+    assert provenance.begin("paper", [], "pushbelt_paper").command == "python -m pushbelt_paper"
 
 
 def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,7 +134,7 @@ def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: 
 
 
 @pytest.mark.parametrize(
-    "program", ["calibrate", "compare", "demo", "drive", "drive.cosim", "durability", "linearize", "paper", "sweep", "validate"]
+    "program", ["calibrate", "compare", "demo", "drive", "drive.cosim", "durability", "linearize", "sweep", "validate"]
 )
 def test_every_program_records_its_origin(program: str) -> None:
     """Each `main` begins a report's origin with its arguments."""
