@@ -5,8 +5,7 @@
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports; `cluster`: tasks on a
   cluster; `map_data`: data sets of maps; `map_unit`, `map_variator`: variators from maps, as an FMU and in numpy.
-- `theory`: results of theories, independent of the FMU.
-- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `maps`, `sweep`, `validate`: programs, each run
+- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `maps`, `sweep`: programs, each run
   by `python -m pushbelt.…`. They do not import each other.
 """
 

@@ -25,7 +25,6 @@ PROGRAMS = {
     "durability": ("fatigue of the ring over a drive or another run, and a report", "durability"),
     "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
     "maps": ("maps for vehicle simulations, as NetCDF, MATLAB, Modelica and CSV files, and a report", "sweep"),
-    "validate": ("comparison of the FMU with theory and measurements, and a report", "reports"),
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),
     "compare": ("comparison of two runs, and a report", "reports"),
     "belt": ("parameter set for a belt of given dimensions, with checks of ratio and stress", "reports"),

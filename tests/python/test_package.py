@@ -13,7 +13,7 @@ import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
 PROGRAMS = (
-    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep", "validate",
+    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep",
 )  # fmt: skip
 MODULES = {
     ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
@@ -34,9 +34,9 @@ NOT_RAISED_BY_CALLS = {"NotFoundError"}
 
 
 def part_of(module: str) -> str:
-    """Part of a module: `errors`, `fmu`, `theory`, a program, or `shared` for all others."""
+    """Part of a module: `errors`, `fmu`, a program, or `shared` for all others."""
     names = module.split(".")
-    return names[1] if len(names) > 1 and names[1] in ("errors", "fmu", "theory", *PROGRAMS) else "shared"
+    return names[1] if len(names) > 1 and names[1] in ("errors", "fmu", *PROGRAMS) else "shared"
 
 
 def imported(module: str) -> set[str]:
@@ -54,8 +54,8 @@ def imported(module: str) -> set[str]:
 
 
 MAY_IMPORT = {
-    "errors": set(), "fmu": {"errors", "fmu"}, "theory": {"theory"}, "shared": {"errors", "fmu", "shared"},
-} | {program: {"errors", "fmu", "theory", "shared", program} for program in PROGRAMS}  # fmt: skip
+    "errors": set(), "fmu": {"errors", "fmu"}, "shared": {"errors", "fmu", "shared"},
+} | {program: {"errors", "fmu", "shared", program} for program in PROGRAMS}  # fmt: skip
 
 
 def test_all_parts_are_there() -> None:

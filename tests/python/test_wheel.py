@@ -27,7 +27,6 @@ EXTRA_OF = {
     "linearize": "reports",
     "maps": "sweep",
     "sweep": "sweep",
-    "validate": "reports",
 }
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
 """Modules that an option of a program imports: their packages, and the extras that install them."""

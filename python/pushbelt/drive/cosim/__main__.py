@@ -19,7 +19,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
     parser.add_argument("--short", action="store_true", help="5 s of the cycle instead of 20")
     options = parser.parse_args(arguments)
-    provenance.begin("drive", arguments, "drive.cosim")
+    provenance.begin("drive", arguments, "pushbelt.drive.cosim")
     try:
         result = study.run(options.fmu, study.SHORT if options.short else study.FULL, options.output)
     except (UnitError, ValueError) as error:

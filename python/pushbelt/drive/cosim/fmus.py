@@ -19,7 +19,7 @@ from pushbelt.map_data import Maps
 
 from .unit import MAP_FILE
 
-PROGRAMS = ("belt", "calibrate", "demo", "drive", "sweep", "validate")
+PROGRAMS = ("belt", "calibrate", "demo", "drive", "sweep")
 """Subpackages of this package that are separate programs."""
 
 SLAVES = Path(__file__).parent / "slaves"
