@@ -268,11 +268,7 @@ mod tests {
             ("drive -- --until 400", Some("pushbelt.drive"), "--until 400"),
             ("bench -- --quick --only begj", None, "--quick --only begj"),
             ("bench --maps", Some("pushbelt.maps"), "--measure"),
-            (
-                "bench -- --calibrate --short",
-                Some("pushbelt.calibrate.benchmark"),
-                "--short",
-            ),
+            ("bench -- --calibrate", Some("pushbelt.calibrate.benchmark"), ""),
         ] {
             let (name, rest) = command.split_once(' ').unwrap_or((command, ""));
             let program = Program::of(name).expect(name);

@@ -65,14 +65,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for the table and the report")
     parser.add_argument("--workers", type=int, default=2, help="processes [default: 2]")
-    parser.add_argument("--short", action="store_true", help="on a coarse mesh")
     options = parser.parse_args(arguments)
     options.output.mkdir(parents=True, exist_ok=True)
     table = options.output / "points.csv"
     count = write_table(options.fmu, table)
     begin, before = time.perf_counter(), os.times()
     words = [str(table), "--fmu", str(options.fmu), "--output", str(options.output), "--fit", FITTED]
-    words += ["--workers", str(options.workers), *(["--short"] if options.short else [])]
+    words += ["--workers", str(options.workers)]
     code = program.main(words)
     after = os.times()
     used = sum(after[:4]) - sum(before[:4])

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.arguments import count
+from pushbelt.cli.options import count
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 from pushbelt.rig import options as reading_options

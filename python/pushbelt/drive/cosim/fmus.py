@@ -15,7 +15,7 @@ from pythonfmu import FmuBuilder
 import pushbelt
 from pushbelt.fmu.data import RESOURCES
 from pushbelt.fmu.unit import UnitError
-from pushbelt.map_data import Maps
+from pushbelt.maps.data import Maps
 
 from .unit import MAP_FILE
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
-from pushbelt.map_data import Maps
+from pushbelt.maps.data import Maps
 from pushbelt.progress import progress_bar
 from pushbelt.side_by_side import run_in_workers, tick
 

@@ -11,7 +11,7 @@ from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
 from pushbelt.fmu.data import parameter_set
-from pushbelt.map_data import Maps
+from pushbelt.maps.data import Maps
 
 
 class ControlUnit(Unit):

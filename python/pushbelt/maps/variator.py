@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from . import map_unit
-from .errors import ArgumentError
-from .fmu.data import pitch_radius
-from .fmu.geometry import Array
-from .map_data import MapError, Maps
+from . import unit as map_unit
+from ..errors import ArgumentError
+from ..fmu.data import pitch_radius
+from ..fmu.geometry import Array
+from .data import MapError, Maps
 
 SLIP_SPEED = 0.1
 """Regularisation speed of the slip, m/s."""

@@ -1,7 +1,7 @@
 """The linear model of the variator about a steady working point.
 
 ẋ = A x + B u, y = C x + D u: deviations from the point, SI units. The states x are coordinates of the slow modes and have no unit,
-or physical coordinates (`linear_physical`).
+or physical coordinates (`physical`).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import ArgumentError, MissingPackageError, PushbeltError
-from .fmu.results import item
+from ..errors import ArgumentError, MissingPackageError, PushbeltError
+from ..fmu.results import item
 
 if TYPE_CHECKING:
     import control

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
-from functools import cached_property
-from pathlib import Path
+from functools import cached_property, partial
+from types import ModuleType
 from typing import Any
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu import shift, starts, steady, working_points
-from pushbelt.fmu.data import parameter_set, pitch_radius
-from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.data import pitch_radius
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import OfFmu
-from pushbelt.fmu.working_points import Along, Line
+from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.working_points import SHAFTS, Along, Line
+from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
 MARGIN = 1.06
 """Factor between the ratios of the end stops and the outermost ratios. A loaded belt rests within it of the stops."""
@@ -45,19 +44,14 @@ class Grid:
 
     def __post_init__(self) -> None:
         for one in fields(self):
-            if one.name == "ratios":
-                continue
-            values = tuple(float(value) for value in getattr(self, one.name))
-            object.__setattr__(self, one.name, values)
-            if not values and one.name != "ratio" or any(low >= high for low, high in itertools.pairwise(values)):
-                raise ValueError(f"the values of {one.name} must not be empty and must ascend: {values}")
-            positive = one.name in ("force", "speed", "ratio")
-            if not all(map(math.isfinite, values)) or (positive and values and values[0] <= 0.0):
-                raise ValueError(f"the values of {one.name} must be {'positive' if positive else 'finite'}: {values}")
+            values = getattr(self, one.name)
+            if one.name != "ratios" and (values or one.name != "ratio"):
+                values = ascending(one.name, values, positive=one.name in ("force", "speed", "ratio"))
+                object.__setattr__(self, one.name, values)
         if 0.0 not in self.excess:
-            raise ValueError("0 must be among the values of excess")
+            raise ArgumentError("0 must be among the values of excess")
         if (self.slip_share[0], self.slip_share[-1]) != (-1.0, 1.0) or 0.0 not in self.slip_share:
-            raise ValueError("the values of slip_share must begin with -1, contain 0 and end with 1")
+            raise ArgumentError("the values of slip_share must begin with -1, contain 0 and end with 1")
 
 
 COARSE = Grid()
@@ -95,12 +89,9 @@ LIMITS = ("primary.minRadius", "primary.maxRadius", "secondary.minRadius", "seco
 
 
 @dataclass(frozen=True)
-class Plan(OfFmu):
+class Plan(Tasks):
     """The lines of a grid, for an FMU and a variator."""
 
-    fmu: Path
-    parameters: Mapping[str, float]
-    """Start values of the FMU by name."""
     grid: Grid = COARSE
 
     def __post_init__(self) -> None:
@@ -123,39 +114,25 @@ class Plan(OfFmu):
             return self.grid.ratio
         low, high = stops(self.full)
         low, high = low * MARGIN, high / MARGIN
-        step = (high / low) ** (1.0 / max(self.grid.ratios - 1, 1))
-        return tuple(round(low * step**k, 6) for k in range(self.grid.ratios))
+        return spread(low, high, self.grid.ratios)
 
     @property
-    def along(self) -> Along:
-        """What is measured on a line."""
-        return Along(
-            self.grid.utilisation,
-            self.grid.slip_share,
-            self.grid.shift_utilisation,
-            tuple(excess for excess in self.grid.excess if excess != 0.0),
-        )
+    def procedure(self) -> tuple[ModuleType, ...]:
+        return working_points, shift, starts, steady
 
-    @cached_property
-    def lines(self) -> list[Line]:
+    @property
+    def measure(self) -> Callable[[SteadyStates, Line], Row]:
+        excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
+        along = Along(self.grid.utilisation, self.grid.slip_share, self.grid.shift_utilisation, excesses)
+        return partial(working_points.measure, along=along)
+
+    @property
+    def common(self) -> Mapping[str, float]:
+        return {**self.full, **SHAFTS}
+
+    def tasks(self) -> list[Line]:
         """All lines; the ratio varies fastest."""
-        axes = (self.grid.force, self.grid.speed, self.ratios)
-        return [Line(*values) for values in itertools.product(*axes)]
+        return [Line(*values) for values in itertools.product(self.grid.force, self.grid.speed, self.ratios)]
 
-    @cached_property
-    def identity(self) -> str:
-        """A hash of the FMU, the parameters, the axes and the procedure."""
-        document = {
-            "fmu": hashlib.sha256(self.archive).hexdigest(),
-            "procedure": [
-                hashlib.sha256(Path(one.__file__).read_bytes()).hexdigest() for one in (working_points, shift, starts, steady)
-            ],
-            "parameters": dict(self.full),
-            "grid": {**asdict(self.grid), "ratio": self.ratios},
-        }
-        return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
-
-
-def variator(name: str, model: str = "ALE", changes: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Parameters of a published variator (`bench168` or `belt155`) or of a file ….json, with changes."""
-    return {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
+    def document(self) -> dict[str, Any]:
+        return {"parameters": dict(self.full), "grid": {**asdict(self.grid), "ratio": self.ratios}}

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import linear_interpolation
-from .errors import ArgumentError
-from .fmu.results import dataframe
-from .fmu.untrusted import InputFileError
-from .linear import Array, LinearModel, units_of_states
+from . import interpolation
+from ..errors import ArgumentError
+from ..fmu.results import dataframe
+from ..fmu.untrusted import InputFileError
+from .model import Array, LinearModel, units_of_states
 
 if TYPE_CHECKING:
     import pandas
@@ -63,17 +63,17 @@ class LinearGrid:
     def interpolate(self, **point: float) -> LinearModel:
         """The model between the points of a grid in physical coordinates: linear along each axis, along `ratio` in its logarithm.
 
-        The slip's mode is interpolated by itself (`linear_interpolation`), because its large coefficients nearly cancel in the slow poles.
+        The slip's mode is interpolated by itself (`interpolation`), because its large coefficients nearly cancel in the slow poles.
         A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
         interpolated A.
 
         Raises ArgumentError for modal coordinates, for a value outside of the grid, and next to a point without a model.
         """
-        around = linear_interpolation.corners(self.axes, point)
+        around = interpolation.corners(self.axes, point)
         missing = [place for place, _ in around if self.models[place] is None]
         if missing:
             raise ArgumentError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
-        return linear_interpolation.interpolated([(self.models[place], weight) for place, weight in around])
+        return interpolation.interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
         axes = ", ".join(

@@ -18,8 +18,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import PushbeltError
-from .linear import LOG_RATIO, Array, LinearModel, units_of_states
+from ..errors import PushbeltError
+from .model import LOG_RATIO, Array, LinearModel, units_of_states
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""

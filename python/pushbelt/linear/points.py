@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError
-from .fmu import unit as calls
-from .fmu.start_values import checked
-from .fmu.unit import UnitError
-from .linear import LinearModel, LinearPointError
-from .linear_grid import LinearGrid
-from .linear_physical import NotPhysicalError, with_enough_modes
-from .points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints
+from ..errors import ArgumentError
+from ..fmu import unit as calls
+from ..fmu.start_values import checked
+from ..fmu.unit import UnitError
+from .model import LinearModel, LinearPointError
+from .grid import LinearGrid
+from .physical import NotPhysicalError, with_enough_modes
+from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints
 
 FREQUENCY = 50.0
 """Default frequency, Hz, below which modes are states of a linear model."""

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError
-from .linear import Array, LinearModel
-from .linear_physical import sorted_poles
+from ..errors import ArgumentError
+from .model import Array, LinearModel
+from .physical import sorted_poles
 
 FASTER = 10.0
 """Ratio of the fastest pole and the next one above which the fastest is interpolated by itself."""

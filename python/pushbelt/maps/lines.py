@@ -1,20 +1,19 @@
-"""Solved lines of a plan: stored as files, and collected to maps."""
+"""Solved lines of a plan, collected to maps."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS
-from pushbelt.map_data import AXES, LOSSES, POINT, STATES, TABLES, Maps
-from pushbelt.map_plan import Plan
-from pushbelt.whole_file import write_whole
+from pushbelt.maps.data import AXES, LOSSES, POINT, STATES, TABLES, Maps
+from pushbelt.maps.plan import Plan
+from pushbelt.study.tasks import Row
 
 COLUMNS = {
     "thrustRatio": "thrustRatio",
@@ -33,47 +32,12 @@ COLUMNS = {
 """Tables that are columns of the measured points."""
 
 
-class Store:
-    """Finished lines of a plan. Each is a file that is written completely or not at all."""
-
-    def __init__(self, folder: Path, plan: Plan) -> None:
-        self.folder = folder / "lines" / plan.identity[:16]
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self._count = len(plan.lines)
-
-    def add(self, row: Mapping[str, Any]) -> None:
-        """Stores a finished line."""
-        write_whole(self.folder / f"{row['line']}.json", json.dumps(row).encode())
-
-    def clear(self) -> None:
-        """Removes all lines."""
-        for path in self.folder.glob("*.json"):
-            path.unlink()
-
-    def rows(self) -> dict[int, dict[str, Any]]:
-        """All stored lines by index. A damaged file is removed, and its line is solved again."""
-        found = {}
-        for index in range(self._count):
-            path = self.folder / f"{index}.json"
-            try:
-                row = json.loads(path.read_text(encoding="utf-8"))
-                if row["line"] == index and ("found" in row or "reason" in row):
-                    found[index] = row
-                    continue
-            except FileNotFoundError:
-                continue
-            except (ValueError, LookupError, TypeError):
-                pass
-            path.unlink()
-        return found
-
-
-def collect(plan: Plan, rows: Mapping[int, Mapping[str, Any]]) -> Maps:
+def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     """The maps of all lines. Lines without results have those of the nearest line."""
-    found = {index: row["found"] for index, row in rows.items() if "found" in row}
+    found = {index: row for index, row in rows.items() if "points" in row}
     if not found:
         reasons = {row.get("reason", "") for row in rows.values()}
-        raise ValueError(f"no line has a steady state: {'; '.join(sorted(reasons))}")
+        raise ArgumentError(f"no line has a steady state: {'; '.join(sorted(reasons))}")
     axes = {
         "force": np.array(plan.grid.force),
         "speed": np.array(plan.grid.speed),
@@ -85,7 +49,7 @@ def collect(plan: Plan, rows: Mapping[int, Mapping[str, Any]]) -> Maps:
         "excess": np.array(plan.grid.excess),
     }
     route = tuple(len(axes[name]) for name in POINT[:3])
-    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.lines))]
+    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
 
     def gathered(get: Callable[[Mapping[str, Any]], Any]) -> Array:
         values = np.array([get(found[source]) for source in sources], dtype=float)
@@ -115,15 +79,15 @@ def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
 
 
 def _states(
-    plan: Plan, rows: Mapping[int, Mapping[str, Any]], slipping: Array, utilisations: Array
+    plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array
 ) -> tuple[Array, dict[str, str]]:
     """The table `state`, and the reasons for missing steady states."""
     state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
-    for index in range(len(plan.lines)):
+    for index in range(len(plan.tasks())):
         place = np.unravel_index(index, state.shape[:3])
         row = rows.get(index, {})
         for k, utilisation in enumerate(utilisations):
-            why = row["found"]["reasons"].get(f"{utilisation:g}") if "found" in row else row.get("reason", "not solved")
+            why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")
             if why is not None:
                 beyond = why.startswith("beyond the capacity")
                 state[(*place, k)] = STATES.index("beyond_capacity" if beyond else "not_found")
@@ -138,7 +102,7 @@ def filled(values: Array) -> Array:
     for place in np.ndindex(values.shape[:-1]):
         there = places[np.isfinite(values[place])]
         if there.size == 0:
-            raise ValueError("a line has no steady state")
+            raise ArgumentError("a line has no steady state")
         nearest = there[np.argmin(np.abs(places[:, None] - there[None, :]), axis=1)]
         result[place] = values[place][nearest]
     return result

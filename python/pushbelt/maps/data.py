@@ -17,8 +17,8 @@ from zlib import error
 
 import numpy as np
 
-from .errors import PushbeltError
-from .fmu.geometry import Array
+from ..errors import PushbeltError
+from ..fmu.geometry import Array
 
 VERSION = 1
 """Version of the files' content."""

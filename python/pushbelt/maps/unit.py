@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from .errors import MissingFileError
-from .fmu.files import DATA, RESOURCES, TREE
-from .fmu.geometry import Array
-from .fmu.start_values import DESCRIPTION, checked, write_copy
-from .fmu.untrusted import described
-from .map_data import AXES, TABLES, MapError, Maps
+from ..errors import MissingFileError
+from ..fmu.files import DATA, RESOURCES, TREE
+from ..fmu.geometry import Array
+from ..fmu.start_values import DESCRIPTION, checked, write_copy
+from ..fmu.untrusted import described
+from .data import AXES, TABLES, MapError, Maps
 
 NAME = "PushbeltMap.fmu"
 TABLES_FILE = "resources/maps.json"

@@ -1,6 +1,6 @@
 """Distribution of tasks to workers by dask, on a local or an existing cluster.
 
-A chunk is a list of tasks. A worker solves it by the method `solver.solve` of a plugin, which returns a row for each task.
+A chunk is a list of numbered tasks. A worker solves it by the method `solver.solve` of a plugin, which returns a row for each task.
 """
 
 from __future__ import annotations
@@ -27,17 +27,14 @@ from distributed import (
 
 import pushbelt.fmu
 from pushbelt import errors
+from pushbelt.console import interrupts_ignored
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
-from . import slurm as jobs
-from .console import interrupts_ignored
-from .slurm import Slurm
-
-Row = dict[str, Any]
-"""The result of a task."""
-Chunk = Sequence[Any]
-"""Tasks that a worker solves together."""
+Chunk = Sequence[tuple[int, Any]]
+"""Numbered tasks that a worker solves together."""
+Rows = list[tuple[int, dict[str, Any]]]
+"""Their numbers and results."""
 
 POLL = 0.1
 """Interval of polling for finished chunks, s."""
@@ -46,7 +43,7 @@ CONNECT_TIMEOUT = 10.0
 WORKERS_TIMEOUT = 60.0
 """Timeout for the first worker of a cluster, s."""
 QUEUE_TIMEOUT = 7 * 86400.0
-"""Timeout for the first job of Slurm, which may wait in a queue, s."""
+"""Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s."""
 
 
 class ClusterError(PushbeltError, RuntimeError):
@@ -54,29 +51,18 @@ class ClusterError(PushbeltError, RuntimeError):
 
 
 @contextmanager
-def connect(scheduler: str | None, workers: int | None, slurm: Slurm | None = None) -> Iterator[Client]:
-    """A client of the scheduler at an address such as `tcp://host:port`, of new jobs of Slurm, or of a new local cluster of processes.
+def connect(scheduler: Any = None, workers: int | None = None) -> Iterator[Client]:
+    """A client of the scheduler at an address such as `tcp://host:port`, of a cluster of dask, or of a new local cluster of processes.
 
     Raises ClusterError if there is no worker within the timeout.
     """
     with ExitStack() as stack:
         try:
-            timeout = WORKERS_TIMEOUT
-            if slurm is not None:
-                if not jobs.is_there():
-                    raise ClusterError("sbatch is not on the path: this is no machine that submits jobs to Slurm")
-                queue = stack.enter_context(slurm.cluster())
-                # Jobs that end are replaced.
-                queue.adapt(minimum_jobs=slurm.jobs, maximum_jobs=slurm.jobs)
-                scheduler, timeout = queue, QUEUE_TIMEOUT
-            elif scheduler is None:
+            timeout = WORKERS_TIMEOUT if scheduler is None or isinstance(scheduler, str) else QUEUE_TIMEOUT
+            if scheduler is None:
                 with interrupts_ignored():
                     local = LocalCluster(
-                        n_workers=workers,
-                        threads_per_worker=1,
-                        memory_limit=0,
-                        dashboard_address=":0",
-                        silence_logs="ERROR",
+                        n_workers=workers, threads_per_worker=1, memory_limit=0, dashboard_address=":0", silence_logs="ERROR"
                     )
                 scheduler = stack.enter_context(local)
             client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
@@ -113,7 +99,7 @@ class UnitPlugin(WorkerPlugin):
 @contextmanager
 def shipped(
     client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
-) -> Iterator[Callable[[Chunk], list[Row]]]:
+) -> Iterator[Callable[[Chunk], Rows]]:
     """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there.
 
     `load` makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which are sent with
@@ -134,13 +120,13 @@ def shipped(
             client.unregister_worker_plugin(name)
 
 
-def solver(name: str) -> Callable[[Chunk], list[Row]]:
+def solver(name: str) -> Callable[[Chunk], Rows]:
     """The function that solves a chunk on a worker.
 
     It is a local function so that it is pickled by value: scheduler and workers do not have this project's modules.
     """
 
-    def solve(chunk: Chunk) -> list[Row]:
+    def solve(chunk: Chunk) -> Rows:
         return get_worker().plugins[name].solver.solve(chunk)
 
     return solve
@@ -160,15 +146,14 @@ def by_value(*modules: ModuleType) -> Iterator[None]:
 
 def rows(
     client: Client,
-    solve: Callable[[Chunk], list[Row]],
+    solve: Callable[[Chunk], Rows],
     chunks: Iterable[Chunk],
     waiting: Callable[[], object],
-    lost: Callable[[Any], Row],
-) -> Iterator[list[Row]]:
+) -> Iterator[Rows]:
     """Rows of the chunks in the order of completion. `waiting` is called periodically.
 
     Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its worker is split: its points are solved
-    at the end, one at a time, so that the point that crashes the worker is identified. `lost` makes the row of such a point.
+    at the end, one at a time, so that the point that crashes the worker is identified. Its reason is `WORKER_LOST`.
     """
     given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
     suspects: list[Any] = []
@@ -182,7 +167,7 @@ def rows(
         future = client.submit(solve, [suspect], pure=False)
         for _ in _finished(as_completed([future]), waiting):
             result = _result(future)
-            yield [lost(suspect)] if result is None else result
+            yield [(suspect[0], {"reason": WORKER_LOST, "time": None})] if result is None else result
 
 
 WORKER_LOST = "the worker process crashed repeatedly"
@@ -203,7 +188,7 @@ def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[
                 yield future
 
 
-def _result(future: Future) -> list[Row] | None:
+def _result(future: Future) -> Rows | None:
     """Rows of a chunk; None if it lost too many workers."""
     try:
         return future.result()

@@ -1,9 +1,9 @@
-"""Storage as Parquet files: finished points of a study, which may be interrupted at any time, and its results."""
+"""Results of a study: a table with units and descriptions, in a Parquet file."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pushbelt.fmu.unit import output_names
+from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
 from .design import Design, DesignPoint, utilisation_of
-from .point import SHORT_STEP, Row
+from .point import SHORT_STEP
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"
@@ -56,61 +57,21 @@ def schema(study: Study) -> pa.Schema:
     )
 
 
-def table(study: Study, rows: Iterable[Row]) -> pa.Table:
-    """A table of rows by point, with the coordinates of each point."""
+def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
+    """A table of rows by point, with the coordinates of each point, and with metadata of the study and the number of failed points."""
     points = study.grid.points()
     columns = schema(study)
     given = [axis.column for axis in AXES.values() if axis.column in study.variables] + ["primary.torque", *extra_columns(study)]
     full = []
-    for row in sorted(rows, key=lambda row: row["point"]):
-        point = points[row["point"]]
+    for number in sorted(rows):
+        point = points[number]
         values = study.start_values(point)
         utilisation = utilisation_of(values) if isinstance(point, DesignPoint) else point.utilisation
-        full.append({"utilisation": utilisation, **{name: values[name] for name in given}, **row})
-    return pa.Table.from_pylist(full, columns)
-
-
-class Store:
-    """Finished points of a study in a separate folder. Each chunk is a file that is written completely or not at all."""
-
-    def __init__(self, folder: Path, study: Study) -> None:
-        self._study = study
-        self.folder = folder / "studies" / study.identity[:16]
-        self.folder.mkdir(parents=True, exist_ok=True)
-        write_whole(self.folder / "study.json", json.dumps(describe(study), indent=1).encode())
-
-    def add(self, rows: list[Row]) -> None:
-        """Stores finished points."""
-        chunk = table(self._study, rows)
-        first, last = chunk["point"][0].as_py(), chunk["point"][-1].as_py()
-        write_parquet(chunk, self.folder / f"points-{first}-{last}.parquet")
-
-    def count(self) -> int:
-        """Number of stored points."""
-        return len(self.rows())
-
-    def clear(self) -> None:
-        """Removes all points."""
-        for path in self._files():
-            path.unlink()
-
-    def _files(self) -> list[Path]:
-        return sorted(self.folder.glob("points-*.parquet"))
-
-    def rows(self) -> list[Row]:
-        """All stored points, each once. A file that is not Parquet is removed, and its points are solved again.
-
-        Raises OSError if a file cannot be read; the file is then not removed.
-        """
-        found: dict[int, Row] = {}
-        for path in self._files():
-            try:
-                part = pq.read_table(path)
-            except pa.ArrowInvalid:
-                path.unlink()
-                continue
-            found |= {row["point"]: row for row in part.to_pylist()}
-        return list(found.values())
+        full.append({"point": number, "utilisation": utilisation, **{name: values[name] for name in given}, **rows[number]})
+    results = pa.Table.from_pylist(full, columns)
+    failed = len(results) - results["reason"].null_count
+    document = {**describe(study), "points": len(results), "failed": failed}
+    return results.replace_schema_metadata({METADATA: json.dumps(document)})
 
 
 def describe(study: Study) -> dict[str, Any]:
@@ -133,13 +94,6 @@ def _described(study: Study) -> dict[str, Any]:
         fields = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
         return {"design": study.grid.kind, "columns": {name: {"unit": fields[name]} for name in study.grid.columns}}
     return {axis.column: {"unit": axis.unit, "values": asdict(study.grid)[name]} for name, axis in AXES.items()}
-
-
-def with_metadata(study: Study, results: pa.Table) -> pa.Table:
-    """Results with metadata of the study, its parameters and the number of failed points."""
-    failed = len(results) - results["reason"].null_count
-    document = {**describe(study), "points": len(results), "failed": failed}
-    return results.replace_schema_metadata({METADATA: json.dumps(document)})
 
 
 def write_parquet(contents: pa.Table, path: Path) -> None:
