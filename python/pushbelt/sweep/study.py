@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, fields
-from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pushbelt.fmu import starts, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
-from pushbelt.study.run import Progress, solve
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import design, point
 from .design import Design, DesignError, DesignPoint, full_values
 from .point import Point, start_values
-
-if TYPE_CHECKING:
-    import pyarrow
 
 
 CHUNK = 8
@@ -144,20 +139,3 @@ def variator(
     """Parameters of a variator for a study, with changes and without the varied ones."""
     values = tasks.variator(name, model, changes)
     return {key: value for key, value in values.items() if key not in varied or key in (changes or {})}
-
-
-def sweep(
-    study: Study,
-    folder: Path,
-    *,
-    scheduler: Any = None,
-    workers: int | None = None,
-    chunk: int | None = None,
-    progress: Callable[[Progress], object] = lambda _: None,
-) -> pyarrow.Table:
-    """Solves the points of a study and returns one row a point; the other arguments are those of `pushbelt.study.run.solve`."""
-    # Only what solves needs the packages of the extra.
-    from .results import table
-
-    rows = solve(study, folder, scheduler=scheduler, workers=workers, chunk=chunk or CHUNK, progress=progress)
-    return table(study, rows)
