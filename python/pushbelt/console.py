@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from pathlib import Path
 
+from .errors import PushbeltError
+
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 
@@ -42,7 +44,7 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
                     raise
                 said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
             except (OSError, ValueError, RuntimeError, KeyError) as error:
-                if not (isinstance(error, OSError) or raised_here(error)):
+                if not (isinstance(error, (OSError, PushbeltError)) or raised_here(error)):
                     raise
                 said = f"{name}: {error.args[0] if isinstance(error, KeyError) else error}"
             print(f"pushbelt {said}", file=sys.stderr)

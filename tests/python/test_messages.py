@@ -19,7 +19,6 @@ BUILTIN = {
 }
 """Errors of Python that the package raises. Other errors are classes of the package."""
 BROAD = {
-    "drive/cosim/study.py",
     "fmu/unit.py",
     "fmu/untrusted.py",
     "fmu/steady.py",

@@ -1,4 +1,4 @@
-"""Times clamping forces and steady states: `python -m pushbelt.force_benchmark --fmu …`.
+"""Times clamping forces and steady states: `cargo fmu bench --forces`.
 
 For each point of ratio and torque `least_force` gives a force, and `steady` the state at that force. Solved initial states and processor
 time of both are printed. Most of the last states of `least_force` are those of `steady`, which are not solved again.
@@ -89,7 +89,7 @@ def measure(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measures and prints."""
-    parser = argparse.ArgumentParser(prog="pushbelt.force_benchmark", description=__doc__)
+    parser = argparse.ArgumentParser(prog="cargo fmu bench --forces", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, help="not used: nothing is written")
     parser.add_argument("--variator", default="bench168", help="name of a parameter set, or a file ….json")

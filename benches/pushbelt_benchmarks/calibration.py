@@ -1,4 +1,4 @@
-"""Times a calibration: `python -m pushbelt.calibrate.benchmark --fmu … --output …`.
+"""Times a calibration: `cargo fmu bench --calibrate`.
 
 The table has 30 points with the speed ratio, thrust ratio and efficiency of a variator with other parameters, and noise. Six
 parameters are fitted. Processor time and solutions are printed.
@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt import console, tables
+from pushbelt.calibrate import __main__ as program
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.rig import worker
 from pushbelt.rig.measured import Measured, Point
 
-from . import __main__ as program
 
 FACTORS = {
     "friction.pulley": 1.09, "friction.ring": 1.4, "belt.play": 3.0, "belt.pushStiffness": 1.25,
@@ -61,7 +61,7 @@ def write_table(fmu: Path, path: Path) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Makes the table, fits, and prints times."""
-    parser = argparse.ArgumentParser(prog="pushbelt.calibrate.benchmark", description=__doc__)
+    parser = argparse.ArgumentParser(prog="cargo fmu bench --calibrate", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for the table and the report")
     parser.add_argument("--workers", type=int, default=2, help="processes [default: 2]")

@@ -10,17 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
+from pushbelt.drive import simulate
+from pushbelt.drive.car import demo_car
+from pushbelt.drive.cycle import wltc_class_3b
+from pushbelt.drive.measure import measure
+from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.maps.data import Maps
 from pushbelt.progress import progress_bar
 from pushbelt.side_by_side import run_in_workers, tick
 
-from .. import simulate
-from ..car import demo_car
-from ..cycle import wltc_class_3b
-from ..measure import measure
-from ..thrust_map import ThrustMap
 from . import fmus, package
 from .masters import MASTERS, Progress
 

@@ -19,8 +19,8 @@ from pushbelt.maps.data import Maps
 
 from .unit import MAP_FILE
 
-PROGRAMS = ("belt", "calibrate", "demo", "drive", "paper", "sweep", "validate")
-"""Subpackages of this package that are separate programs."""
+PROGRAMS = ("belt", "calibrate", "demo", "paper", "sweep", "validate")
+"""Parts of `pushbelt` that the units do not need."""
 
 SLAVES = Path(__file__).parent / "slaves"
 
@@ -37,7 +37,7 @@ def build(folder: Path, maps: Maps) -> tuple[Path, Path]:
         scratch = Path(name)
         maps.write(scratch / MAP_FILE)
         # The layout is that of the source tree, so that the package finds its data.
-        files = [_modules(scratch), scratch / MAP_FILE, RESOURCES / "variators.json", RESOURCES / "parameters"]
+        files = [*_modules(scratch), scratch / MAP_FILE, RESOURCES / "variators.json", RESOURCES / "parameters"]
         vehicle, control = (
             Path(FmuBuilder.build_FMU(SLAVES / f"{unit}_unit.py", dest=folder, project_files=files))
             for unit in ("vehicle", "control")
@@ -46,13 +46,11 @@ def build(folder: Path, maps: Maps) -> tuple[Path, Path]:
     return vehicle, control
 
 
-def _modules(scratch: Path) -> Path:
-    """Copies the parts of this package that the units import: its core and `drive`."""
-    package = Path(pushbelt.__file__).parent
-    copy = scratch / package.name
-    others = (program for program in PROGRAMS if program != "drive")
-    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__", SLAVES.name, *others))
-    return copy
+def _modules(scratch: Path) -> list[Path]:
+    """Copies what the units import: the core of `pushbelt` with `drive`, and this package."""
+    packages = [Path(pushbelt.__file__).parent, Path(__file__).parent]
+    without = shutil.ignore_patterns("__pycache__", SLAVES.name, *PROGRAMS)
+    return [Path(shutil.copytree(package, scratch / package.name, ignore=without)) for package in packages]
 
 
 def _check(fmu: Path) -> None:

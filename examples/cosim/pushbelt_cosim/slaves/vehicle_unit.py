@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pushbelt.drive.car import demo_car
-from pushbelt.drive.cosim.unit import INPUT, OUTPUT, PARAMETER, Unit
+from pushbelt_cosim.unit import INPUT, OUTPUT, PARAMETER, Unit
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.transmission import RATIO_LIMITS
 from pushbelt.drive.vehicle import Vehicle, VehicleSignals

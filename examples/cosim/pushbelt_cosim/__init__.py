@@ -4,5 +4,5 @@
     PushbeltVariator.fmu ──────────────────────────────────────────────────────┴→ drive.ssp → ecos, libcosim
 
 The units use the same classes as `pushbelt.drive.simulate`; `study` compares the results.
-`python -m pushbelt.drive.cosim` builds, runs and compares.
+`cargo fmu drive --cosim`, or `python -m pushbelt_cosim` with the folders `python` and `examples/cosim` on the path, builds, runs and compares.
 """

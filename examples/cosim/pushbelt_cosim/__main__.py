@@ -1,30 +1,27 @@
-"""Couples FMUs: `python -m pushbelt.drive.cosim --fmu target/PushbeltVariator.fmu --output target/drive [--short]`."""
+"""Builds a co-simulation of FMUs, couples them in other masters, and compares."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.fmu.unit import UnitError
 
 from . import masters, report, study
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("drive --cosim", "reports")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Builds the package, runs it in the masters, writes the results and prints their paths."""
-    parser = argparse.ArgumentParser(prog="pushbelt.drive.cosim", description=__doc__)
+    parser = argparse.ArgumentParser(prog="cargo fmu drive --cosim", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the variator's FMU")
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
-    parser.add_argument("--short", action="store_true", help="5 s of the cycle instead of 20")
+    parser.add_argument("--short", action="store_true", help="a first look: 5 s of the cycle instead of 20")
     options = parser.parse_args(arguments)
-    provenance.begin("drive", arguments, "drive.cosim")
-    try:
-        result = study.run(options.fmu, study.SHORT if options.short else study.FULL, options.output)
-    except (UnitError, ValueError) as error:
-        print(f"The co-simulation failed: {error}", file=sys.stderr)
-        return 1
+    provenance.begin("coupling", arguments, "pushbelt_cosim")
+    result = study.run(options.fmu, study.SHORT if options.short else study.FULL, options.output)
     for refusal in result.refusals:
         print(f"skipped: {refusal}", file=sys.stderr)
     print(report.text(result))
@@ -35,4 +32,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    masters.leave(console.run(main))
+    masters.leave(main())

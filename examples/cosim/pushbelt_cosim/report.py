@@ -45,7 +45,7 @@ def write_html(result: Coupling, path: Path) -> None:
         "orders": orders,
         "pictures": {"traces": _traces(result), "errors": _errors(result)},
     }
-    page.write_html("drive/cosim/coupling.html.j2", context, path)
+    page.write_html("coupling.html.j2", context, path, Path(__file__).parent)
 
 
 def _traces(result: Coupling) -> Chart:

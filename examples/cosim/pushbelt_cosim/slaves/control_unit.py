@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pushbelt.drive.car import demo_car
 from pushbelt.drive.control import Friction, Measured
-from pushbelt.drive.cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
+from pushbelt_cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
 from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
