@@ -50,8 +50,8 @@ pub const PACKING: Packages = Packages {
     folder: "venv-wheel",
 };
 
-/// Folders of the Python packages: that of the wheel, and those that need the source tree.
-const SOURCES: [&str; 3] = ["python", "paper/python", "validation"];
+/// Folders of the source tree with Python packages.
+const SOURCES: [&str; 5] = ["python", "validation", "paper/python", "examples/cosim", "benches"];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.
@@ -118,15 +118,15 @@ impl Environment {
             .with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// A Python command in this environment, at the top level of the workspace. It can import the packages of the source tree
-    /// and finds the FMU by the variable `PUSHBELT_FMU`.
+    /// A Python command in this environment, at the top level of the workspace. It can import the packages of `SOURCES` and finds the
+    /// FMU by the variable `PUSHBELT_FMU`.
     pub fn command(&self) -> Command {
-        let separator = if cfg!(windows) { ";" } else { ":" };
         let sources = SOURCES.map(|folder| self.root.join(folder).into_os_string());
+        let separator = OsStr::new(if cfg!(windows) { ";" } else { ":" });
         let mut command = Command::new(&self.interpreter);
         command
             .current_dir(&self.root)
-            .env("PYTHONPATH", sources.join(OsStr::new(separator)))
+            .env("PYTHONPATH", sources.join(separator))
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PUSHBELT_FMU", &self.fmu);
         cargo::clear_own(&mut command);

@@ -134,10 +134,8 @@ def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: 
     assert provenance.begin("calibrate", ["points.csv"]).command == "pushbelt calibrate points.csv"
 
 
-@pytest.mark.parametrize(
-    "program", ["calibrate", "compare", "demo", "drive", "drive.cosim", "durability", "linearize", "sweep"]
-)
-def test_every_program_records_its_origin(program: str) -> None:
+def test_every_program_records_its_origin() -> None:
     """Each `main` begins a report's origin with its arguments."""
-    text = (Path(page.__file__).parent / program.replace(".", "/") / "__main__.py").read_text(encoding="utf-8")
-    assert f'provenance.begin("{program.split(".")[0]}", arguments' in text
+    for program in ("calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep"):
+        text = (Path(page.__file__).parent / program / "__main__.py").read_text(encoding="utf-8")
+        assert f'provenance.begin("{program}", arguments' in text
