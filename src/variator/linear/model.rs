@@ -11,7 +11,7 @@ use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
-use crate::variator::survey::belt_survey::Survey;
+use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 
@@ -234,8 +234,11 @@ fn derivatives_along(
         }
         let survey = Survey::of(system, state.view());
         let boundary = system.loads.at(TIME);
-        let torques = survey.sums.shaft_torque;
-        let context = Context::of_steady_state(system.pulleys.external_torques(&boundary, state.view(), torques));
+        let BeltSums {
+            shaft_torque, axial, ..
+        } = survey.sums;
+        let external = system.pulleys.external(&boundary, state.view(), shaft_torque, axial);
+        let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();
         Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
         outputs
