@@ -19,7 +19,10 @@ const LARGE_TORQUE: f64 = 2.0e3;
 pub(crate) struct Demand {
     /// The pulley whose force it is.
     pulley: Pulley,
-    inputs: Inputs,
+    /// External torques on the primary and the secondary shaft, N·m.
+    torques: [f64; 2],
+    /// Whether another unit may be meant.
+    doubtful: bool,
     /// Force of clamp and cylinder, N, and the name of its variable.
     force: f64,
     name: &'static str,
@@ -56,7 +59,8 @@ impl Demand {
         let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.at(speed.abs(), [force, 0.0]).torque;
         Some(Self {
             pulley,
-            inputs: *inputs,
+            torques: [inputs.primary.torque, inputs.secondary.torque],
+            doubtful: Self::may_be_another_unit(inputs, pulley),
             force,
             name: parameters.name_of_closing(pulley),
             ratio,
@@ -85,9 +89,7 @@ impl Demand {
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
         let (carried, torque) = (self.carried(), self.torque.abs());
-        Self::may_be_another_unit(&self.inputs, self.pulley)
-            && torque > FAR * carried + self.drag
-            && 1.0e-3 * torque <= BEYOND * carried
+        self.doubtful && torque > FAR * carried + self.drag && 1.0e-3 * torque <= BEYOND * carried
     }
 
     /// The unit that is meant then.
@@ -120,8 +122,8 @@ impl std::fmt::Display for Demand {
             self.force,
             short(self.carried()),
             short(self.ratio),
-            short(self.inputs.primary.torque),
-            short(self.inputs.secondary.torque),
+            short(self.torques[0]),
+            short(self.torques[1]),
             short(self.torque.abs()),
         )?;
         let least = (self.torque.abs() / self.carried_per_force).ceil();
