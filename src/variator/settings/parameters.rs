@@ -288,10 +288,10 @@ impl Default for Parameters {
                 // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm
                 // below the rocking edge, because the body below the saddle is heavier than the head.
                 element_inertia: 2.6e-8,
-                film_force: 5.0,
                 film_thickness: 1.5e-6,
-                film_damping: 2.0,
-                squeeze_damping: 2700.0,
+                film_damping: 9.0,
+                squeeze_damping: 750.0,
+                suction: 19.0,
             },
             ring: Ring {
                 mass_per_length: 0.24,
