@@ -265,7 +265,7 @@ fn starts_are_those_of_the_whole_forces() {
         assert_close(
             by_cylinder.outputs().ratio_geometric,
             o.ratio_geometric,
-            1e-4,
+            5e-4,
             "the ratio stays",
         );
         // Springs alone clamp the belt at a standstill.
@@ -366,9 +366,14 @@ fn stored_states_have_cylinders_and_pressures() {
 #[test]
 fn the_linear_model_has_pressures_and_flows() {
     let given = by_pressure(inputs((50.0, 13e3), (-49.0, 10e3)), CYLINDER.area);
-    let read: [&dyn Fn(&Outputs) -> f64; 3] = [&|o| o.ratio_geometric, &|o| o.primary.sheave_velocity, &|o| {
-        o.primary.flow
-    }];
+    let read: [&dyn Fn(&Outputs) -> f64; 6] = [
+        &|o| o.ratio_geometric,
+        &|o| o.primary.sheave_velocity,
+        &|o| o.primary.flow,
+        &|o| o.primary.clamping_force_total,
+        &|o| o.primary.position,
+        &|o| o.primary.speed,
+    ];
     let model = linearise(&with(coarse(RingModel::Ale), CYLINDER), &given, 20.0, &read).expect("a linear model");
     let column = |load: Load| model.loads.iter().position(|l| *l == load).expect("a load");
     for pulley in Pulley::BOTH {
@@ -388,6 +393,13 @@ fn the_linear_model_has_pressures_and_flows() {
             );
         }
     }
+    // The whole force has a direct part, and follows place and speeds.
+    let at = column(Load::Pressure(Pulley::Primary));
+    let [total, place, speed] = [3, 4, 5].map(|row: usize| model.d[row][at]);
+    let expected = CYLINDER.area - CYLINDER.spring_stiffness * place
+        + 2.0 * CYLINDER.centrifugal * model.outputs.primary.speed * speed
+        - CYLINDER.seal / Parameters::default().friction.velocity * model.d[1][at];
+    assert_close(total, expected, 1e-4, "direct part of the whole force");
     for matrix in [&model.c, &model.d] {
         for (speed, flow) in matrix[1].iter().zip(&matrix[2]) {
             assert!(

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use crate::pulley::Pulley;
 use crate::variator::linear::working_point::WorkingPoint;
+use crate::variator::pulleys::loads::{Boundary, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::system::VariatorSystem;
@@ -35,6 +36,21 @@ impl Load {
             Self::Pressure(_) => &mut pulley.pressure,
             Self::Torque(_) => &mut pulley.torque,
             Self::SpeedSetpoint(_) => &mut pulley.speed_setpoint,
+        }
+    }
+
+    /// Adds a change of the input to the boundary conditions.
+    pub(super) fn change(self, by: f64, system: &VariatorSystem, boundary: &mut Boundary) {
+        let (Self::ClampingForce(j) | Self::Pressure(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
+        match (self, &mut boundary.sheave[j], &mut boundary.shaft[j]) {
+            (Self::ClampingForce(_), SheaveMode::Force(force), _) => *force += by,
+            (Self::Pressure(_), SheaveMode::Force(force), _) => {
+                *force += system.pulleys.parameters(j).cylinder.area * by
+            }
+            (Self::Torque(_) | Self::SpeedSetpoint(_), _, ShaftMode::Torque(load) | ShaftMode::Setpoint(load)) => {
+                *load += by;
+            }
+            _ => {}
         }
     }
 
