@@ -1,4 +1,4 @@
-"""Sensitivity of outputs to parameters at one steady working point: the table of docs/drivetrain-calibration.md."""
+"""Sensitivity of outputs to parameters at one steady working point: for docs/calibrate.md."""
 
 from pathlib import Path
 

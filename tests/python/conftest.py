@@ -14,11 +14,11 @@ import fmpy
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "python"), str(ROOT / "validation")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
-from pushbelt.drive.cosim.masters import leave  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
+from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
 LEFT = pytest.StashKey[dict[str, int]]()

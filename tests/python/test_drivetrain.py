@@ -423,18 +423,6 @@ def test_strategies_are_selected_by_name() -> None:
         transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
 
 
-# Documentation
-
-
-@pytest.mark.parametrize(
-    ("page", "program"), [("controller", "controller"), ("models", "wiring"), ("cosimulation", "coupled")]
-)
-def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
-    shown = (ROOT / "docs" / f"drivetrain-{page}.md").read_text(encoding="utf-8")
-    code = (ROOT / "examples" / "drivetrain" / f"{program}.py").read_text(encoding="utf-8")
-    assert f"```python\n{code.rstrip()}\n```" in shown
-
-
 def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(ROOT / "examples" / "drivetrain")
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))

@@ -89,7 +89,7 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     assert [(one.name, one.sha256) for one in found.inputs] == [(path.name, hashlib.sha256(b"x").hexdigest())]
     assert provenance.current("calibrate") is found
     assert provenance.current("sweep") is None
-    assert provenance.begin("paper", [], "pushbelt.paper").command == "python -m pushbelt.paper"
+    assert provenance.begin("paper", [], "pushbelt_paper").command == "python -m pushbelt_paper"
 
 
 def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,10 +134,8 @@ def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: 
     assert provenance.begin("calibrate", ["points.csv"]).command == "pushbelt calibrate points.csv"
 
 
-@pytest.mark.parametrize(
-    "program", ["calibrate", "compare", "demo", "drive", "drive.cosim", "durability", "linearize", "paper", "sweep"]
-)
-def test_every_program_records_its_origin(program: str) -> None:
+def test_every_program_records_its_origin() -> None:
     """Each `main` begins a report's origin with its arguments."""
-    text = (Path(page.__file__).parent / program.replace(".", "/") / "__main__.py").read_text(encoding="utf-8")
-    assert f'provenance.begin("{program.split(".")[0]}", arguments' in text
+    for program in ("calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep"):
+        text = (Path(page.__file__).parent / program / "__main__.py").read_text(encoding="utf-8")
+        assert f'provenance.begin("{program}", arguments' in text

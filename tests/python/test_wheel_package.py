@@ -212,12 +212,12 @@ def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
 
 def test_the_programs_of_the_page_print_what_stands_there(fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "wheel.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     programs = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     printed = re.findall(r"It prints:\n\n```\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {}
     for program, expected in zip(programs, printed, strict=True):
-        exec(compile(program, "wheel.md", "exec"), names)  # noqa: S102
+        exec(compile(program, "python.md", "exec"), names)  # noqa: S102
         assert capsys.readouterr().out == expected
 
 
@@ -320,7 +320,6 @@ def test_a_copy_without_its_list_does_not_run_as_the_original(fmu: Path, tmp_pat
     ("words", "why"),
     [
         (["own.fmu", "--set", "belt.colour=1"], "no parameter or input belt.colour"),
-        (["own.fmu", "--set", "belt.play"], "--set belt.play is not of the form NAME=VALUE"),
         (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
         (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"),
         (["own.zip"], "does not end in .fmu"),
