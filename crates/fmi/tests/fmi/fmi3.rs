@@ -4,6 +4,7 @@
 
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
+use std::rc::Rc;
 
 use pushbelt_fmi::fmi3::functions::*;
 use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
@@ -41,7 +42,7 @@ fn constants_are_those_of_the_standard() {
 #[test]
 fn other_kinds_of_fmu_are_refused_with_a_message() {
     let importer = running(Three);
-    let environment = std::ptr::from_ref(&*importer.record).cast_mut().cast();
+    let environment = Rc::as_ptr(&importer.record).cast_mut().cast();
     let (name, right) = (c"tank".as_ptr(), token::<Tank>(Three));
     let token = right.as_ptr();
     // SAFETY: valid strings, null where it is allowed, and the record of the importer.
@@ -317,8 +318,7 @@ fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
             Some(i.terminate()),
             Some(i.log(false, &[])),
             Some(i.step(0.0, 1.0).status),
-            // SAFETY: an instance.
-            Some(unsafe { fmi3EnterEventMode::<Tank>(i.c) }),
+            Some(i.enter_event_mode()),
         ] {
             assert_eq!(refused, Some(Error));
         }

@@ -12,6 +12,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
+use std::rc::Rc;
 
 use crate::layer::Unit;
 use crate::layer::fmi2::functions as f2;
@@ -198,17 +199,19 @@ pub type Stored = *mut c_void;
 pub struct Importer<U: Unit> {
     pub version: Version,
     pub c: *mut c_void,
-    pub record: Box<Record>,
+    pub record: Rc<Record>,
     /// Whether it goes through event mode.
     events: bool,
+    /// Whether the instance is freed with this.
+    owned: bool,
     unit: PhantomData<U>,
 }
 
 impl<U: Unit> Importer<U> {
     /// An instance, or null, for these arguments.
     pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
-        let record = Box::new(Record::default());
-        let environment = std::ptr::from_ref(&*record).cast_mut().cast();
+        let record = Rc::new(Record::default());
+        let environment = Rc::as_ptr(&record).cast_mut().cast();
         let Arguments {
             name,
             token,
@@ -262,6 +265,7 @@ impl<U: Unit> Importer<U> {
             c,
             record,
             events: handles.events,
+            owned: true,
             unit: PhantomData,
         }
     }
@@ -530,14 +534,20 @@ impl<U: Unit> Importer<U> {
     }
 
     /// Another handle of the instance, for the importer's callback.
-    pub fn alias(&self) -> std::mem::ManuallyDrop<Self> {
-        std::mem::ManuallyDrop::new(Self {
-            version: self.version,
-            c: self.c,
-            record: Box::default(),
-            events: self.events,
+    pub fn alias(&self) -> Self {
+        let (version, c, events) = (self.version, self.c, self.events);
+        Self {
+            version,
+            c,
+            events,
+            record: Rc::clone(&self.record),
+            owned: false,
             unit: PhantomData,
-        })
+        }
+    }
+
+    pub fn enter_event_mode(&self) -> Status {
+        unsafe { f3::fmi3EnterEventMode::<U>(self.c) }
     }
 
     /// Text of the last message.
@@ -553,6 +563,14 @@ impl<U: Unit> Importer<U> {
 
 impl<U: Unit> Drop for Importer<U> {
     fn drop(&mut self) {
-        call! { self, fmi2FreeInstance(), fmi3FreeInstance() }
+        if self.owned {
+            let free: unsafe fn(*mut c_void) = match self.version {
+                Two => f2::fmi2FreeInstance::<U>,
+                Three => f3::fmi3FreeInstance::<U>,
+            };
+            unsafe { free(self.c) };
+            self.record.answer.take();
+            self.record.hears.take();
+        }
     }
 }
