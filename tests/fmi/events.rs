@@ -6,11 +6,7 @@ use pushbelt::fmi::slave::Version::Three;
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;
 
-const EVENTS: Handles<'_> = Handles {
-    events: true,
-    early_return: true,
-    required: &[],
-};
+const EVENTS: Handles<'_> = Handles::of(true, true, &[]);
 
 /// After 20 ms at constant inputs, a load and clamping forces for the following steps.
 fn loaded(handles: Handles<'_>, torque: f64, [primary, secondary]: [f64; 2]) -> Importer {
@@ -99,10 +95,7 @@ fn without_early_return_the_event_is_reported_at_the_end_of_the_step_and_without
     assert_eq!(early.0, late.0, "in the same communication step");
     assert!(early.1.early && !late.1.early);
     assert_eq!(late.1.time, late.0);
-    let importer = overloaded(Handles {
-        events: false,
-        ..EVENTS
-    });
+    let importer = overloaded(Handles::of(false, true, &[]));
     for k in 20..40 {
         let ended = importer.step(f64::from(k) * 1e-3, 1e-3);
         assert_eq!((ended.status, ended.event, ended.early), (Ok, false, false));

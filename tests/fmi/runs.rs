@@ -2,7 +2,6 @@
 
 use pushbelt::fmi::log::Status::{Discard, Ok};
 use pushbelt::fmi::slave::Version::{self, Three, Two};
-use pushbelt::fmi::unit::Experiment;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
@@ -93,11 +92,7 @@ fn check(run: &Run) {
     let expected = rows(run, Two, Handles::default());
     let required = ["thrustRatio", "primary.torque"].map(reference);
     for (events, early_return, required) in [(false, false, &[][..]), (false, true, &required), (true, false, &[])] {
-        let handles = Handles {
-            events,
-            early_return,
-            required,
-        };
+        let handles = Handles::of(events, early_return, required);
         let found = rows(run, Three, handles);
         let differs = expected.iter().zip(&found).position(|(a, b)| a != b);
         assert_eq!(differs, None, "the first step that differs");
@@ -192,11 +187,7 @@ fn every_host_gets_the_same_bits_and_keeps_its_environment() {
 
     let run = |version, times: &[f64]| {
         let speed = [reference("primary.speed")];
-        let handles = Handles {
-            events: false,
-            early_return: true,
-            required: &speed,
-        };
+        let handles = Handles::of(false, true, &speed);
         let importer = Importer::coarse(version, handles);
         importer.flag("initial.steady", true);
         importer.start();
@@ -313,11 +304,7 @@ fn a_step_that_stalls_is_discarded_and_can_be_repeated() {
 #[test]
 fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     let required = ["primary.torque", "primary.speed"].map(reference);
-    let watched = Handles {
-        events: false,
-        early_return: true,
-        required: &required,
-    };
+    let watched = Handles::of(false, true, &required);
     for (version, handles) in [(Two, Handles::default()), (Three, watched)] {
         let importer = fragile(version, handles, 1e-4, 1e-3);
         let gentle = LOADS.map(|name| (name, importer.get(name)));
@@ -358,25 +345,4 @@ fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
         assert_eq!(importer.free(&mut after), Ok);
         assert_eq!(importer.free(&mut before), Ok);
     }
-}
-
-/// A start time of today, and a stop time.
-#[test]
-fn a_run_has_the_masters_times() {
-    let importer = Importer::coarse(Three, Handles::default());
-    let experiment = Experiment {
-        tolerance: None,
-        start: 1.0,
-        stop: Some(1.002),
-    };
-    assert_eq!(importer.enter(experiment), Ok);
-    assert_eq!(importer.exit(), Ok);
-    for k in 0..2 {
-        let from = 1.0 + f64::from(k) * 1e-3;
-        importer.advance(from, 1e-3);
-        assert_eq!(importer.get("time"), from + 1e-3);
-    }
-    let last = importer.readings();
-    assert_eq!(importer.terminate(), Ok);
-    assert_eq!(importer.readings(), last, "a terminated run keeps its outputs");
 }

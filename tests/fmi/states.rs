@@ -33,10 +33,7 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
         assert_eq!(importer.run(from + 10), further);
         assert_eq!(importer.free(&mut state), Ok);
         let required = [reference("thrustRatio")];
-        let watching = Handles {
-            required: &required,
-            ..Handles::default()
-        };
+        let watching = Handles::of(false, false, &required);
         let run = Importer::running(Three);
         run.advance(0.0, 0.007);
         for other in [Importer::new(Two), run, Importer::handling(Three, watching)] {

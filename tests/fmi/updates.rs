@@ -12,11 +12,7 @@ use crate::variator::{Importer, reference};
 /// An importer that is called back and may return early.
 fn watching(early_return: bool) -> Importer {
     let required = ["primary.torque", "primary.speed"].map(reference);
-    let handles = Handles {
-        events: false,
-        early_return,
-        required: &required,
-    };
+    let handles = Handles::of(false, early_return, &required);
     Importer::coarse(Three, handles)
 }
 

@@ -134,6 +134,25 @@ pub struct Handles<'a> {
     pub required: &'a [u32],
 }
 
+impl<'a> Handles<'a> {
+    pub const fn of(events: bool, early_return: bool, required: &'a [u32]) -> Self {
+        Self {
+            events,
+            early_return,
+            required,
+        }
+    }
+}
+
+/// An experiment without tolerance.
+pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
+    Experiment {
+        tolerance: None,
+        start,
+        stop,
+    }
+}
+
 /// The arguments of an `instantiate` function.
 pub struct Arguments<'a> {
     pub name: Option<&'a CStr>,
@@ -290,7 +309,11 @@ impl<U: Unit> Importer<U> {
 
     /// From instantiated to step mode, by way of event mode if the importer handles events.
     pub fn start(&self) {
-        assert_eq!(self.enter(Experiment::default()), Done, "{}", self.last());
+        self.start_at(0.0);
+    }
+
+    pub fn start_at(&self, time: f64) {
+        assert_eq!(self.enter(experiment(time, None)), Done, "{}", self.last());
         assert_eq!(self.exit(), Done, "{}", self.last());
         if self.events {
             self.handle_event();
@@ -370,6 +393,7 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn set_reals(&self, references: &[u32], values: &[f64]) -> Status {
+        assert_eq!(references.len(), values.len());
         let (vr, nvr, value, n) = (references.as_ptr(), references.len(), values.as_ptr(), values.len());
         call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
     }
@@ -377,6 +401,7 @@ impl<U: Unit> Importer<U> {
     /// `count` values of real variables.
     pub fn reals(&self, references: &[u32], count: usize) -> Result<Vec<f64>, Status> {
         let (vr, nvr) = (references.as_ptr(), references.len());
+        assert!(self.version == Three || nvr == count);
         let mut values = vec![f64::NAN; count];
         let status = call! {
             self, fmi2GetReal(vr, nvr, values.as_mut_ptr()),

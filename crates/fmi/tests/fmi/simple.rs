@@ -4,7 +4,7 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::prelude::*;
 use pushbelt_fmi::slave::Version;
 
-use crate::importer::BOTH;
+use crate::importer::{BOTH, experiment};
 
 /// Longest step that the model takes, s.
 const LONGEST: f64 = 2.0;
@@ -60,11 +60,7 @@ type Importer = crate::importer::Importer<SimpleUnit<Ramp>>;
 /// An instance at `time`, s, with an input of 4; the status of its start.
 fn started(version: Version, time: f64) -> (Importer, Status) {
     let importer = Importer::new(version);
-    let experiment = Experiment {
-        start: time,
-        ..Experiment::default()
-    };
-    assert_eq!(importer.enter(experiment), Ok);
+    assert_eq!(importer.enter(experiment(time, None)), Ok);
     assert_eq!(importer.set(1, 4.0), Ok);
     let status = importer.exit();
     (importer, status)
