@@ -23,7 +23,7 @@ from pushbelt_cosim.masters import leave  # noqa: E402
 STATUS = pytest.StashKey[int]()
 LEFT = pytest.StashKey[dict[str, int]]()
 """Number of tests of the second tier in each file."""
-SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "short_validation", "wheel"}
+SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {

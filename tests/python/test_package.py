@@ -13,7 +13,7 @@ import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
 PROGRAMS = (
-    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "paper", "sweep", "validate",
+    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "paper", "sweep",
 )  # fmt: skip
 MODULES = {
     ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
@@ -49,9 +49,9 @@ def imported(module: str) -> set[str]:
 
 LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "rig"}
 MAY_IMPORT = {
-    "errors": set(), "fmu": {"errors", "fmu"}, "theory": {"theory"}, "shared": LOW, "linear": LOW, "study": LOW,
+    "errors": set(), "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
     "maps": {*LOW, "cli"}, "rig": LOW, "cli": {*LOW, "cli"},
-} | {program: {*LOW, "theory", "cli", program} for program in PROGRAMS}  # fmt: skip
+} | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 
 
 def test_imports_go_one_way() -> None:

@@ -159,7 +159,7 @@ def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert "no page variabels; similar names: variables" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("program", [*(name for name in cli.PROGRAMS if name != "validate"), "fmu", "variables", "docs", "cache"])
+@pytest.mark.parametrize("program", [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"])
 def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_path: Path) -> None:  # noqa: F811
     """Without the packages of all extras, and without an FMU."""
     hidden = ",".join({name.lower().replace("-", "_") for name in declared["all"] - declared["base"]} | {"wltp"})

@@ -28,7 +28,6 @@ EXTRA_OF = {
     "maps": "sweep",
     "paper": "reports",
     "sweep": "sweep",
-    "validate": "reports",
 }
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
 """Modules that an option of a program imports: their packages, and the extras that install them."""

@@ -112,7 +112,7 @@ pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "validate",
         about: "Compare the FMU with theory and measurements and write target/validate/report.html",
-        module: "pushbelt.validate",
+        module: "pushbelt_validation",
         ..COMMON
     },
     Program {

@@ -14,6 +14,8 @@ With the columns series and time, each series is a recorded shift and its rows a
 A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
 A speed ratio takes three solutions, a shift rate about five times as long.
 
+--hold-out SET scores a parameter set on the table instead, beside the default one.
+
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
@@ -79,6 +81,7 @@ def parser() -> argparse.ArgumentParser:
     found = program("calibrate", __doc__, "report.html, parameters.json and residuals.csv", needed=False)
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
+    found.add_argument("--hold-out", metavar="SET", help="no fit: score a parameter set on a table that it was not fitted to, a name or a file ….json")
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
     found.add_argument(
         "--fit",
@@ -123,7 +126,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
-    return _check(options) if options.check else _run(options)
+    if options.check:
+        return _check(options)
+    return _run(options) if options.hold_out is None else _hold_out(options)
 
 
 def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
@@ -217,6 +222,21 @@ def _run(options: argparse.Namespace) -> int:
         print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0 if found.fits or options.accept_misfit else MISFIT
+
+
+def _hold_out(options: argparse.Namespace) -> int:
+    """Scores of a parameter set on a table."""
+    from . import holdout
+
+    begin = time.perf_counter()
+    held = holdout.hold_out(
+        options.fmu or default_fmu(), options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
+    )  # fmt: skip
+    path = holdout.write(held, options.output)
+    for score in held.scores():
+        print(f"  {holdout.sentence(score)}")
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
+    return 0
 
 
 def _notes(rig: points.Rig) -> tuple[str, ...]:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from pushbelt.charts import Chart, Panel
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 
-from ..bench import Bench, Plan
+from ..bench import Bench, Plan, rad
 from ..measured import Source, data, source
 from ..outcome import (
     PERCENT,
     Check,
     Column,
-    Curve,
-    Panel,
-    Picture,
+    Part,
     Section,
     Table,
     Unit,
+    curve,
     reported,
     share,
     table,
@@ -42,7 +41,7 @@ LARGEST_FALL = 0.15
 
 BEST_RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 BEST_TORQUE, BEST_SPEED = 50.0, 2000.0
-SAFETIES = tuple(float(x) for x in np.round(np.concatenate([np.linspace(0.98, 1.3, 17), np.linspace(1.35, 2.0, 8)]), 3))
+SAFETIES = (0.98, 1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14, 1.16, 1.18, 1.2, 1.25, 1.3, 1.4, 1.5, 1.7, 2.0)
 PUMP = {"area": 0.01, "displacement": 1e-5, "efficiency": 0.8}
 """A pump that feeds both cylinders: piston area, m²; oil per turn of the primary shaft, m³; efficiency of the pump."""
 
@@ -82,24 +81,20 @@ class Traction:
         return float(np.interp(0.8 * self.peak, self.utilisations, self.slips))
 
 
-def count(plan: Plan) -> int:
-    """Approximate number of points."""
-    return 90 if plan.short else 3 * 9 * 12 + 5 * 25
-
-
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and evaluates the checks."""
     curves = _curves(bench, plan)
     best, best_check = _best(bench, plan)
     return Section(
         "slip",
+        Part.MEASUREMENTS,
         "Slip",
         "Traction is the torque divided by that of full slip at peak friction, with both shafts held at speeds with a slip "
         "between them. The section also shows the slip at "
         "which the losses are least at a given torque.",
         (*_traction_checks(curves), *best_check),
         (_traction_table(curves), best),
-        (_picture(curves),),
+        (_chart(curves),),
         (
             "The measured slips of best efficiency are those of the system: they include the pump loss, and the ratios are not "
             "published. A pump's power grows with the "
@@ -118,7 +113,7 @@ def _curves(bench: Bench, plan: Plan) -> list[Traction]:
     for ratio, force, rpm in itertools.product(plan.thin(RATIOS, 2), plan.thin(FORCES, 2), plan.thin(SPEEDS, 2)):
         points = []
         for slip in plan.thin(SLIPS, 6):
-            values = driven_by_slip(bench.parameters, ratio, rpm * math.pi / 30.0, slip, force)
+            values = driven_by_slip(bench.parameters, ratio, rad(rpm), slip, force)
             out = bench.steady(values, f"ratio {ratio:g}, {force / 1e3:g} kN, {rpm:g} rpm, slip {100 * slip:g} %")
             if out:
                 points.append((out["slip"], out["torqueUtilisation"]))
@@ -143,24 +138,25 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
     means = {ratio: float(np.mean([c.at(AT_SLIPS[0]) for c in curves if c.ratio == ratio])) for ratio in ratios}
     return [
         within(
-            "Traction rises steeply with slip", where, [(name, c.rise) for name, c in names], None, 0.025, PERCENT,
+            "traction-rise", "Traction rises steeply with slip", where, [(name, c.rise) for name, c in names], None, 0.025, PERCENT,
             "80\N{NO-BREAK SPACE}% of the peak within 2.5\N{NO-BREAK SPACE}% slip",
         ),
         within(
-            "Traction then stays flat, then falls slightly",
+            "traction-fall", "Traction then stays flat, then falls slightly",
             where, [(name, c.fall) for name, c in names], 0.0, LARGEST_FALL, PERCENT,
             "falls from its peak to 10\N{NO-BREAK SPACE}% slip by 0 to 15\N{NO-BREAK SPACE}%",
         ),
         within(
-            "Clamping force and speed can be ignored: peak traction", where, peaks, None, PEAKS_APART, PERCENT,
+            "traction-peak", "Clamping force and speed can be ignored: peak traction", where, peaks, None, PEAKS_APART, PERCENT,
             "largest over least ≤ 5\N{NO-BREAK SPACE}% apart",
         ),
         within(
-            "Clamping force and speed can be ignored: traction at 2 and 4 % slip",
+            "traction-slips", "Clamping force and speed can be ignored: traction at 2 and 4 % slip",
             where, at_slips, None, APART, PERCENT,
             "largest over least ≤ 10\N{NO-BREAK SPACE}% apart",
         ),
         reported(
+            "traction-ratio",
             "A smaller speed ratio gives a larger traction",
             Source(where.text, f"{where.certainty}; it specifies neither the ratio nor the slip"),
             "ordered by ratio",
@@ -192,7 +188,7 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
         points = []
         for safety in reversed(plan.thin(SAFETIES, 9)):
             force = bench.force(ratio, BEST_TORQUE, safety)
-            values = driven_by_torque(bench.parameters, ratio, BEST_SPEED * math.pi / 30.0, BEST_TORQUE, force)
+            values = driven_by_torque(bench.parameters, ratio, rad(BEST_SPEED), BEST_TORQUE, force)
             out = bench.steady(values, f"ratio {ratio:g}, safety {safety:g}")
             if not out or out["macroSlip"]:
                 # A smaller force does not carry the torque either.
@@ -205,19 +201,15 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             rows.append([ratio, *alone[:3], pumped[0] - pumped[3], *pumped[1:3]])
     measured = data()["bestSlip"]
     check = [
-        reported(
-            f"{what} of best efficiency{whose}",
-            source("bestSlip"),
-            unit.text(*measured[key]),
-            unit.text(*(float(row[place]) for row in rows)),
-        )
+        reported(f"best-{key}{pump}", f"{what} of best efficiency{whose}", source("bestSlip"), unit.text(*measured[key]),
+                 unit.text(*(float(row[place]) for row in rows)))
         for what, key, unit, places in (
             ("Slip", "slip", Unit("%", 2, 100.0), (2, 5)),
             ("Safety factor", "safetyFactor", Unit("", 2), (3, 6)),
             ("Efficiency at the slip", "systemEfficiency", PERCENT, (1, 4)),
         )
-        for place, whose in zip(places, (", without a pump", ", with a pump"), strict=True)
-    ]
+        for place, pump, whose in zip(places, ("", "-pump"), (", without a pump", ", with a pump"), strict=True)
+    ]  # fmt: skip
     columns = (
         Column("Ratio", digits=2),
         share("Best efficiency", 2, signed=False),
@@ -231,20 +223,12 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     return table("best-slip", "Slip of best efficiency", columns, rows, note), check
 
 
-def _picture(curves: list[Traction]) -> Picture:
+def _chart(curves: list[Traction]) -> Chart:
     panels = []
     for ratio in dict.fromkeys(c.ratio for c in curves):
         group = [c for c in curves if c.ratio == ratio]
         colours = {force: k for k, force in enumerate(dict.fromkeys(c.force for c in group))}
         styles = dict(zip(dict.fromkeys(c.rpm for c in group), ("-", "--", ":"), strict=False))
-        panels.append(
-            Panel(
-                f"Ratio {ratio:g}: torque / torque of full slip",
-                "slip (%)",
-                tuple(
-                    Curve(tuple(100.0 * s for s in c.slips), c.utilisations, c.name, colours[c.force], styles[c.rpm])
-                    for c in group
-                ),
-            )
-        )
-    return Picture(tuple(panels), "Colours: clamping force; lines: speed.")
+        lines = [curve(c.name, [100.0 * s for s in c.slips], c.utilisations, colours[c.force], styles[c.rpm]) for c in group]
+        panels.append(Panel(f"Ratio {ratio:g}: torque / torque of full slip", lines, "slip (%)", height=300))
+    return Chart(panels, "Colours: clamping force; lines: speed.", columns=3, common_legend=len(panels) > 1)

@@ -31,6 +31,12 @@ def bound(index: int) -> Source:
     return Source(entry["source"], entry["certainty"])
 
 
+def cause(key: str) -> tuple[str, str]:
+    """Cause of a missed goal as far as known, and what decides it on a rig."""
+    entry = data()["causes"].get(key, {})
+    return entry.get("cause", "not known"), entry.get("decides", "not known")
+
+
 THEORY = Source(
     "Carbone, Mangialardi, Mantriota, J. Mech. Des. 127 (2005) 103-113, solved independently",
     "theory of a continuous belt; computed",

@@ -1,9 +1,8 @@
-"""Comparison of the FMU with the continuum theory at the FMU's radii, torque and force, and parameters for the theory's
-limit.
+"""The FMU beside the continuum theory at the FMU's radii, torque and force, and the parameters that lead to the theory's limit.
 
-The theory has no ring friction, no play, no compression of contact and chain, no losses of layers, turning elements and
-shafts, and a constant friction coefficient. In the theory's limit the same holds for the FMU; its default parameters include
-all these effects.
+The theory has no ring friction, no play, no compression of contact, chain and ring, no oil, no losses of layers, turning elements and
+shafts, and a constant friction coefficient. In the theory's limit the same holds for the FMU; its default parameters include all these
+effects.
 """
 
 from __future__ import annotations
@@ -12,16 +11,41 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from pushbelt.fmu.data import load_case_speed
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.geometry import ratio_of
-from pushbelt.fmu.load_cases import held_primary
-from pushbelt.fmu.results import LoadCase, Profile
+from pushbelt.fmu.results import Profile
 from pushbelt.fmu.starts import StartValues
-from pushbelt.theory import cmm
-from pushbelt.theory.shifting import Belt
 
 from .bench import Bench
+from .theory import cmm
+from .theory.shifting import Belt
+
+PULLEYS = ("primary", "secondary")
+
+
+def _of_both(*names: str, value: float = 0.0) -> dict[str, float]:
+    return {f"{pulley}.{name}": value for pulley in PULLEYS for name in names}
+
+
+EFFECTS: Mapping[str, Mapping[str, float]] = {
+    "ring friction": {"friction.ring": 0.0, "belt.pitchOffset": 1e-6},
+    "stretch of ring and stack": {"ring.axialStiffness": 1e10, "belt.pushStiffness": 2e8},
+    "flanks": {"contact.stiffness": 2e12},
+    "tilt clearance": _of_both("tiltClearance"),
+    "play": {"belt.play": 0.0},
+    "oil": {"belt.filmForce": 0.0, "belt.filmDamping": 0.0, "belt.squeezeDamping": 0.0},
+    "losses": {
+        "friction.fall": 0.0, "friction.layers": 0.0, "belt.elementInertia": 0.0,
+        **_of_both("drag.constant", "drag.viscous", "bearing.friction"),
+    },
+}  # fmt: skip
+"""What the theory leaves out, with the parameters that switch it off. The ring has the elements' speed where its pitch line is theirs."""
+
+OFF = {name: value for effect in EFFECTS.values() for name, value in effect.items()}
+"""All of it. The tilt is then proportional to its moment."""
+WITH_CLEARANCE = {name: value for name, value in OFF.items() if not name.endswith("tiltClearance")}
+"""All but the clearance: without torque only the shape of the opening enters, not its size."""
+QUICK = {"secondary.inertia": 3e-3, **_of_both("sheaveDamping", value=100.0)}
+"""Nothing but the belt slows a shift: a light driven shaft and hardly damped sheaves."""
 
 # ------------------------------------------------------------------------------------------------------ comparison
 
@@ -211,23 +235,6 @@ TRACTIONS = (-0.5, -0.35, -0.2, 0.2, 0.35, 0.5, 0.7)
 LARGEST_SHARE = 0.85
 """Largest traction of the comparison, relative to the theory's capacity."""
 
-NOT_IN_THE_THEORY = {
-    "friction.ring": 0.0,
-    "friction.fall": 0.0,
-    "friction.layers": 0.0,
-    "belt.elementInertia": 0.0,
-    "belt.play": 0.0,
-    "primary.tiltClearance": 0.0,
-    "secondary.tiltClearance": 0.0,
-    "primary.drag.constant": 0.0,
-    "primary.drag.viscous": 0.0,
-    "primary.bearing.friction": 0.0,
-    "secondary.drag.constant": 0.0,
-    "secondary.drag.viscous": 0.0,
-    "secondary.bearing.friction": 0.0,
-}
-"""Effects that the theory neglects and that are disabled by a parameter of 0."""
-
 
 def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
     return cmm.wrap_angles(ratio, bench.given("geometry.centerDistance"), bench.given("geometry.beltLength"))
@@ -262,7 +269,7 @@ def limit_case(bench: Bench, ratio: float, traction: float, level: Level = LIMIT
         return arc.thrust * theory.mean_force(CLAMPING) * arc.moment * radius / level.tilt
 
     return {
-        **NOT_IN_THE_THEORY,
+        **OFF,
         "primary.drive": Drive.SPEED,
         "secondary.drive": Drive.TORQUE,
         "primary.axial": Axial.HELD,
@@ -284,10 +291,3 @@ def limit_case(bench: Bench, ratio: float, traction: float, level: Level = LIMIT
         "secondary.torque": -pull * radius_s,
         "primary.torque": pull * radius_p,
     }
-
-
-def load_case(case: LoadCase, changed: Mapping[str, float] | None = None) -> StartValues:
-    """Settings of one of the nine load cases: 2000 rpm and primary sheave held."""
-    ratio = ratio_of(case.theta)
-    held = held_primary({}, ratio, load_case_speed(), case.clamping_force)
-    return held | {"secondary.torque": -case.torque * ratio} | dict(changed or {})

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pushbelt.charts import Chart, Panel
 from pushbelt.fmu.starts import driven_at_speed, driven_by_torque
 
-from ..bench import Bench, Plan
+from ..bench import Bench, Plan, rad
 from ..measured import ESTIMATE, MapPoint, bound, data, source, transmission_map
 from ..outcome import (
     PERCENT,
     Check,
     Column,
-    Curve,
-    Panel,
-    Picture,
+    Part,
     Section,
     Table,
     Unit,
     Verdict,
+    curve,
     reported,
     share,
     table,
@@ -68,11 +68,6 @@ class Beside:
         return self.measured.torque * (self.efficiencies[0] - self.measured.efficiency)
 
 
-def count(plan: Plan) -> int:
-    """Approximate number of points."""
-    return 41 if plan.short else 2 * 117 + 18 + 3 + 18
-
-
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and evaluates the checks."""
     beside = _beside(bench, plan)
@@ -82,13 +77,14 @@ def run(bench: Bench, plan: Plan) -> Section:
     trends = _trends(beside)
     return Section(
         "efficiency",
+        Part.MEASUREMENTS,
         "Efficiency",
         "Comparison with a measured map of a whole transmission (variator, final drive, pump) without published clamping "
         "forces. The efficiency of the variator alone "
         "must be above each of its points, with safety factors of 1.3 (controlled) and 2 (over-clamped).",
         (*_map_checks(beside), *_trend_checks(trends), *band_checks, *drag_checks, *bound_checks),
         (trends, _rest_table(beside), bands, drag, bounds, _map_table(beside)),
-        (_picture(beside),),
+        (_chart(beside),),
         (
             "Efficiency is that between the shafts: it includes their bearings and seals, but not pump, final drive and clutch.",
             "The loss of the rest of the transmission is the difference to the FMU at a safety factor of 1.3, "
@@ -100,7 +96,7 @@ def run(bench: Bench, plan: Plan) -> Section:
 
 def _efficiency(bench: Bench, ratio: float, rpm: float, torque: float, force: float) -> float | None:
     """Efficiency of the shafts under a primary torque."""
-    speed = rpm * math.pi / 30.0
+    speed = rad(rpm)
     values = driven_by_torque(bench.parameters, ratio, speed, torque, force)
     out = bench.steady(values, f"ratio {ratio:g}, {rpm:g} rpm, {torque:g} N·m, {force / 1e3:.1f} kN")
     return out["efficiency"] if out else None
@@ -125,6 +121,7 @@ def _beside(bench: Bench, plan: Plan) -> list[Beside]:
 def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     checks = [
         within(
+            f"efficiency-safety-{safety:g}",
             f"The efficiency of the variator at a safety factor of {safety:g} is above the transmission's at each measured point",
             source("transmissionMap"),
             [
@@ -143,6 +140,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     constant, per_speed, per_torque = _rest(beside)
     checks.append(
         reported(
+            "efficiency-rest",
             "Loss of the rest of the transmission",
             source("transmissionMap"),
             "not published",
@@ -189,9 +187,9 @@ def _trends(beside: Sequence[Beside]) -> Table:
 
 def _trend_checks(trends: Table) -> list[Check]:
     checks = []
-    for place, statement in (
-        (1, "Efficiency rises with torque as measured"),
-        (4, "Efficiency falls with speed as measured"),
+    for place, key, statement in (
+        (1, "efficiency-torque", "Efficiency rises with torque as measured"),
+        (4, "efficiency-speed", "Efficiency falls with speed as measured"),
     ):
         found = [
             (str(row[0]), float(row[place]), float(row[place + 1]))
@@ -200,11 +198,12 @@ def _trend_checks(trends: Table) -> list[Check]:
         wrong = [f"ratio {ratio}" for ratio, measured, ours in found if measured * ours < 0.0]
         checks.append(
             Check(
+                key,
                 f"{statement}, in each ratio",
                 source("transmissionMap"),
                 "the same sign per doubling",
                 f"{POINTS.text(*(ours for _, _, ours in found))} (measured {POINTS.text(*(m for _, m, _ in found))})",
-                Verdict.MISSES if wrong else Verdict.MEETS,
+                Verdict.MISSED if wrong else Verdict.MET,
                 f"other sign: {', '.join(wrong)}" if wrong else "",
             )
         )
@@ -216,7 +215,7 @@ def _rest_table(beside: Sequence[Beside]) -> Table:
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = [b for b in beside if b.measured.ratio == ratio]
         rest = [b.missing_torque for b in group]
-        watts = [b.missing_torque * b.measured.rpm * math.pi / 30.0 for b in group]
+        watts = [b.missing_torque * rad(b.measured.rpm) for b in group]
         margins = [b.margin for b in group]
         rows.append(
             [ratio, float(len(group)), min(margins), min(rest), float(np.mean(rest)), max(rest), float(np.mean(watts))]
@@ -259,10 +258,10 @@ def _bands(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             rows.append([ratio, torque, force, efficiency])
             found.append((f"ratio {ratio:g}", efficiency))
         statement = f"A variator alone at {torque:g} N·m, safety 1.3, 2000 rpm, ratios 2 to 0.5"
-        checks.append(within(statement, ESTIMATE, found, low, high, PERCENT))
+        checks.append(within(f"efficiency-{torque:g}-Nm", statement, ESTIMATE, found, low, high, PERCENT))
     design = data()["designValues"]["efficiency"]
     checks.append(
-        reported("Efficiency assumed in design", source("designValues"), PERCENT.text(design), "the lines above"),
+        reported("efficiency-design", "Efficiency assumed in design", source("designValues"), PERCENT.text(design), "the lines above"),
     )
     columns = (
         Column("Ratio", digits=1),
@@ -277,9 +276,8 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     """Torque on P that turns a variator without load. All input power is lost."""
     rows, torques = [], []
     for rpm in plan.thin(DRAG_SPEEDS):
-        speed = rpm * math.pi / 30.0
         out = bench.steady(
-            driven_at_speed(bench.parameters, 1.0, speed, 0.0, DRAG_FORCE, held=True), f"drag, {rpm:g} rpm"
+            driven_at_speed(bench.parameters, 1.0, rad(rpm), 0.0, DRAG_FORCE, held=True), f"drag, {rpm:g} rpm"
         )
         if out:
             rows.append([rpm, *(out[name] / out["primary.speed"] for name in ("loss.total", *LOSSES))])
@@ -288,6 +286,7 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     rising = all(later > earlier for earlier, later in zip(values, values[1:], strict=False))
     checks = [
         within(
+            "drag",
             "Torque that turns it without load, ratio 1, 10 kN, 500 to 5000 rpm",
             ESTIMATE,
             torques,
@@ -295,11 +294,12 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             NEWTON_METRES,
         ),
         Check(
+            "drag-rises",
             "The torque without load grows with speed",
             ESTIMATE,
             "oil and bearings",
             NEWTON_METRES.text(*values),
-            Verdict.MEETS if rising else Verdict.MISSES,
+            Verdict.MET if rising else Verdict.MISSED,
             "" if rising else "it doesn't",
         ),
     ]
@@ -332,12 +332,13 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
     peak = max([value for row in rows for value in row[2:]] + [value for b in beside for value in b.efficiencies])
     checks = [
         within(
-            "Efficiency is lower in overdrive than at ratios 1 and 2.36", bound(0), lower, None, 0.0, POINTS, "lower"
+            "efficiency-overdrive", "Efficiency is lower in overdrive than at ratios 1 and 2.36", bound(0), lower, None, 0.0, POINTS, "lower"
         ),
         within(
-            "Efficiency is lower at low load", bound(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m"
+            "efficiency-load", "Efficiency is lower at low load", bound(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m"
         ),
         within(
+            "efficiency-peak",
             "A peak above 97 % is possible with a small pump",
             bound(1),
             [("peak of all points here", peak)],
@@ -354,18 +355,15 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
     return table("efficiency-bounds", "Efficiency at fixed force, 2000 rpm", columns, rows), checks
 
 
-def _picture(beside: Sequence[Beside]) -> Picture:
+def _chart(beside: Sequence[Beside]) -> Chart:
     """Efficiency in per cent over torque, one panel per ratio."""
     panels: list[Panel] = []
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = sorted((b for b in beside if b.measured.ratio == ratio), key=lambda b: b.measured.torque)
-        torques = tuple(b.measured.torque for b in group)
         series = [("transmission, measured", 1, "o", [b.measured.efficiency for b in group])]
         for k, (safety, style) in enumerate(zip(SAFETIES, (".", "x"), strict=True)):
             series.append((f"FMU, safety {safety:g}", 0, style, [b.efficiencies[k] for b in group]))
-        curves = tuple(
-            Curve(torques, tuple(100.0 * value for value in values), name, colour, style)
-            for name, colour, style, values in series
-        )
-        panels.append(Panel(f"Ratio {ratio:g}: efficiency (%)", "primary torque (N·m)", curves))
-    return Picture(tuple(panels), "Points at one torque differ in speed, 1500 to 5000 rpm.")
+        torques = [b.measured.torque for b in group]
+        curves = [curve(name, torques, [100.0 * v for v in values], colour, style) for name, colour, style, values in series]
+        panels.append(Panel(f"Ratio {ratio:g}: efficiency (%)", curves, "primary torque (N·m)", height=300))
+    return Chart(panels, "Points at one torque differ in speed, 1500 to 5000 rpm.", columns=3, common_legend=len(panels) > 1)

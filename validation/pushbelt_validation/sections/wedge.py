@@ -13,27 +13,21 @@ from scipy.optimize import brentq
 
 from pushbelt.fmu.starts import driven_by_torque
 
-from ..bench import Bench, Outputs, Plan
+from ..bench import Bench, Outputs, Plan, rad
 from ..measured import Source, data, source
-from ..outcome import PERCENT, Check, Column, Section, Unit, share, table, within
+from ..outcome import PERCENT, POINTS, Check, Column, Part, Section, share, table, within
 
 RATIO = 0.45
-SPEED = 2000.0 * math.pi / 30.0
+SPEED = rad(2000.0)
 FORCE = 10e3
 """Secondary force at the larger angle, N."""
 SAFETY = 1.3
 GAIN_TOLERANCE = 0.05
 EFFICIENCY = (0.0, 0.01)
 """Gain of the unit's efficiency, measured 0.005."""
-POINTS = Unit("points", 2, 100.0)
 LOADS = {"without torque": 0.0, "under torque": 1.0 / SAFETY}
 """Loads at which ring tensions are compared: torque divided by that of full slip."""
 TENSION = "ring.tensionMax"
-
-
-def count(_plan: Plan) -> int:
-    """Approximate number of points."""
-    return 18
 
 
 def _state(bench: Bench, angle: float, force: float, torque: float) -> Outputs | None:
@@ -95,6 +89,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
     note = f"Ratio {RATIO:g}, 2000 rpm, torque at a safety of {SAFETY:g}."
     return Section(
         "wedge-angle",
+        Part.MEASUREMENTS,
         "Wedge angle",
         "A published change of the half wedge angle. All other parameters are those of bench168; the measured unit was a different one.",
         _checks(gains, None if None in efficiencies else efficiencies[1] - efficiencies[0]),  # type: ignore[operator]
@@ -108,7 +103,7 @@ def _checks(gains: dict[str, float | None], efficiency: float | None) -> tuple[C
     gain = measured["torqueCapacityGain"]
     capacities = [
         within(
-            f"Torque capacity from 11° to 9° at equal ring tension {name}",
+            f"wedge-capacity-{name.split()[0]}", f"Torque capacity from 11° to 9° at equal ring tension {name}",
             unclear, [("gain", found)], gain - GAIN_TOLERANCE, gain + GAIN_TOLERANCE, PERCENT,
             f"+{PERCENT.text(gain)} measured; ±5 points",
         )
@@ -117,7 +112,7 @@ def _checks(gains: dict[str, float | None], efficiency: float | None) -> tuple[C
     return (
         *capacities,
         within(
-            "Efficiency from 11° to 9° at equal torque, overdrive",
+            "wedge-efficiency", "Efficiency from 11° to 9° at equal torque, overdrive",
             where, [("gain", efficiency)], *EFFICIENCY, POINTS,
             f"+{POINTS.text(measured['unitEfficiencyGainOverdrive'])} of the unit measured; 0 to 1 point",
         ),

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import itertools
-import math
 
+from pushbelt.charts import Chart, Panel
+from pushbelt.fmu.data import reference_case
 from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.tilt import RIGID
 
-from ..bench import Bench, Plan
-from ..measured import source
+from ..bench import Bench, Plan, rad
+from ..limit import EFFECTS
+from ..measured import Source, source
 from ..outcome import (
+    NOTHING,
     PERCENT,
     Check,
     Column,
-    Curve,
-    Panel,
-    Picture,
+    Part,
     Section,
     Table,
+    curve,
     reported,
     share,
     signed,
@@ -38,11 +41,6 @@ FAST_FORCE = 15e3
 
 Key = tuple[float, float]
 """Ratio and torque ratio."""
-
-
-def count(plan: Plan) -> int:
-    """Approximate number of points."""
-    return 18 if plan.short else 278
 
 
 def run(bench: Bench, plan: Plan) -> Section:
@@ -66,11 +64,12 @@ def run(bench: Bench, plan: Plan) -> Section:
     )
     return Section(
         "thrust-ratio",
+        Part.MEASUREMENTS,
         "Thrust ratio over torque",
         "The torque ratio is the torque divided by that of full slip under the secondary force.",
-        (*_checks(spread), fast_check),
+        (*_checks(spread), fast_check, _published(bench)),
         (table("thrust-ratio", "Thrust ratio over force and speed", columns, rows, note), fast),
-        (_picture(found),),
+        (_chart(found),),
     )
 
 
@@ -82,7 +81,7 @@ def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
     for ratio, force, rpm, branch in itertools.product(ratios, FORCES, SPEEDS, branches):
         for torque_ratio in branch:
             torque = torque_ratio * bench.capacity(ratio, force)
-            values = driven_by_torque(bench.parameters, ratio, rpm * math.pi / 30.0, torque, force)
+            values = driven_by_torque(bench.parameters, ratio, rad(rpm), torque, force)
             out = bench.steady(
                 values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {force / 1e3:g} kN, {rpm:g} rpm"
             )
@@ -100,13 +99,14 @@ def _fast(bench: Bench, plan: Plan) -> tuple[Table, Check]:
         torque = torque_ratio * bench.capacity(ratio, FAST_FORCE)
         found: list[float | None] = []
         for rpm in FAST_SPEEDS:
-            values = driven_by_torque(bench.parameters, ratio, rpm * math.pi / 30.0, torque, FAST_FORCE)
+            values = driven_by_torque(bench.parameters, ratio, rad(rpm), torque, FAST_FORCE)
             out = bench.steady(values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {rpm:g} rpm")
             found.append(out["thrustRatio"] if out else None)
         change = found[-1] / found[0] - 1.0 if found[0] and found[-1] else None
         rows.append([ratio, torque_ratio, *found, change])
     changes = [row[-1] for row in rows if row[-1] is not None]
     check = reported(
+        "thrust-speed",
         "Thrust ratio at 7000 rpm against 2000 rpm, 15 kN, torque ratios 0 and 0.6",
         source("thrustRatioInvariance"),
         "almost independent of speed; the speeds of the measurement are not known",
@@ -122,27 +122,44 @@ def _fast(bench: Bench, plan: Plan) -> tuple[Table, Check]:
     return table("thrust-ratio-speed", "Thrust ratio over speed", columns, rows, note), check
 
 
+ASSUMPTIONS = {
+    **EFFECTS["ring friction"], **EFFECTS["play"], **EFFECTS["losses"], "belt.pitchOffset": 0.0,
+    "primary.tiltStiffness": RIGID, "secondary.tiltStiffness": RIGID, "mesh.primaryArc": 24, "mesh.secondaryArc": 24, "mesh.strand": 12,
+}  # fmt: skip
+"""Of the theory of the published case: rigid sheaves, no ring friction, no play, the pitch line on the ring. The pressure then rises abruptly."""
+
+
+def _published(bench: Bench) -> Check:
+    """The published state of `belt155`, whose theory has no friction along the flank."""
+    case = reference_case()
+    with Bench(bench.archive, "belt155", bench.solved, bench.failures, ASSUMPTIONS) as own:
+        values = driven_by_torque(
+            own.parameters, case["geometricRatio"], case["primarySpeed"], case["primaryTorque"], case["secondaryClampingForce"]
+        )
+        out = own.steady(values, "published case of belt155")
+    return reported(
+        "published-case", "Thrust ratio of the published state of belt155, under the assumptions of its theory",
+        Source("CVT_VelocityInit code, 2012-2015", "a closed form without friction along the flank, with idle and active arcs on rigid sheaves"),
+        f"{case['thrustRatio']:.3f}", f"{out['thrustRatio']:.3f}" if out else NOTHING,
+    )  # fmt: skip
+
+
 def _checks(spread: dict[Key, float]) -> tuple[Check, ...]:
     names = [(f"ratio {ratio:g}, torque ratio {signed(torque)}", value) for (ratio, torque), value in spread.items()]
     return (
         within(
-            "The thrust ratio depends on ratio and torque ratio alone, not on force or speed",
+            "thrust-curve", "The thrust ratio depends on ratio and torque ratio alone, not on force or speed",
             source("thrustRatioInvariance"), names, None, TOLERANCE, PERCENT,
             "largest over least ≤ 5\N{NO-BREAK SPACE}% apart",
         ),
     )  # fmt: skip
 
 
-def _picture(found: dict[Key, dict[Key, float]]) -> Picture:
+def _chart(found: dict[Key, dict[Key, float]]) -> Chart:
     curves = []
     for colour, ratio in enumerate(dict.fromkeys(ratio for ratio, _ in found)):
         for force, rpm in itertools.product(FORCES, SPEEDS):
-            points = [
-                (t, values[force, rpm]) for (i, t), values in found.items() if i == ratio and (force, rpm) in values
-            ]
-            places, values = map(tuple, zip(*points, strict=True))
-            curves.append(Curve(places, values, f"ratio {ratio:g}", colour, "-" if rpm == SPEEDS[0] else "--"))
-    return Picture(
-        (Panel("Thrust ratio F_P/F_S", "torque / torque of full slip under the secondary force", tuple(curves)),),
-        "Four lines per ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed).",
-    )
+            points = [(t, values[force, rpm]) for (i, t), values in found.items() if i == ratio and (force, rpm) in values]
+            curves.append(curve(f"ratio {ratio:g}", *zip(*points, strict=True), colour, "-" if rpm == SPEEDS[0] else "--"))
+    label = "Four lines per ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed)."
+    return Chart([Panel("Thrust ratio F_P/F_S", curves, "torque / torque of full slip under the secondary force", height=300)], label)

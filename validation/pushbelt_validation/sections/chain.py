@@ -12,18 +12,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pushbelt.charts import Chart, Panel
 from pushbelt.fmu import shift
 from pushbelt.fmu.data import curve_of
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.starts import driven_at_speed, driven_by_slip, driven_by_torque
-from pushbelt.theory import cmm
-from pushbelt.theory.shifting import ShiftLaw
+from ..theory import cmm
+from ..theory.shifting import ShiftLaw
 
-from ..against_theory import NOT_IN_THE_THEORY, Deviation, belt_of, deviation
-from ..bench import Bench, Plan
+from ..bench import Bench, Plan, rad
+from ..limit import EFFECTS, Deviation, belt_of, deviation
 from ..measured import THEORY, opening
-from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, Table, reported, share, table, within
+from ..outcome import PERCENT, Check, Column, Part, Section, Table, curve, reported, share, table, within
 
 VARIATOR = "chain168"
 PLACES = (0.6, 0.8, 1.0, 1.25, 1.6)
@@ -32,7 +33,7 @@ SHARES = (0.2, 0.5, 0.8)
 BRAKING = -0.5
 FORCE = 15e3
 """Secondary force, N."""
-SPEED = 2000.0 * math.pi / 30.0
+SPEED = rad(2000.0)
 STIFF = {"contact.stiffness": 6e11, "ring.axialStiffness": 5e6}
 """Flanks fifty times as stiff as those of the set; the theory's are rigid."""
 TOLERANCES = {RingModel.ALE: 0.025, RingModel.ALE0: 0.06}
@@ -40,13 +41,9 @@ SLIPS = (0.01, 0.015, 0.02, 0.03, 0.04)
 CAPACITY_TOLERANCE, GAIN_TOLERANCE, TENSION_TOLERANCE = 0.03, 0.1, 0.03
 SHIFT_PLACES = (0.8, 1.0, 1.25)
 SHIFT_FORCE = 20e3
-SHIFT_SPEED = 1000.0 * math.pi / 30.0
+SHIFT_SPEED = rad(1000.0)
 
-THEORY_PARAMETERS = {
-    name: value
-    for name, value in {**NOT_IN_THE_THEORY, "belt.jointRadius": 0.0}.items()
-    if not name.endswith("tiltClearance")
-}
+THEORY_PARAMETERS = {**EFFECTS["losses"], "belt.jointRadius": 0.0}
 """Effects that the theory neglects. The tilt is that of the set: in steady states only its shape enters."""
 
 
@@ -68,11 +65,6 @@ class Point:
         return f"s {self.place:g}, r {self.share:g}"
 
 
-def count(plan: Plan) -> int:
-    """Approximate number of points."""
-    return 12 if plan.short else 2 * len(PLACES) * (len(SHARES) + 2) + 3 * (len(SLIPS) + 2)
-
-
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and evaluates the checks. The section has a variator of its own."""
     with Bench(bench.archive, VARIATOR, bench.solved, bench.failures) as chain:
@@ -81,26 +73,27 @@ def run(bench: Bench, plan: Plan) -> Section:
         gains = [(f"s {s:g}", _gain(chain, s)) for s in plan.thin(SHIFT_PLACES, 1)]
     return Section(
         "chain",
+        Part.VERIFICATION,
         "Pull chain",
         "The parameter set chain168 against the continuum theory, which has neither gaps nor a stack. Joints, turning links, "
         "drag and the fall of friction with speed are off; the flanks are stiff, except where the set's are named.",
         (
             *_thrust_checks(points),
             within(
-                "Tension along the arcs agrees with the theory's, ALE",
+                "chain-tension", "Tension along the arcs agrees with the theory's, ALE",
                 THEORY, [(p.name, p.tension) for p in points if p.tension is not None], None, TENSION_TOLERANCE, PERCENT,
             ),
             within(
-                "Torque at the peak of traction, ALE, against the theory's capacity",
+                "chain-capacity", "Torque at the peak of traction, ALE, against the theory's capacity",
                 THEORY, capacities, -CAPACITY_TOLERANCE, CAPACITY_TOLERANCE, PERCENT,
             ),
             within(
-                "Speed of ratio change without load per unit of ln F_P against the theory's",
+                "chain-gain", "Speed of ratio change without load per unit of ln F_P against the theory's",
                 THEORY, gains, -GAIN_TOLERANCE, GAIN_TOLERANCE, PERCENT,
             ),
         ),
         (_table(points),),
-        (_picture(points),),
+        (_chart(points),),
     )  # fmt: skip
 
 
@@ -163,7 +156,7 @@ def _thrust_checks(points: list[Point]) -> list[Check]:
     for ring, tolerance in TOLERANCES.items():
         checks.append(
             within(
-                f"Thrust ratio under driving torque, {ring.name}, stiff flanks",
+                f"chain-thrust-{ring.name}", f"Thrust ratio under driving torque, {ring.name}, stiff flanks",
                 THEORY, errors(ring, True, False), -tolerance, tolerance, PERCENT,
             )
         )  # fmt: skip
@@ -174,8 +167,8 @@ def _thrust_checks(points: list[Point]) -> list[Check]:
         for what, values in others.items():
             solved = [value for _, value in values if value is not None]
             if solved:
-                statement = f"Difference of the thrust ratio to the theory, {ring.name}, {what}"
-                checks.append(reported(statement, THEORY, "none", PERCENT.text(*solved)))
+                key, statement = f"chain-{ring.name}-{what[:7]}", f"Difference of the thrust ratio to the theory, {ring.name}, {what}"
+                checks.append(reported(key, statement, THEORY, "none", PERCENT.text(*solved)))
     return checks
 
 
@@ -241,7 +234,7 @@ def _table(points: list[Point]) -> Table:
     return table("chain", "Chain and continuum theory", columns, rows, f"2000 rpm, {FORCE / 1e3:g} kN on S.")
 
 
-def _picture(points: list[Point]) -> Picture:
+def _chart(points: list[Point]) -> Chart:
     curves = []
     for colour, r in enumerate((BRAKING, *SHARES)):
         of = [p for p in points if p.share == r and p.stiff and p.found]
@@ -251,8 +244,5 @@ def _picture(points: list[Point]) -> Picture:
             ("ALE", [(s, f.thrust_ratio) for s, f in rows[RingModel.ALE]], "o"),
             ("ALE0", [(s, f.thrust_ratio) for s, f in rows[RingModel.ALE0]], "x"),
         )
-        for label, line, style in lines:
-            if line:
-                x, y = zip(*line, strict=True)
-                curves.append(Curve(x, y, f"r {r:g}, {label}", colour, style))
-    return Picture((Panel("Thrust ratio of a chain", "s = r_P/r_S", tuple(curves)),), "Stiff flanks, 15 kN, 2000 rpm.")
+        curves += [curve(f"r {r:g}, {label}", *zip(*line, strict=True), colour, style) for label, line, style in lines if line]
+    return Chart([Panel("Thrust ratio of a chain", curves, "s = r_P/r_S", height=300)], "Stiff flanks, 15 kN, 2000 rpm.")

@@ -1,4 +1,4 @@
-"""Parts of a section of the report as plain data: checks with their sources, tables, figures."""
+"""Parts of a section as plain data: checks with their sources, tables, charts."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
+import numpy as np
+
+from pushbelt.charts import Chart, Series
 from pushbelt.page import MINUS, number
+from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 from pushbelt.tables import title
 
 Value = float | str | None
@@ -15,13 +20,24 @@ Value = float | str | None
 NOTHING = "no point was solved"
 FEW = 3
 """Largest number of listed values outside a goal."""
+COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
+DASHES = {"-": "", "--": "dash", ":": "dot"}
+MARKERS = {"o": ("circle", 6.0), ".": ("circle", 7.0), "x": ("x-thin-open", 7.0), "_": ("line-ew-open", 14.0)}
+
+
+class Part(Enum):
+    """Part of the report."""
+
+    VERIFICATION = "verification"
+    MEASUREMENTS = "measurements"
+    STEPS = "steps"
 
 
 class Verdict(Enum):
-    """Result of the comparison of a value of the model with its goal."""
+    """Result of the comparison of values of the model with their goal."""
 
-    MEETS = "meets"
-    MISSES = "misses"
+    MET = "met"
+    MISSED = "missed"
     REPORTED = "reported"
 
 
@@ -38,6 +54,8 @@ class Source:
 class Check:
     """A statement, its goal, the result of the model, and the verdict."""
 
+    key: str
+    """Name in the pinned results."""
     statement: str
     source: Source
     goal: str
@@ -54,9 +72,9 @@ def signed(value: float) -> str:
     return f"{value:+g}".replace("-", MINUS)
 
 
-def reported(statement: str, source: Source, goal: str, found: str) -> Check:
+def reported(key: str, statement: str, source: Source, goal: str, found: str) -> Check:
     """A value that is reported for comparison, without a goal."""
-    return Check(statement, source, goal, found, Verdict.REPORTED)
+    return Check(key, statement, source, goal, found, Verdict.REPORTED)
 
 
 @dataclass(frozen=True)
@@ -81,10 +99,12 @@ class Unit:
 
 
 PERCENT = Unit("%", 1, 100.0)
+POINTS = Unit("points", 2, 100.0)
 PLAIN = Unit()
 
 
 def within(
+    key: str,
     statement: str,
     source: Source,
     values: Iterable[tuple[str, float | None]],
@@ -103,7 +123,7 @@ def within(
     found = unit.text(*(value for _, value in solved)) + (f", {len(solved)} values" if len(solved) > 2 else "")
 
     def beyond(value: float) -> float:
-        return max(low - value if low is not None else -1.0, value - high if high is not None else -1.0)
+        return max(low - value if low is not None else -math.inf, value - high if high is not None else -math.inf)
 
     outside = sorted((pair for pair in solved if beyond(pair[1]) > 0.0), key=lambda pair: -beyond(pair[1]))
     by = []
@@ -112,35 +132,24 @@ def within(
         by.append(f"{len(outside)} of {len(pairs)} outside, by up to {unit.text(beyond(outside[0][1]))}: {named}")
     if missing:
         by.append(f"{len(missing)} of {len(pairs)} without a steady state: {'; '.join(missing[:FEW])}")
-    verdict = Verdict.MEETS if solved and not by else Verdict.MISSES
-    used = max((_used(value, low, high) for _, value in solved), default=None) if _tolerance(low, high) else None
-    return Check(statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by), used)
-
-
-def _tolerance(low: float | None, high: float | None) -> float:
-    """Half the width between the limits, or the size of a single one; 0 if there is none."""
-    return 0.5 * (high - low) if low is not None and high is not None else abs(low or high or 0.0)
-
-
-def _used(value: float, low: float | None, high: float | None) -> float:
-    """Share of the tolerance that a value uses, 1 at a limit."""
-    beyond = max(low - value if low is not None else -math.inf, value - high if high is not None else -math.inf)
-    return max(1.0 + beyond / _tolerance(low, high), 0.0)
+    verdict = Verdict.MET if solved and not by else Verdict.MISSED
+    # Half the width between the limits, or the size of a single one.
+    tolerance = 0.5 * (high - low) if low is not None and high is not None else abs(low or high or 0.0)
+    used = max((max(1.0 + beyond(value) / tolerance, 0.0) for _, value in solved), default=None) if tolerance else None
+    return Check(key, statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by), used)
 
 
 def _limits(low: float | None, high: float | None, unit: Unit) -> str:
     if low is None or high is None:
         sign, limit = ("≤", high) if low is None else ("≥", low)
         return f"{sign} {unit.text(limit)}" if limit is not None else ""
-    if low == -high:
-        return f"±{unit.text(high)}"
-    return unit.text(low, high)
+    return f"±{unit.text(high)}" if low == -high else unit.text(low, high)
 
 
 SPELLED = {"N·m": "N.m", "points": "1", "of 4": "1", "1e-6": "1"}
 """Spelling in files of the units of columns whose values are in that unit."""
 UNSCALED = {
-    "": "1", "%": "1", "points": "1", "1e-6": "1", "kN": "N", "MPa": "Pa", "mm": "m", "mrad": "rad", "°": "rad",
+    "": "1", "%": "1", "points": "1", "1e-6": "1", "kN": "N", "mm": "m", "mrad": "rad", "°": "rad",
 }  # fmt: skip
 """Units of the values of columns that are shown with a factor."""
 
@@ -211,40 +220,13 @@ def table(key: str, title: str, columns: Sequence[Column], rows: Iterable[Sequen
     return Table(key, title, tuple(columns), tuple(tuple(row) for row in rows), note)
 
 
-@dataclass(frozen=True)
-class Curve:
-    """A line or points of a panel."""
-
-    x: tuple[float, ...]
-    y: tuple[float, ...]
-    label: str
-    """Label in the legend. Curves with the same label are shown and hidden together."""
-    colour: int = 0
-    """Index of the colour. Related curves have the same one."""
-    style: str = "-"
-    """`-`, `--` or `:` for a line, `o`, `.`, `x` or `_` for points, `o-` for both."""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A panel of a figure."""
-
-    title: str
-    x_label: str
-    curves: tuple[Curve, ...]
-    log_y: bool = False
-    names: tuple[str, ...] = ()
-    """Names of rows at y = 0, −1, −2 and so on, for panels with named rows."""
-    places: tuple[str, ...] = ()
-    """Names of x = 0, 1, 2 and so on, for panels with named columns."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure of several panels."""
-
-    panels: tuple[Panel, ...]
-    caption: str
+def curve(name: str, x: Sequence[float], y: Sequence[float | None], colour: int = 0, style: str = "-", **more: Any) -> Series:
+    """A line or points of a panel. `style` is `-`, `--` or `:` for a line, `o`, `.`, `x` or `_` for points, or both together."""
+    dash = "--" if "--" in style else style.strip("ox._")
+    marker, size = MARKERS.get(style.strip("-:"), ("", 6.0))
+    values = np.array(y, dtype=float)
+    kind = "line" if dash else "points"
+    return Series(name, x, values, COLOURS[colour % len(COLOURS)], kind, dash=DASHES.get(dash, ""), marker=marker, size=size, **more)
 
 
 @dataclass(frozen=True)
@@ -252,11 +234,13 @@ class Section:
     """A section of the report."""
 
     key: str
+    part: Part
     title: str
     lead: str
     checks: tuple[Check, ...] = ()
     tables: tuple[Table, ...] = ()
-    pictures: tuple[Picture, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    """The label of a chart is its caption."""
     notes: tuple[str, ...] = ()
     failures: tuple[str, ...] = ()
     """Points without a steady state, with the FMU's reasons."""

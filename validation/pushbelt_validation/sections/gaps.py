@@ -6,28 +6,20 @@ import math
 
 from pushbelt.fmu.starts import driven_by_torque
 
-from ..bench import Bench, Outputs, Plan
+from ..bench import Bench, Outputs, Plan, rad
 from ..measured import data, source
-from ..outcome import NOTHING, Check, Column, Section, Table, Unit, reported, share, table, within
+from ..outcome import NOTHING, POINTS, Check, Column, Part, Section, Table, Unit, reported, share, table, within
 
-SPEED = 2000.0 * math.pi / 30.0
-
+SPEED = rad(2000.0)
 ARC_RATIO, ARC_FORCE = 1.0, 15e3
 WRAP = math.pi
 """Wrap of both pulleys at ratio 1."""
 LOADS = (0.4, 0.6, 0.8)
 """Torques as shares of that of full slip."""
-
 SLIP_RATIO, SLIP_FORCE, SLIP_LOAD = 2.25, 12e3, 0.5
 PLAYS = (0.2e-3, 0.4e-3)
-
-POINTS = Unit("points", 2, 100.0)
 OF_WRAP = Unit("of the wrap", 2)
-
-
-def count(_plan: Plan) -> int:
-    """Approximate number of points."""
-    return len(LOADS) + len(PLAYS)
+ARC = Column("Idle arc", "°", 0, 180.0 / math.pi)
 
 
 def run(bench: Bench, _plan: Plan) -> Section:
@@ -36,6 +28,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
     slips, slip_check = _slips(bench)
     return Section(
         "gaps",
+        Part.MEASUREMENTS,
         "Play and gaps",
         "The elements leave gaps where nothing presses them together. On a driving pulley they ride without slip along the idle arc. "
         "Then the gaps are closed and the push force builds up along the active arc.",
@@ -64,23 +57,17 @@ def _arcs(bench: Bench) -> tuple[Table, list[Check]]:
     ]
     checks = [
         reported(
-            "Idle arc as a share of the wrap of the primary pulley, over the torque ratio; ratio 1, 15 kN",
-            where,
-            "half of the wrap at half the torque of full slip",
-            ", ".join(shown) or NOTHING,
+            "idle-arc", "Idle arc as a share of the wrap of the primary pulley, over the torque ratio; ratio 1, 15 kN",
+            where, "half of the wrap at half the torque of full slip", ", ".join(shown) or NOTHING,
         ),
         within(
-            "The idle arc of the primary pulley shrinks towards the entry as the torque grows",
+            "idle-arc-shrinks", "The idle arc of the primary pulley shrinks towards the entry as the torque grows",
             where, steps, None, 0.0, OF_WRAP, "does not grow",
         ),
     ]  # fmt: skip
     columns = (
-        Column("Torque ratio", digits=1),
-        Column("Idle arc", "°", 0, 180.0 / math.pi),
-        share("Idle arc / wrap", 0, signed=False),
-        share("Slip", 2, signed=False),
-        Column("Thrust ratio"),
-    )
+        Column("Torque ratio", digits=1), ARC, share("Idle arc / wrap", 0, signed=False), share("Slip", 2, signed=False), Column("Thrust ratio"),
+    )  # fmt: skip
     rows = [
         [load, out["primary.idleArc"], value, out["slip"], out["thrustRatio"]]
         for (load, out), (_, value) in zip(solved, found, strict=True)
@@ -96,16 +83,12 @@ def _slips(bench: Bench) -> tuple[Table, Check]:
     slips = [out["slip"] if out else math.nan for _, out in solved]
     low, high = data()["playSlip"]["slipGain"]
     check = within(
+        "play-slip",
         f"Slip that play of {1e3 * PLAYS[1]:g} instead of {1e3 * PLAYS[0]:g} mm adds, ratio {SLIP_RATIO:g}, "
         f"{SLIP_FORCE / 1e3:g} kN, half of the torque of full slip",
         source("playSlip"), [("gain", slips[1] - slips[0])], low, high, POINTS,
     )  # fmt: skip
-    columns = (
-        Column("Play", "mm", 1, 1e3),
-        share("Slip", 2, signed=False),
-        Column("Idle arc", "°", 0, 180.0 / math.pi),
-        Column("Thrust ratio"),
-    )
+    columns = (Column("Play", "mm", 1, 1e3), share("Slip", 2, signed=False), ARC, Column("Thrust ratio"))
     rows = [[play, out["slip"], out["primary.idleArc"], out["thrustRatio"]] for play, out in solved if out]
     note = f"Ratio {SLIP_RATIO:g}, {SLIP_FORCE / 1e3:g} kN, torque ratio {SLIP_LOAD:g}, 2000 rpm."
     return table("play-slip", "Slip over play", columns, rows, note), check

@@ -118,7 +118,7 @@ def write(held: HoldOut, folder: Path) -> Path:
         "lost": [(held.rig.points[k], name, found.reason) for name, states in zip(held.variators, held.states, strict=True)
                  for k, found in enumerate(states) if found.reason is not None],
     }  # fmt: skip
-    page.write_html("validate/holdout.html.j2", context, path, plain=plain)
+    page.write_html("calibrate/holdout.html.j2", context, path, plain=plain)
     return path
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
@@ -13,6 +14,11 @@ from pushbelt.fmu.unit import Archive, UnitError
 
 Outputs = dict[str, float]
 T = TypeVar("T")
+
+
+def rad(rpm: float) -> float:
+    """rad/s."""
+    return rpm * math.pi / 30.0
 
 
 @dataclass(frozen=True)
@@ -41,9 +47,11 @@ class Bench:
     name: str = "bench168"
     solved: Callable[[], None] = lambda: None
     failures: list[str] = field(default_factory=list)
+    changed: Mapping[str, float] = field(default_factory=dict)
+    """Parameters with other values than those of the variator."""
 
     def __post_init__(self) -> None:
-        self.parameters = data.parameter_set(self.name)
+        self.parameters = {**data.parameter_set(self.name), **self.changed}
         self.states = SteadyStates(self.archive)
 
     def __enter__(self) -> Bench:
@@ -76,8 +84,6 @@ class Bench:
             return None
         finally:
             self.solved()
-
-    # Quantities of the variator
 
     def capacity(self, ratio: float, force: float, changed: Mapping[str, float] | None = None) -> float:
         """Primary torque of full slip under a secondary force in N, N·m; parameters may be changed."""

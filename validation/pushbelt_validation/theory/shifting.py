@@ -11,12 +11,12 @@ Law
 ---
     ds/dt = omega_P a Delta g(s) [ln(F_P/F_S) - ln(F_P/F_S)_eq],   a = (1 + cos^2 beta)/sin 2 beta
 
-s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, assumed equal on both pulleys. Without load the
+s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, that of P where the pulleys' differ. Without load the
 torque of each pulley is zero, so its strand forces are equal, which determines the creep B of an arc for each A. The belt
 does not stretch:
 
-    dR_P/dt = A_P omega_P R_P a Delta,   alpha_P dR_P/dt + alpha_S dR_S/dt = 0,   omega_P R_P = omega_S R_S
-    hence  A_S = -A_P alpha_P/alpha_S  and  ds/dt = omega_P a Delta s (1 + s alpha_P/alpha_S) A_P
+    dR_P/dt = A_P omega_P R_P a Delta_P,   alpha_P dR_P/dt + alpha_S dR_S/dt = 0,   omega_P R_P = omega_S R_S
+    hence  A_S = -A_P (alpha_P/alpha_S) Delta_P/Delta_S  and  ds/dt = omega_P a Delta s (1 + s alpha_P/alpha_S) A_P
 
 The axial forces of both arcs follow from A_P and A_S, and with them ln(F_P/F_S). It is nearly linear in A_P: at
 A_P = 0.2, a thrust ratio 1.2 times that of equilibrium, the slope is within 2 % of that at rest.
@@ -83,20 +83,20 @@ class Belt:
     pitch_length: float
     """m."""
 
-    def shift(self, speed_ratio: float, primary_shift: float) -> Shift:
-        """Solution at s = R_P/R_S with A_P on the primary pulley."""
+    def shift(self, speed_ratio: float, primary_shift: float, openings: float = 1.0) -> Shift:
+        """Solution at s = R_P/R_S with A_P on the primary pulley; `openings` is Delta_P/Delta_S."""
         wrap_p, wrap_s, _, _ = cmm.wrap_angles(1.0 / speed_ratio, self.center_distance, self.pitch_length)
         primary = idle_arc(wrap_p, self.beta, self.mu, primary_shift)
-        secondary = idle_arc(wrap_s, self.beta, self.mu, -primary_shift * wrap_p / wrap_s)
+        secondary = idle_arc(wrap_s, self.beta, self.mu, -primary_shift * openings * wrap_p / wrap_s)
         return Shift(primary, secondary, speed_ratio * (1.0 + speed_ratio * wrap_p / wrap_s) * primary_shift)
 
     def equilibrium(self, speed_ratio: float) -> float:
         """ln(F_P/F_S) that holds a speed ratio without load."""
         return self.shift(speed_ratio, 0.0).log_thrust_ratio
 
-    def gain(self, speed_ratio: float) -> float:
-        """g(s): ds/dt in units of omega_P a Delta per unit of ln(F_P/F_S), about equilibrium."""
-        up, down = (self.shift(speed_ratio, sign * SMALL) for sign in (1.0, -1.0))
+    def gain(self, speed_ratio: float, openings: float = 1.0) -> float:
+        """g(s): ds/dt in units of omega_P a Delta_P per unit of ln(F_P/F_S), about equilibrium."""
+        up, down = (self.shift(speed_ratio, sign * SMALL, openings) for sign in (1.0, -1.0))
         return (up.rate - down.rate) / (up.log_thrust_ratio - down.log_thrust_ratio)
 
 
