@@ -22,9 +22,9 @@ from .fmu.results import Profile, dataframe
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import UnitError
 from .input_table import InputTable, Ramp
-from .linear import LinearModel, LinearPointError
-from .linear_physical import NotPhysicalError
-from .linear_points import FREQUENCY, LinearPoints, model_of
+from .linear.model import LinearModel, LinearPointError
+from .linear.physical import NotPhysicalError
+from .linear.points import FREQUENCY, LinearPoints, model_of
 from .points import Values
 from .recording import Record, Recording
 

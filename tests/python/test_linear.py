@@ -25,8 +25,8 @@ import pushbelt
 from pushbelt import cli
 from pushbelt.errors import VariatorWarning
 from pushbelt.fmu import cache
-from pushbelt.linear import LinearModel, LinearPointError
-from pushbelt.linear_grid import LinearGrid, load_linear
+from pushbelt.linear.model import LinearModel, LinearPointError
+from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.linearize import points
 from pushbelt.points import SteadyStateError

@@ -12,9 +12,9 @@ from itertools import pairwise
 import pytest
 
 from pushbelt.fmu.unit import Archive
-from pushbelt.validate import against_theory
-from pushbelt.validate.against_theory import Deviation
-from pushbelt.validate.bench import Bench
+from pushbelt_validation import limit
+from pushbelt_validation.bench import Bench
+from pushbelt_validation.limit import Deviation
 
 TOLERANCE = 0.05
 
@@ -25,20 +25,20 @@ def bench(archive: Archive) -> Iterator[Bench]:
         yield opened
 
 
-def limit_case(bench: Bench, *case: float | against_theory.Level) -> Deviation:
+def limit_case(bench: Bench, *case: float | limit.Level) -> Deviation:
     """A case in the limit, at a ratio, a traction and optionally a level."""
-    result = against_theory.compare(bench, against_theory.limit_case(bench, *case), str(case))
+    result = limit.compare(bench, limit.limit_case(bench, *case), str(case))
     assert result, bench.failures[-1]
     return result
 
 
 @pytest.mark.parametrize(
     "ratio",
-    [ratio if ratio == 1.0 else pytest.param(ratio, marks=pytest.mark.slow) for ratio in against_theory.RATIOS],
+    [ratio if ratio == 1.0 else pytest.param(ratio, marks=pytest.mark.slow) for ratio in limit.RATIOS],
 )
 def test_thrust_ratio_in_the_limit(bench: Bench, ratio: float) -> None:
     """Driving and braking, at each traction that is compared."""
-    tractions = [r for i, r in against_theory.cases(bench) if i == ratio]
+    tractions = [r for i, r in limit.cases(bench) if i == ratio]
     assert min(tractions) < 0.0 < max(tractions)
     for traction in tractions:
         result = limit_case(bench, ratio, traction)
@@ -51,7 +51,7 @@ def test_thrust_ratio_in_the_limit(bench: Bench, ratio: float) -> None:
 
 def ladder_errors(bench: Bench, ratio: float, traction: float) -> list[float]:
     """Size of the relative error of the thrust ratio on each level of stiffness and mesh."""
-    return [abs(limit_case(bench, ratio, traction, level).thrust_error) for level in against_theory.LADDER]
+    return [abs(limit_case(bench, ratio, traction, level).thrust_error) for level in limit.LADDER]
 
 
 @pytest.mark.slow
@@ -75,5 +75,5 @@ def test_the_ladder_is_close_throughout_in_overdrive(bench: Bench) -> None:
 def test_own_strand_forces_carry_the_torque(bench: Bench) -> None:
     """The tractions of the strands' net forces, of torque and clamping force agree: F = T - Q, with sigma V^2."""
     result = limit_case(bench, 1.0, 0.35)
-    r = against_theory.strand_traction(bench.states.unit.profile(), result.outputs, bench)
+    r = limit.strand_traction(bench.states.unit.profile(), result.outputs, bench)
     assert r == pytest.approx(result.theory.traction, rel=0.05)

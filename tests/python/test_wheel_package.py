@@ -320,7 +320,6 @@ def test_a_copy_without_its_list_does_not_run_as_the_original(fmu: Path, tmp_pat
     ("words", "why"),
     [
         (["own.fmu", "--set", "belt.colour=1"], "no parameter or input belt.colour"),
-        (["own.fmu", "--set", "belt.play"], "--set belt.play is not of the form NAME=VALUE"),
         (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
         (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"),
         (["own.zip"], "does not end in .fmu"),
@@ -345,14 +344,28 @@ def test_what_the_fmu_does_not_take_is_not_written(
     assert not list(tmp_path.iterdir())
 
 
-def test_programs_get_the_fmu_and_a_folder_unless_they_are_named(monkeypatch: pytest.MonkeyPatch, fmu: Path) -> None:
-    seen = []
+@pytest.mark.parametrize("name", cli.PROGRAMS)
+def test_programs_have_the_fmu_and_a_folder_unless_they_are_named(
+    name: str, monkeypatch: pytest.MonkeyPatch, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.setattr("pushbelt.demo.__main__.main", lambda words: seen.append(words) or 0)
-    assert cli.main(["demo", "--short"]) == 0
-    assert cli.main(["demo", "--fmu", "own.fmu", "--output", "there"]) == 0
-    assert seen[0] == ["--output", "pushbelt-demo", "--fmu", str(fmu), "--short"]
-    assert seen[1] == ["--output", "pushbelt-demo", "--fmu", "own.fmu", "--output", "there"]
+    monkeypatch.setattr("sys.argv", ["pushbelt"])
+    parsers = []
+    monkeypatch.setattr("argparse.ArgumentParser.parse_args", lambda self, words: parsers.append(self) or exit(0))
+    monkeypatch.setattr("argparse.ArgumentParser.parse_intermixed_args", lambda self, words: parsers.append(self) or exit(0))
+    with pytest.raises(SystemExit):
+        cli.main([name])
+    monkeypatch.undo()
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    needed = {"belt": "--width 30 --layers 12 --length 0.7 --center-distance 0.17", "compare": "a b", "durability": "a"}
+    options = parsers[0].parse_args(needed.get(name, "").split())
+    assert (options.fmu, options.output, parsers[0].prog) == (fmu, Path(f"pushbelt-{name}"), f"pushbelt {name}")
+    monkeypatch.setenv("PUSHBELT_FMU", str(tmp_path / "none.fmu"))
+    if name in ("compare", "durability", "calibrate"):
+        assert parsers[0].parse_args(needed.get(name, "").split()).fmu is None
+    else:
+        with pytest.raises(FileNotFoundError):
+            parsers[0].parse_args(needed.get(name, "").split())
 
 
 def test_the_cache_is_shown_and_cleared(

@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
     parser.add_argument("--short", action="store_true", help="run two load cases and coarse tests of rings")
     options = parser.parse_args(arguments)
-    provenance.begin("paper", arguments, "paper")
+    provenance.begin("paper", arguments, "pushbelt.paper")
     begin = time.perf_counter()
     options.output.mkdir(parents=True, exist_ok=True)
     try:
