@@ -22,7 +22,7 @@ CHANGES = {
     "contact.stiffness": 0.5,
     "belt.pushStiffness": 0.5,
     "belt.play": 2.0,
-    "belt.filmForce": 2.0,
+    "belt.filmDamping": 2.0,
     "belt.squeezeDamping": 2.0,
     "ring.axialStiffness": 0.8,
 }

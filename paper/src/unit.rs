@@ -6,7 +6,7 @@ use crate::ring::ancf::AncfElement;
 use crate::ring::rcm::RcmElement;
 use pushbelt::fmi::table::{Access, Enumeration, Item, Retired};
 use pushbelt::fmi::unit::Identity;
-use pushbelt::unit::{CONTACT_STRAIN, Rings, Rows, Settings, StandardRings, UnitWith};
+use pushbelt::unit::{CONTACT_STRAIN, FILM_FORCE, Rings, Rows, Settings, StandardRings, UnitWith};
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{ParameterError, Parameters, RingModel};
 use std::sync::Arc;
@@ -83,7 +83,7 @@ impl Rings for PaperRings {
         ..StandardRings::IDENTITY
     };
     const RING_MODEL: &'static Enumeration = &RING_MODEL;
-    const RETIRED: &'static [Retired] = &[CONTACT_STRAIN];
+    const RETIRED: &'static [Retired] = &[CONTACT_STRAIN, FILM_FORCE];
 
     fn add_variables(rows: &mut Rows<Self>) {
         let model = Access::Setting {

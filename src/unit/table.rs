@@ -205,10 +205,10 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises", set!(parameters.belt.roughness));
     t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
     t.set("belt.elementInertia", 1058, Parameter, "kg.m2", "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss", set!(parameters.belt.element_inertia));
-    t.set("belt.filmForce", 1039, Parameter, "N", "Film force between elements at a gap of zero, which stands for oil, waviness and rocking of the faces and acts across wider gaps than belt.roughness", set!(parameters.belt.film_force));
-    t.set("belt.filmThickness", 1040, Parameter, "m", "Gap over which belt.filmForce and belt.squeezeDamping decrease", set!(parameters.belt.film_thickness));
-    t.set("belt.filmDamping", 1057, Parameter, "N.s", "Film damping: force between elements per rate of strain, constant across all gaps", set!(parameters.belt.film_damping));
+    t.set("belt.filmThickness", 1040, Parameter, "m", "Gap between elements over which the forces of the oil decrease", set!(parameters.belt.film_thickness));
+    t.set("belt.filmDamping", 1057, Parameter, "N.s", "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2", set!(parameters.belt.film_damping));
     t.set("belt.squeezeDamping", 1085, Parameter, "N.s", "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3", set!(parameters.belt.squeeze_damping));
+    t.set("belt.suction", 1087, Parameter, "N", "Largest suction between two elements, at which the oil cavitates: area of their faces times the pressure of the atmosphere", set!(parameters.belt.suction));
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));

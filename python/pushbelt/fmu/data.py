@@ -59,6 +59,11 @@ def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
         raise InputFileError(
             f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness"
         )
+    if "belt.filmForce" in values:
+        raise InputFileError(
+            f"{path}: belt.filmForce has been removed; delete it, and see docs/upgrade.md for the new values of belt.filmDamping and "
+            "belt.squeezeDamping"
+        )
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
             raise InputFileError(

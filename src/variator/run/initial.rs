@@ -51,8 +51,8 @@ const USUAL_RADIUS: f64 = 0.3;
 const STANDSTILL: f64 = 1.0e-3;
 
 /// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
-/// within 2 % of the limit in which both vanish, their quotient growing: sliding speeds are then far above the one, and a centrifugal
-/// tension of some 2 N is far below the ring's.
+/// within 2 % of that at half and at double the speed: sliding speeds are far above the friction velocity, a centrifugal tension
+/// of some 2 N is far below the ring's, and oil bears as much as between the elements of a belt that slows down.
 const CREEP_SPEED: f64 = 20.0;
 const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
 
@@ -236,13 +236,10 @@ impl StartSearch<'_> {
         let parameters = &mut self.plant.system.parameters;
         let own = parameters.clone();
         parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
-        // In the limit no oil flows.
-        (parameters.belt.film_damping, parameters.belt.squeeze_damping) = (0.0, 0.0);
         let found = self.solve_steady();
         let belt = Survey::of(&self.plant.system, self.plant.state.view())
             .sums
             .shaft_torque;
-        self.plant.system.law.chain = own.belt.clone();
         self.plant.system.parameters = own;
         self.plant.end_soft_start();
         let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;

@@ -201,13 +201,9 @@ fn solve_from(
     outcome
 }
 
-/// Sets the friction velocity in force, m/s, and with it the film: elements that collide make a start from a kinematic state hard to
-/// solve.
+/// Sets the friction velocity in force, m/s.
 fn soften(system: &mut VariatorSystem, velocity: f64) {
     system.friction_velocity = velocity;
-    let own = &system.parameters;
-    let share = ((velocity - own.friction.velocity) / SOFT_VELOCITY).clamp(0.0, 1.0);
-    system.law.chain = own.belt.with_stiff_film(share);
 }
 
 /// A system, and the loads of the belt on the pulleys as of the last residual.

@@ -22,6 +22,7 @@ pub fn path(t: f64) -> Path<f64> {
         [0.02, -0.3, 0.2],
         [1e-3, 0.02, -0.01],
         [-3e-3, 0.01, 0.05],
+        [1e-4, 0.02, 0.03],
     ];
     of.map(|[v, d, dd]| Jet {
         v: v + t * d + 0.5 * t * t * dd,
@@ -99,7 +100,11 @@ pub fn assert_slopes<C: DisplacedCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f
                 let found = match k {
                     0 | 1 => slopes.shape[k],
                     _ => PointSlopes {
-                        r: if k == 2 { slopes.turn } else { unit[k - 3] },
+                        r: match k {
+                            2 => slopes.turn,
+                            5 => -C::point(&of, segment, f).n,
+                            _ => unit[k - 3],
+                        },
                         xi: 0.0,
                         kappa: 0.0,
                         growth: 0.0,

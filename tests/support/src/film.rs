@@ -11,8 +11,8 @@ use crate::inside::stations;
 /// The oil between the elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Film {
-    /// `belt.filmForce`, N.
-    pub force: f64,
+    /// `belt.suction`, N.
+    pub suction: f64,
     /// `belt.filmThickness`, m.
     pub thickness: f64,
     /// `belt.roughness`, m.
@@ -27,7 +27,7 @@ impl Film {
     pub fn of(parameters: &Parameters) -> Self {
         let belt = &parameters.belt;
         Self {
-            force: belt.film_force,
+            suction: belt.suction,
             thickness: belt.film_thickness,
             roughness: belt.roughness,
             damping: belt.film_damping,
@@ -37,7 +37,7 @@ impl Film {
 
     pub fn put(self, parameters: &mut Parameters) {
         let belt = &mut parameters.belt;
-        belt.film_force = self.force;
+        belt.suction = self.suction;
         belt.film_thickness = self.thickness;
         belt.roughness = self.roughness;
         belt.film_damping = self.damping;
