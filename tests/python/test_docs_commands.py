@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import page_programs
 import pytest
 
 from pushbelt import cli
@@ -76,6 +77,13 @@ def test_a_command_line_of_the_book_is_one_of_its_program(page: str, line: str) 
 def test_generated_pages_are_up_to_date(page: str) -> None:
     written = (ROOT / "docs" / page).read_text(encoding="utf-8")
     assert written == reference.PAGES[page](), f"write docs/{page} anew by `cargo fmu describe`"
+
+
+@pytest.mark.parametrize("page", page_programs.PAGES)
+def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.chdir(tmp_path)
+    assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
 
 
 def test_files_that_the_book_names_are_there() -> None:

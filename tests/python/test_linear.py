@@ -443,16 +443,6 @@ def controller(fmu: Path) -> ModuleType:
     return module
 
 
-def test_the_program_of_the_page_prints_what_stands_there(
-    page: str, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.chdir(tmp_path)
-    program = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[0]
-    exec(compile(program, "linear.md", "exec"), {})
-    assert capsys.readouterr().out == re.search(r"It prints:\n\n```\n(.*?)```", page, re.DOTALL)[1]
-
-
 def test_the_page_shows_the_controller_that_runs(page: str) -> None:
     code = (ROOT / "examples" / "drivetrain" / "linear_control.py").read_text(encoding="utf-8")
     shown = code.split("# The controller\n")[1].split("# The end of the controller")[0].rstrip()

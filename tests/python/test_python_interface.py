@@ -246,13 +246,3 @@ def test_the_first_program_prints_what_stands_there_whatever_the_order_of_output
         lines = capsys.readouterr().out.splitlines(keepends=True)
         # fmpy warns of speed set points that are not wired.
         assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed
-
-
-def test_the_first_program_of_the_introduction(
-    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "introduction.md").read_text(encoding="utf-8").split("## From Python")[1]
-    program, printed = re.search(r"```python\n(.*?)```\n\nprints `(.*?)`\.", page, re.DOTALL).groups()
-    exec(compile(program, "introduction.md", "exec"), {})
-    assert capsys.readouterr().out == f"{printed}\n"
