@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP, ROOT
+from conftest import CHEAP
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
