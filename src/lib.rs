@@ -51,6 +51,7 @@ compile_error!(
 #[doc(hidden)]
 pub mod chain;
 pub mod contact;
+pub mod cylinder;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;

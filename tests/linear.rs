@@ -80,7 +80,7 @@ fn the_linear_model_follows_small_steps_of_each_load() {
         let size = match load {
             Load::ClampingForce(_) => 5.0,
             Load::Torque(_) => 0.01,
-            Load::SpeedSetpoint(_) => unreachable!("torque drive"),
+            Load::Pressure(_) | Load::SpeedSetpoint(_) => unreachable!("torque drive, no cylinder"),
         };
         let [less, more] = [-size, size].map(|by| {
             let mut inputs = model.inputs;

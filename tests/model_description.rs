@@ -154,21 +154,8 @@ fn settings_are_bound_to_settings_and_readings_to_readings() {
 fn start_values_are_legal() {
     let settings = Settings::default();
     for variable in VariatorUnit::table().variables() {
-        let checked = match &variable.kind {
-            Kind::Real {
-                access: Access::Setting { get, .. },
-                ..
-            } => variable.admit_real(get(&settings)).map(drop),
-            Kind::Integer {
-                access: Access::Setting { get, .. },
-                ..
-            }
-            | Kind::Enumeration {
-                access: Access::Setting { get, .. },
-                ..
-            } => variable.admit_integer(get(&settings)).map(drop),
-            _ => Ok(()),
-        };
+        let start = variable.value(&settings, None);
+        let checked = start.map_or(Ok(()), |start| variable.admit(start).map(drop));
         checked.unwrap_or_else(|error| panic!("{error}"));
     }
     assert_eq!(VariatorUnit::check(&settings), Ok(()));

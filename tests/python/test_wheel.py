@@ -26,7 +26,6 @@ EXTRA_OF = {
     "durability": "durability",
     "linearize": "reports",
     "maps": "sweep",
-    "paper": "reports",
     "sweep": "sweep",
 }
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}

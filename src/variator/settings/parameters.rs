@@ -2,6 +2,7 @@
 
 pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
+pub use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
 pub use crate::ring::layers::Layers;
 pub use crate::ring::{Joints, Ring};
@@ -131,6 +132,8 @@ pub struct PulleyParameters {
     pub max_radius: f64,
     /// Drag of the shaft in seals, oil and bearings.
     pub drag: ShaftDrag,
+    /// Hydraulic cylinder; all zero: clamping forces alone act.
+    pub cylinder: Cylinder,
 }
 
 /// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
@@ -262,6 +265,7 @@ impl Default for Parameters {
                 bearing_friction: 1.8e-3,
                 bearing_radius: 0.02,
             },
+            cylinder: Cylinder::default(),
         };
         Self {
             ring_model: RingModel::Ale,

@@ -178,6 +178,11 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("drag.viscous", drag.viscous, 0.0, 10.0),
     pulley_limit!("bearing.friction", drag.bearing_friction, 0.0, 1.0),
     pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
+    pulley_limit!("cylinder.area", cylinder.area, 0.0, 1.0),
+    pulley_limit!("cylinder.springForce", cylinder.spring_force, -1e5, 1e5),
+    pulley_limit!("cylinder.springStiffness", cylinder.spring_stiffness, 0.0, 1e7),
+    pulley_limit!("cylinder.centrifugal", cylinder.centrifugal, -10.0, 10.0),
+    pulley_limit!("cylinder.seal", cylinder.seal, 0.0, 1e4),
 ];
 
 /// More than ten times what belts for cars transmit and are clamped with.
@@ -185,6 +190,7 @@ const INPUTS: &[Limit<PulleyInputs, 2>] = &[
     pulley_limit!("torque", torque, -1e4, 1e4),
     pulley_limit!("clampingForce", clamping_force, 0.0, 5e5),
     pulley_limit!("speedSetpoint", speed_setpoint, -1e4, 1e4),
+    pulley_limit!("pressure", pressure, -1e5, 2e7),
 ];
 
 /// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where

@@ -59,6 +59,7 @@ impl Figures {
                 spiral,
                 tilt,
                 idle_arc: _,
+                ..
             } = *pulley;
             for value in [
                 speed,

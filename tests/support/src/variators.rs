@@ -69,6 +69,7 @@ pub fn inputs(primary: (f64, f64), secondary: (f64, f64)) -> Inputs {
         torque,
         clamping_force,
         speed_setpoint: SPEED,
+        pressure: 0.0,
     };
     Inputs {
         primary: pulley(primary),

@@ -149,16 +149,9 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
 
 def _traction_table(curves: list[Traction]) -> Table:
     columns = (
-        Column("Ratio", digits=1),
-        Column("F_S", "kN", 0, 1e-3),
-        Column("Speed", "rpm", 0),
-        share("80 % of the peak at a slip of", 2, signed=False),
-        Column("at 1 % slip"),
-        Column("at 2 %"),
-        Column("at 4 %"),
-        Column("Peak"),
-        share("Fall to 10 %", signed=False),
-    )
+        Column("Ratio", digits=1), Column("F_S", "kN", 0, 1e-3), Column("Speed", "rpm", 0), share("80 % of the peak at a slip of", 2, signed=False),
+        Column("at 1 % slip"), Column("at 2 %"), Column("at 4 %"), Column("Peak"), share("Fall to 10 %", signed=False),
+    )  # fmt: skip
     rows = [[c.ratio, c.force, c.rpm, c.rise, c.at(0.01), c.at(0.02), c.at(0.04), c.peak, c.fall] for c in curves]
     return table("traction", "Torque / torque of full slip", columns, rows)
 
@@ -192,15 +185,10 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
         )
         for place, pump, whose in zip(places, ("", "-pump"), (", without a pump", ", with a pump"), strict=True)
     ]  # fmt: skip
+    of_best = share("at a slip of", 2, signed=False), Column("and a safety of", digits=2)
     columns = (
-        Column("Ratio", digits=2),
-        share("Best efficiency", 2, signed=False),
-        share("at a slip of", 2, signed=False),
-        Column("and a safety of", digits=2),
-        share("With a pump", 2, signed=False),
-        share("at a slip of", 2, signed=False),
-        Column("and a safety of", digits=2),
-    )
+        Column("Ratio", digits=2), share("Best efficiency", 2, signed=False), *of_best, share("With a pump", 2, signed=False), *of_best,
+    )  # fmt: skip
     note = f"{BEST_TORQUE:g} N·m, {BEST_SPEED:g} rpm; the secondary force is varied."
     return table("best-slip", "Slip of best efficiency", columns, rows, note), check
 

@@ -6,19 +6,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
 from pushbelt.charts import Chart, Level, Panel, Series, Shade, Tick, around
+from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.results import LoadCase
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
-from . import profiles
-from .results import MODELS, OTHERS, REFERENCE, CaseRun, PaperResults
+from . import profiles, times
+from .results import MODELS, OTHERS, PULLEYS, REFERENCE, CaseRun, PaperResults
 from .rings import Motion, Rings
 from .statements_rings import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
 
-COLOURS = {"RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
+HAND = f"ALE{times.BY_HAND}"
+COLOURS = {HAND: GREEN, "RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
 SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"width": 3.2, "opacity": 0.5}, "ANCF": {"dash": "dash"}}
 """Drawing order: the reference model is below the others."""
@@ -212,54 +216,41 @@ def _ticks(places: set[int]) -> tuple[Tick, ...]:
     return tuple((float(place), str(place)) for place in sorted(places))
 
 
-def _cases(results: PaperResults) -> tuple[Tick, ...]:
-    return tuple(
-        (float(k), f"{case.ratio_name.removesuffix('drive')}<br>{case.torque:g} N·m")
-        for k, case in enumerate(results.cases)
-    )
+def _cases(cases: Sequence[LoadCase]) -> tuple[Tick, ...]:
+    names = [f"{case.ratio_name.removesuffix('drive')}<br>{case.torque:g} N·m" for case in cases]
+    return tuple((float(place), name) for place, name in enumerate(names))
 
 
 def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun], float]) -> list[Series]:
     """Bars for all models, grouped by case."""
-    places = np.arange(len(results.cases))
     series = []
     for model in models:
-        runs = [results.run(case, model) for case in results.cases]
-        values, slipped = [value(run) for run in runs], [run.slipped for run in runs]
+        runs = results.of(model)
+        slipped = [run.slipped for run in runs]
         labels = [run.case.name + (", slips" if run.slipped else "") for run in runs]
-        series.append(
-            Series(label(model), places, values, COLOURS.get(model, MUTED), "bars", hatched=slipped, labels=labels)
-        )
+        values = [value(run) for run in runs]
+        series.append(_bar(model, values, hatched=slipped, labels=labels))
     return series
+
+
+def _bar(model: str, values: Sequence[float], **look: object) -> Series:
+    """Bars of a model, one a case."""
+    return Series(label(model), np.arange(len(values)), values, COLOURS.get(model, MUTED), "bars", **look)  # type: ignore[arg-type]
 
 
 def thrust_and_efficiency(results: PaperResults) -> Chart:
     """Fig. 8a and 8b: levels, and differences to the reference model."""
     lowest = 100.0 * min(run.window.efficiency for run in results.runs)
+    span = (float(np.floor(lowest - 1.0)), 100.0)
     panels = (
         ("8a  Thrust ratio", MODELS, lambda run: run.window.thrust_ratio, None),
-        (
-            "8b  Efficiency (%)",
-            MODELS,
-            lambda run: 100.0 * run.window.efficiency,
-            (float(np.floor(lowest - 1.0)), 100.0),
-        ),
-        (
-            f"Thrust ratio, difference to {REFERENCE} (%)",
-            OTHERS,
-            lambda run: 100.0 * results.thrust_difference(run.case, run.model),
-            None,
-        ),
-        (
-            f"Efficiency, difference to {REFERENCE} (points)",
-            OTHERS,
-            lambda run: 100.0 * results.efficiency_difference(run.case, run.model),
-            None,
-        ),
+        ("8b  Efficiency (%)", MODELS, lambda run: 100.0 * run.window.efficiency, span),
+        (f"Thrust ratio, difference to {REFERENCE} (%)", OTHERS, lambda run: 100.0 * results.thrust_difference(run), None),
+        (f"Efficiency, difference to {REFERENCE} (points)", OTHERS, lambda run: 100.0 * results.efficiency_difference(run), None),
     )
     return Chart(
         [
-            Panel(title, _bars(results, models, value), x_ticks=_cases(results), y_range=span, height=270)
+            Panel(title, _bars(results, models, value), x_ticks=_cases(results.cases), y_range=span, height=270)
             for title, models, value, span in panels
         ],
         "Thrust ratio and efficiency of the models, and their differences",
@@ -269,13 +260,13 @@ def thrust_and_efficiency(results: PaperResults) -> Chart:
     )
 
 
-def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart:
+def push_force(results: PaperResults) -> Chart:
     """Fig. 8c: push force on one element over one revolution."""
     series = []
     for model in MODELS:
-        path, force = profiles.element(results.parameters, run_of(model))
+        path, force = profiles.element(results.parameters, results.chosen(model))
         series.append(_of(model, 1e3 * path.time, 1e-3 * force))
-    shown = run_of(REFERENCE)
+    shown = results.chosen(REFERENCE)
     path, _ = profiles.element(results.parameters, shown)
     shape = profiles.curve(results.parameters, shown.window)
     _, s_end, p_start, p_end, s_start, length = shape.borders
@@ -295,41 +286,32 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart
     )
 
 
-def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> Chart:
+def spiral_running(results: PaperResults) -> Chart:
     """Fig. 8d: radius along both arcs."""
     panels = []
-    for pulley in ("primary", "secondary"):
+    for pulley in PULLEYS:
         series = []
         for model in MODELS:
-            fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
+            fraction, deviation = profiles.arc(results.parameters, results.chosen(model), pulley)
             series.append(_of(model, fraction, 1e3 * deviation, marker="circle", size=4))
         title, heights = f"8d  Radius minus its mean (mm), {pulley} arc", around([one.y for one in series])
         panels.append(Panel(title, series, "from entry (0) to exit (1)", x_range=around([[0.0, 1.0]], 0.03), y_range=heights, height=290))
     return Chart(panels, "Radius along both arcs, all models", columns=2, common_legend=True)
 
 
-def computing_times(results: PaperResults) -> Chart:
-    """Fig. 9: computing times relative to the reference model's."""
-    places = np.arange(len(results.cases))
-    series = []
-    for model in MODELS:
-        ratios = np.array([results.time_ratio(case, model) for case in results.cases])
-        base = np.array([results.run(case, REFERENCE).times.median for case in results.cases])
-        ends = [
-            np.array([f(results.run(case, model).times.stepping) for case in results.cases]) / base for f in (min, max)
-        ]
-        errors = (np.abs(ends[0] - ratios), np.abs(ends[1] - ratios))
-        labels = [case.name for case in results.cases]
-        series.append(
-            Series(label(model), places, ratios, COLOURS.get(model, MUTED), "bars", errors=errors, labels=labels)
-        )
-    levels = [
-        Level(0.8, "paper: ALE", BLUE),
-        Level(0.5, "paper: ANCF, ALE0", VIOLET),
-        Level(0.1, "goal for ALE", GREEN),
-    ]
-    title = f"9  Computing time relative to {REFERENCE}"
-    return Chart(
-        [Panel(title, series, x_ticks=_cases(results), scale="log", levels=levels, height=330)],
-        "Computing times relative to the reference model",
-    )
+def computing_times(measured: pd.DataFrame) -> Chart:
+    """Fig. 9: computing times of whole simulations relative to the reference model's."""
+    ratios = times.ratios(measured)
+    ends = [times.ratios(measured, times.whole(measured, end)) for end in ("min", "max")]
+    cases = [case for case in load_cases(parameter_set("bench168")) if case.name in set(measured["case"])]
+    levels = [Level(0.8, "paper: ALE", BLUE), Level(0.5, "paper: ANCF, ALE0", VIOLET)]
+    panels = []
+    for load in times.LOADS:
+        series = []
+        for model in (*MODELS, HAND):
+            value, low, high = (of[load][model] for of in (ratios, *ends))
+            errors = ((value - low).to_numpy(), (high - value).to_numpy())
+            series.append(_bar(model, value.to_numpy(), errors=errors, labels=list(value.index)))
+        title = f"9  Time of whole simulations / that of {REFERENCE}, {load} load"
+        panels.append(Panel(title, series, x_ticks=_cases(cases), scale="log", levels=levels, height=300))
+    return Chart(panels, "Computing times relative to the reference model", columns=2, common_legend=True, least_width=330)

@@ -6,9 +6,11 @@ depends on the outcome, the choice of the explanation.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
+
+from pushbelt.page import MINUS
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
 
@@ -34,9 +36,14 @@ class Statement:
     reason: str
 
 
+def plain(value: float, form: str) -> str:
+    """A number in a format, with a real minus."""
+    return f"{value:{form}}".replace("-", MINUS)
+
+
 def signed(value: float, digits: int = 1) -> str:
     """A share as per cent with its sign."""
-    return f"{100.0 * value:+.{digits}f}{THIN}%".replace("-", "\N{MINUS SIGN}")
+    return f"{plain(100.0 * value, f'+.{digits}f')}{THIN}%"
 
 
 def span(values: Iterable[float], digits: int = 1) -> str:
@@ -45,9 +52,15 @@ def span(values: Iterable[float], digits: int = 1) -> str:
     return f"{signed(min(values), digits)} to {signed(max(values), digits)}"
 
 
-def plain(value: float, form: str) -> str:
-    """A number in a format, with a real minus."""
-    return f"{value:{form}}".replace("-", "\N{MINUS SIGN}")
+def points(values: Iterable[float], digits: int = 2) -> str:
+    """Smallest and largest difference of efficiencies in points, without their name."""
+    values = list(values)
+    return " to ".join(plain(100.0 * end, f"+.{digits}f") for end in (min(values), max(values)))
+
+
+def listed(values: Mapping[str, str]) -> str:
+    """Names with their values."""
+    return ", ".join(f"{name} {value}" for name, value in values.items())
 
 
 def verdict(yes: bool, partly: bool = False) -> Verdict:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from statistics import median
 
 import numpy as np
+import pandas as pd
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
@@ -22,25 +22,16 @@ REFERENCE, *OTHERS = MODELS
 CHOSEN_CASE = "underdrive-30"
 """The paper's case 3, for which it shows push force and spiral running."""
 
+PULLEYS = ("primary", "secondary")
+
 
 @dataclass(frozen=True)
 class Effort:
-    """Duration and repetitions of the runs of the cases."""
+    """Duration of the runs of the cases: revolutions before the evaluated part, revolutions of it, samples per revolution."""
 
     settling: float
-    """Revolutions before the evaluated part."""
     looking: float
-    """Revolutions of the evaluated part."""
     samples: int
-    """Samples per revolution."""
-    clocked: float
-    """Revolutions, from the start, of a run for the computing time."""
-    repetitions: int
-    """Number of repetitions of this run."""
-
-    def revolutions(self, wavy: bool) -> float:
-        """Number of simulated revolutions, with or without an oscillating load."""
-        return self.settling + self.looking + self.clocked * self.repetitions * (2 if wavy else 1)
 
 
 @dataclass(frozen=True)
@@ -82,10 +73,15 @@ class Window:
         return 1.0 - self.loss / self.mean("primary.power")
 
     @property
+    def spiral(self) -> list[float]:
+        """Spiral running on both pulleys, m."""
+        return [self.mean(f"spiral.{pulley}") for pulley in PULLEYS]
+
+    @property
     def change(self) -> float:
         """Change of the thrust ratio from the first half to the second, relative."""
         half = len(self.trace.time) // 2
-        forces = [self.trace[f"{pulley}.axialForce"] for pulley in ("primary", "secondary")]
+        forces = [self.trace[f"{pulley}.axialForce"] for pulley in PULLEYS]
         first, second = (forces[0][part].mean() / forces[1][part].mean() for part in (slice(half), slice(half, None)))
         return float(second / first - 1.0)
 
@@ -97,28 +93,6 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Times:
-    """Processor times of one thread for repetitions of the same run, s."""
-
-    stepping: tuple[float, ...]
-    """All steps."""
-    starting: tuple[float, ...]
-    """Processor times from setting the parameters to the first step."""
-    simulated: float
-    """Simulated time of the run, s."""
-
-    @property
-    def median(self) -> float:
-        """Median of the time of all steps."""
-        return median(self.stepping)
-
-    @property
-    def spread(self) -> float:
-        """Largest minus smallest time, relative to the median."""
-        return (max(self.stepping) - min(self.stepping)) / self.median
-
-
-@dataclass(frozen=True)
 class CaseRun:
     """Results of a load case with one ring model."""
 
@@ -127,15 +101,10 @@ class CaseRun:
     load_torque: float
     """Secondary torque, the same for all models, N·m."""
     window: Window
-    times: Times
-    """Processor times of the load case."""
-    wavy_times: Times | None
-    """Processor times with an oscillating load torque."""
     slipped: bool
     """Whether the belt was in macro-slip at any time of the evaluated part."""
     steady: bool
     """Whether the run started from the requested steady state."""
-    messages: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -148,28 +117,15 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class SpeedPoint:
-    """The steady state of a load case at another speed."""
-
-    speed: float
-    """Primary speed, rad/s."""
-    thrust_ratio: float
-
-
-@dataclass(frozen=True)
 class Shift:
-    """A change of ratio on one mesh, sampled at communication points."""
+    """A change of ratio, sampled at communication points: processor time in s, Jacobians, geometric ratio, and energies in J."""
 
     spent: float
-    """Processor time, s."""
     jacobians: int
-    """Jacobians that were formed, the start included."""
     ratio: Array
-    """Geometric ratio."""
     residual: Array
-    """Energy residual: supplied minus lost minus stored energy, J."""
+    """Supplied minus lost minus stored energy."""
     stored: Array
-    """Energy stored, J."""
 
 
 @dataclass(frozen=True)
@@ -180,8 +136,8 @@ class PaperResults:
     parameters: Mapping[str, float]
     runs: tuple[CaseRun, ...]
     rings: Rings
-    speeds: Mapping[str, tuple[SpeedPoint, ...]]
-    """Thrust ratios at other speeds, by case."""
+    speeds: Mapping[str, Mapping[float, float]]
+    """Thrust ratios at other speeds, by case and speed in rad/s."""
     sheaves: Mapping[str, Mapping[str, Mapping[str, SteadyState]]]
     """Steady states of ALE, and of ALE0 with free centres and about the axes, by case, sheaves (elastic, rigid) and model."""
     meshes: Mapping[str, Mapping[str, SteadyState]]
@@ -190,6 +146,8 @@ class PaperResults:
     """The same shift of ALE, by mesh, and with A_i = [t, n] (`directions`)."""
     misaligned: SteadyState
     """The steady state of ALE in space, with pulleys that are out of line."""
+    short_times: pd.DataFrame
+    """Computing times of a short form; the long form's are stored."""
     failures: tuple[Failure, ...]
     """Failures. `runs` does not contain these cases for any model."""
     effort: Effort
@@ -208,21 +166,20 @@ class PaperResults:
         """All runs of a model."""
         return [run for run in self.runs if run.model == model]
 
-    def thrust_difference(self, case: LoadCase, model: str) -> float:
+    def chosen(self, model: str) -> CaseRun:
+        """The run of the case whose fields along the belt are shown."""
+        return next((run for run in self.of(model) if run.case.name == CHOSEN_CASE), self.of(model)[0])
+
+    def by_model(
+        self, value: Callable[[CaseRun], float | Iterable[float]], models: Iterable[str] = MODELS
+    ) -> dict[str, list[float]]:
+        """Values of all runs of each model."""
+        return {m: np.ravel([value(run) for run in self.of(m)]).tolist() for m in models}  # type: ignore[arg-type]
+
+    def thrust_difference(self, run: CaseRun) -> float:
         """Thrust ratio against the reference model's, relative."""
-        ours, reference = self.run(case, model), self.run(case, REFERENCE)
-        return ours.window.thrust_ratio / reference.window.thrust_ratio - 1.0
+        return run.window.thrust_ratio / self.run(run.case, REFERENCE).window.thrust_ratio - 1.0
 
-    def efficiency_difference(self, case: LoadCase, model: str) -> float:
+    def efficiency_difference(self, run: CaseRun) -> float:
         """Difference of the efficiency to the reference model's."""
-        ours, reference = self.run(case, model), self.run(case, REFERENCE)
-        return ours.window.efficiency - reference.window.efficiency
-
-    def time_ratio(self, case: LoadCase, model: str) -> float:
-        """Median computing time relative to the reference model's."""
-        return self.run(case, model).times.median / self.run(case, REFERENCE).times.median
-
-    def wavy_time_ratio(self, case: LoadCase, model: str) -> float | None:
-        """Median computing time with an oscillating load relative to the reference model's."""
-        ours, reference = self.run(case, model).wavy_times, self.run(case, REFERENCE).wavy_times
-        return ours.median / reference.median if ours and reference else None
+        return run.window.efficiency - self.run(run.case, REFERENCE).window.efficiency
