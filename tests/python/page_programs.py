@@ -7,6 +7,7 @@ import contextlib
 import io
 import os
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -33,5 +34,7 @@ def renewed(page: str) -> str:
 
 
 if __name__ == "__main__":
+    os.environ["PUSHBELT_FMU"] = str(Path(os.environ["PUSHBELT_FMU"]).resolve())
+    os.chdir(tempfile.mkdtemp())
     for page in PAGES:
         (DOCS / page).write_text(renewed(page), encoding="utf-8")
