@@ -93,7 +93,7 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
             base = np.array([wanted[0], clamping.force(measured, 0.0)])
             for circuit, force in zip(circuits, (base[0], FORCE), strict=True):
                 circuit.pressure = force / circuit.area
-        forces = [c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
+        forces = [c.area * c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
         change = np.array(forces) - (base[0], FORCE) if steered else np.full(2, 0.01 if k == 10 else 0.0)
         belt.advance(np.array([*change, clutch - torque]))
         if abs(logs[-1]) > 0.003:
