@@ -1,4 +1,4 @@
-//! The law of the stack over loads and states, and `ALE0` beside `ALE`: the figures of `docs/lab/stack-law.md`.
+//! The law of the stack over loads and states, and `ALE0` beside `ALE`: figures of `docs/notebook/experiments.md`.
 //!
 //! `cargo run --release --example stack -- WHAT [--ale0] [--finer]`, WHAT being
 //! - `manoeuvre`, `loads=bceg`: counts of the solver and the least push force,

@@ -230,7 +230,7 @@ def _hold_out(options: argparse.Namespace) -> int:
 
     begin = time.perf_counter()
     held = holdout.hold_out(
-        options.fmu, options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
+        options.fmu or default_fmu(), options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
     )  # fmt: skip
     path = holdout.write(held, options.output)
     for score in held.scores():
