@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import json
 import re
 import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import page_programs
 import pytest
 
 from pushbelt import cli
@@ -77,6 +79,13 @@ def test_generated_pages_are_up_to_date(page: str) -> None:
     assert written == reference.PAGES[page](), f"write docs/{page} anew by `cargo fmu describe`"
 
 
+@pytest.mark.parametrize("page", page_programs.PAGES)
+def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.chdir(tmp_path)
+    assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
+
+
 def test_files_that_the_book_names_are_there() -> None:
     missing = []
     for page, line in lines():
@@ -93,3 +102,10 @@ def test_the_controller_on_the_page_is_that_of_the_example() -> None:
     (shown,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8"), re.DOTALL)
     program = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
     assert {line.strip() for line in shown.splitlines()} <= {line.strip() for line in program.splitlines()}
+
+
+def test_the_readme_has_the_verdicts_of_the_validation() -> None:
+    results = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))
+    said = re.findall(r"\*\*(\w+): (\d+) of (\d+) goals met", (ROOT / "README.md").read_text(encoding="utf-8"))
+    parts = ("verification", "measurements")
+    assert said == [(part.capitalize(), str(results[part]["met"]), str(results[part]["goals"])) for part in parts]

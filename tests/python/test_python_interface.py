@@ -159,7 +159,7 @@ def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert "no page variabels; similar names: variables" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("program", [*(name for name in cli.PROGRAMS if name != "validate"), "fmu", "variables", "docs", "cache"])
+@pytest.mark.parametrize("program", [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"])
 def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_path: Path) -> None:  # noqa: F811
     """Without the packages of all extras, and without an FMU."""
     hidden = ",".join({name.lower().replace("-", "_") for name in declared["all"] - declared["base"]} | {"wltp"})
@@ -246,13 +246,3 @@ def test_the_first_program_prints_what_stands_there_whatever_the_order_of_output
         lines = capsys.readouterr().out.splitlines(keepends=True)
         # fmpy warns of speed set points that are not wired.
         assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed
-
-
-def test_the_first_program_of_the_introduction(
-    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "introduction.md").read_text(encoding="utf-8").split("## From Python")[1]
-    program, printed = re.search(r"```python\n(.*?)```\n\nprints `(.*?)`\.", page, re.DOTALL).groups()
-    exec(compile(program, "introduction.md", "exec"), {})
-    assert capsys.readouterr().out == f"{printed}\n"

@@ -100,15 +100,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def run_program(name: str, words: list[str]) -> int:
-    """Runs a program. By default it uses the FMU of the package and a separate output folder. Warnings are one line each."""
-    from ..fmu.files import default_fmu
-
-    def run(_: object) -> int:
-        needed = not any(word.partition("=")[0] in ("-h", "--help", "--fmu") for word in words)
-        fmu = ["--fmu", str(default_fmu())] if needed else []
-        program = importlib.import_module(f"pushbelt.{name}.__main__")
-        with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
-            return program.main(["--output", f"pushbelt-{name}", *fmu, *words])
-
-    return console.program(name, "all")(run)()
+    """Runs a program, whose warnings are one line each."""
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
+        return importlib.import_module(f"pushbelt.{name}.__main__").main(words)

@@ -61,7 +61,7 @@ def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
         )
     if "belt.filmForce" in values:
         raise InputFileError(
-            f"{path}: belt.filmForce has been removed; delete it, and see docs/upgrade.md for the new values of belt.filmDamping and "
+            f"{path}: belt.filmForce has been removed; delete it, and see CHANGELOG.md for the new values of belt.filmDamping and "
             "belt.squeezeDamping"
         )
     for pulley in ("primary", "secondary"):
