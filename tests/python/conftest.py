@@ -14,16 +14,16 @@ import fmpy
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
+sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
-from pushbelt.drive.cosim.masters import leave  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
+from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
 LEFT = pytest.StashKey[dict[str, int]]()
 """Number of tests of the second tier in each file."""
-SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "short_validation", "wheel"}
+SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt.drive.cosim.masters import load_tbb
+from pushbelt_cosim.masters import load_tbb
 from pushbelt.fmu.unit import Archive, Variator
 
 STEP = 1e-3

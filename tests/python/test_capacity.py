@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pushbelt_benchmarks import forces
 
-from pushbelt import cli, force_benchmark
+from pushbelt import cli
 from pushbelt.errors import VariatorWarning
 from pushbelt.fmu import unit
 from pushbelt.fmu.start_values import StartValueError
@@ -146,7 +147,7 @@ def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initi
 
 
 def test_the_benchmark_counts_what_is_solved(fmu: Path, initialised: list[object]) -> None:
-    found, failed = force_benchmark.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
+    found, failed = forces.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
     assert failed == 0
     assert found["least_force"].states + found["steady"].states == len(initialised)
     assert 4 <= found["least_force"].states <= 4 * MOST_STATES

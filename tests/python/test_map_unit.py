@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from pushbelt import MapVariator, cli, map_unit
+from pushbelt import MapVariator, cli
 from pushbelt.demo import manoeuvre
 from pushbelt.drive import simulate
 from pushbelt.drive.car import demo_car
@@ -24,7 +24,8 @@ from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.unit import Archive, UnitError, Variator
-from pushbelt.map_data import MapError, Maps
+from pushbelt.maps import unit as map_unit
+from pushbelt.maps.data import MapError, Maps
 
 LOADS = {
     "primary.torque": 60.0,
@@ -363,7 +364,7 @@ def made_up() -> Maps:
         "shiftUtilisation": np.array([0.0]),
         "excess": np.array([-1.0, 0.0, 1.0]),
     }
-    from pushbelt.map_data import TABLES
+    from pushbelt.maps.data import TABLES
 
     tables = {name: np.zeros(tuple(len(axes[axis]) for axis in quantity.axes)) for name, quantity in TABLES.items()}
     tables["thrustRatio"] += 1.3

@@ -64,8 +64,6 @@ class Results:
     """Parameter set of the start values."""
     base: Mapping[str, float]
     """Values of the parameter set, with the additional settings."""
-    short: bool
-    """Whether the mesh was coarse."""
     points: tuple[Point, ...]
     values: tuple[Value, ...]
     fit: Fit

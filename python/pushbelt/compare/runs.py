@@ -20,7 +20,7 @@ SAME = 1e-9
 """Tolerance relative to the range, within which runs are equal. Files have nine digits."""
 
 
-class CompareError(PushbeltError):
+class CompareError(PushbeltError, ValueError):
     """The runs cannot be compared."""
 
 

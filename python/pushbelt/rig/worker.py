@@ -106,7 +106,8 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
 
 def _initialise(unit: Variator, values: Mapping[str, float], torque: float) -> Found | None:
     """Starts in a steady state. Returns the reason if there is none."""
-    unit.restart(values)
+    # The forces of a point are whole: cylinders are in them.
+    unit.restart({name: value for name, value in values.items() if ".cylinder." not in name})
     unit.initialise()
     if unit.not_steady is None:
         return None

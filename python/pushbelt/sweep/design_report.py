@@ -14,11 +14,12 @@ from pushbelt.charts import Chart, Panel, Series
 from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
 from pushbelt.page import write_html
+from pushbelt.study.run import Effort
 from pushbelt.style import BLUE, RED, in_figures
 
 from .maps import Quantity
-from .report import FEW, Effort, shown_parameters
-from .store import METADATA, schema
+from .report import FEW, shown_parameters
+from .results import METADATA, schema
 from .study import Study
 
 QUANTITIES = (
@@ -90,7 +91,6 @@ def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
 
     strongest = sorted(names, key=weight, reverse=True)
     reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
-    times = [seconds for seconds in table["time"].to_pylist() if seconds is not None]
     failed = [row for row in table.select(["point", *names, "reason"]).to_pylist() if row["reason"] is not None]
     fields = [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)]
     units = {name: metadata["unit"] for name, metadata in fields}
@@ -103,7 +103,7 @@ def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
         "failed": [{"point": row["point"], "values": [row[name] for name in names], "reason": row["reason"]} for row in failed[:FEW]],
         "reasons": reasons.most_common(),
         "effort": effort,
-        "processor_time": sum(times),
+        "processor_time": effort.processor_time,
         "quantities": [
             (quantity, _range(quantity.scale * column(table, quantity.column))) for quantity in QUANTITIES
         ],
