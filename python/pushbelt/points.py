@@ -139,7 +139,7 @@ class WorkingPoints:
             )
         return state
 
-    def _solved(self, values: Values, point: Point, read: Callable[[calls.Variator], Read]) -> Read:
+    def _solved(self, values: Values, point: Point, read: Callable[[calls.Instance], Read]) -> Read:
         """Result of `read` for an instance that starts in the steady state of these start values."""
         values = checked(self._declared, {**values, "initial.equilibrium": False})
         try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from .unit import Archive, UnitError, Variator
+from .unit import Archive, Instance, UnitError
 
 
 class SteadyStates:
@@ -19,7 +19,7 @@ class SteadyStates:
     def __init__(self, archive: Archive, parameters: Mapping[str, float] | None = None) -> None:
         """`parameters` are start values of all states. The FMU is loaded at the first state."""
         self.archive, self.parameters = archive, dict(parameters or {})
-        self._unit: Variator | None = None
+        self._unit: Instance | None = None
 
     def __enter__(self) -> SteadyStates:
         return self
@@ -34,13 +34,13 @@ class SteadyStates:
         self._unit = None
 
     @property
-    def unit(self) -> Variator:
+    def unit(self) -> Instance:
         """The instance."""
         if self._unit is None:
-            self._unit = Variator(self.archive, {})
+            self._unit = Instance(self.archive, {})
         return self._unit
 
-    def at(self, values: Mapping[str, float]) -> Variator:
+    def at(self, values: Mapping[str, float]) -> Instance:
         """The instance in the steady state of the parameters and these start values.
 
         Raises UnitError with the reason if there is none.
@@ -50,7 +50,7 @@ class SteadyStates:
             raise UnitError(unit.not_steady)
         return unit
 
-    def started(self, values: Mapping[str, float]) -> Variator:
+    def started(self, values: Mapping[str, float]) -> Instance:
         """The instance in its initial state, which may not be the requested one. Raises UnitError if a call fails."""
         unit = self.unit
         try:

@@ -22,7 +22,7 @@ STATES = ("modal", "physical")
 """Kinds of states of a linear model."""
 
 
-def model_of(solver: calls.Variator, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
     """The linear model about the state of an instance."""
 
     def modal(below: float) -> LinearModel:
@@ -126,7 +126,7 @@ class LinearPoints(WorkingPoints):
         }
         start = {"initial.steady": True, "initial.ratio": point.ratio, "initial.primarySpeed": point.speed}
 
-        def read(solver: calls.Variator) -> LinearModel:
+        def read(solver: calls.Instance) -> LinearModel:
             try:
                 return model_of(solver, frequency, states, sample_time)
             except (UnitError, NotPhysicalError) as error:

@@ -19,7 +19,7 @@ from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 from pushbelt.fmu.tilt import RIGID
-from pushbelt.fmu.unit import Archive, Variator, output_names
+from pushbelt.fmu.unit import Archive, Instance, output_names
 from pushbelt.paper.belts import RingModel
 
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
@@ -94,7 +94,7 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
     directions = {"ring.referenceDirections": True}
     for name, changes in (("aligned", {}), ("even", MESHES["even"]), ("directions", directions)):
         start = {**parameters, **changes, "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
-        with Variator(archive, start) as unit:
+        with Instance(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
             outputs = unit.reals(("ratio.geometric", "energy.residual", "stored.energy"))
@@ -137,14 +137,14 @@ class Runner:
         self.revolution = pitch_line / steady["belt.speed"]
         """Duration of a revolution, s."""
 
-    def _started(self) -> tuple[Variator, float]:
+    def _started(self) -> tuple[Instance, float]:
         """An initialised instance, and the processor time from parameters to the first step, s."""
         begin = time.process_time()
-        unit = Variator(self.archive, self.start_values)
+        unit = Instance(self.archive, self.start_values)
         unit.initialise()
         return unit, time.process_time() - begin
 
-    def _step(self, unit: Variator, moment: float) -> float:
+    def _step(self, unit: Instance, moment: float) -> float:
         """Advances to a time, s; returns the processor time of the step, s."""
         before, begin = unit.time, time.process_time()
         unit.step_to(moment)

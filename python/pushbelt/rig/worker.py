@@ -13,7 +13,7 @@ import fmpy
 
 from pushbelt.fmu.enumerations import Axial, Drive, StartState
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.side_by_side import tick
 
 from .measured import SAMPLED, Point, Record
@@ -105,7 +105,7 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
     }
 
 
-def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Variator | Found:
+def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
     """The instance in a steady state, or why there is none."""
     unit = states.started(values)
     if unit.not_steady is None:
