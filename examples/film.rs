@@ -1,37 +1,34 @@
-//! Gaps, slip and traction over the oil between the elements: the film force, its thickness, roughness and damping. Prints the
-//! Markdown table of `docs/sensitivity.md`:
+//! Gaps, slip and traction over the oil between the elements: suction, thickness, roughness and damping. Prints the Markdown
+//! table:
 //!
 //! `cargo run --release --example film`
 //!
 //! Values in the order of [`Film`] give one row of the first table, `ALE0` behind them uses that ring:
-//! `cargo run --release --example film -- 5 1.5e-6 1e-7 1 900`
+//! `cargo run --release --example film -- 19 1.5e-6 1e-7 9 300`
 
 use std::error::Error;
 
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::film::{Film, FilmBench, Load, RATIOS, SHARES};
 
-/// Force, thickness, roughness and the two dampings of the rows: the earlier default, the default, and changes of it.
-const TRIED: [[f64; 5]; 14] = [
-    [100.0, 1.5e-6, 1e-7, 3.0, 900.0],
-    [5.0, 1.5e-6, 1e-7, 2.0, 2700.0],
-    [10.0, 1.5e-6, 1e-7, 2.0, 2700.0],
-    [1.0, 1.5e-6, 1e-7, 2.0, 2700.0],
-    [5.0, 1e-6, 1e-7, 2.0, 2700.0],
-    [5.0, 3e-6, 1e-7, 2.0, 2700.0],
-    [5.0, 1.5e-6, 5e-8, 2.0, 2700.0],
-    [5.0, 1.5e-6, 2e-7, 2.0, 2700.0],
-    [5.0, 1.5e-6, 1e-7, 0.3, 2700.0],
-    [5.0, 1.5e-6, 1e-7, 5.0, 2700.0],
-    [5.0, 1.5e-6, 1e-7, 2.0, 300.0],
-    [5.0, 1.5e-6, 1e-7, 1.0, 900.0],
-    [5.0, 1.5e-6, 1e-7, 3.0, 5400.0],
-    [0.0, 1.5e-6, 1e-7, 0.0, 0.0],
+/// Suction, thickness, roughness and the two dampings of the rows: the default, and changes of it.
+const TRIED: [[f64; 5]; 11] = [
+    [19.0, 1.5e-6, 1e-7, 9.0, 750.0],
+    [10.0, 1.5e-6, 1e-7, 9.0, 750.0],
+    [40.0, 1.5e-6, 1e-7, 9.0, 750.0],
+    [19.0, 0.75e-6, 1e-7, 9.0, 750.0],
+    [19.0, 3e-6, 1e-7, 9.0, 750.0],
+    [19.0, 1.5e-6, 5e-8, 9.0, 750.0],
+    [19.0, 1.5e-6, 2e-7, 9.0, 750.0],
+    [19.0, 1.5e-6, 1e-7, 4.5, 750.0],
+    [19.0, 1.5e-6, 1e-7, 18.0, 750.0],
+    [19.0, 1.5e-6, 1e-7, 9.0, 375.0],
+    [19.0, 1.5e-6, 1e-7, 9.0, 1500.0],
 ];
 
 fn heading() {
     println!(
-        "| ring | film force, N | thickness, µm | roughness, µm | film damping, N·s | squeeze damping, N·s | least push force, N | idle arc at r = 0.4 | 0.6 | 0.8 \
+        "| ring | suction, N | thickness, µm | roughness, µm | film damping, N·s | squeeze damping, N·s | least push force, N | idle arc at r = 0.4 | 0.6 | 0.8 \
          | slip at 0.2 mm of play | added at 0.4 mm | slip at 95 % of the peak, LOW | medium | OD | peaks | thrust ratio at r = 0.6, LOW | medium | OD | OD, r = 0 |"
     );
     println!("|---|{}", "---|".repeat(19));
@@ -40,14 +37,14 @@ fn heading() {
 fn row(film: Film, ring: RingModel) -> Result<(), Box<dyn Error>> {
     let bench = FilmBench::new(film, ring);
     let Film {
-        force,
+        suction,
         thickness,
         roughness,
         damping,
         squeeze,
     } = film;
     print!(
-        "| {} | {force} | {:.3} | {:.3} | {damping} | {squeeze} | {:.1} |",
+        "| {} | {suction} | {:.3} | {:.3} | {damping} | {squeeze} | {:.1} |",
         if ring == RingModel::Ale0 { "`ALE0`" } else { "`ALE`" },
         1e6 * thickness,
         1e6 * roughness,
@@ -79,9 +76,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let default = Film::of(&Parameters::default());
     if arguments.is_empty() {
         heading();
-        for [force, thickness, roughness, damping, squeeze] in TRIED {
+        for [suction, thickness, roughness, damping, squeeze] in TRIED {
             let film = Film {
-                force,
+                suction,
                 thickness,
                 roughness,
                 damping,
@@ -94,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let number = |k: usize, or: f64| arguments.get(k).map_or(Ok(or), |text| text.parse::<f64>());
     let film = Film {
-        force: number(0, default.force)?,
+        suction: number(0, default.suction)?,
         thickness: number(1, default.thickness)?,
         roughness: number(2, default.roughness)?,
         damping: number(3, default.damping)?,

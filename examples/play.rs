@@ -48,34 +48,32 @@ const WATCHED: f64 = 0.5;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 9] = [
+const CHANGES: [Change; 7] = [
     ("as it is", |_| ()),
-    ("film force 1 N", |p| p.belt.film_force = 1.0),
     ("loose", undamp),
-    ("looser", loosen),
-    ("looser, one cell an element", |p| {
-        loosen(p);
+    ("loose, one cell an element", |p| {
+        undamp(p);
         p.mesh.cells_per_element = 1;
     }),
-    ("looser, twice the elements", |p| {
-        loosen(p);
+    ("loose, twice the elements", |p| {
+        undamp(p);
         p.mesh = p.mesh.refined(2);
     }),
-    ("looser, a tenth of the tolerance", |p| {
-        loosen(p);
+    ("loose, a tenth of the tolerance", |p| {
+        undamp(p);
         p.solver.tolerance *= 0.1;
     }),
-    ("looser, no play", |p| {
-        loosen(p);
+    ("loose, no play", |p| {
+        undamp(p);
         p.belt.play = 0.0;
     }),
-    ("looser, no ring friction", |p| {
-        loosen(p);
+    ("loose, no ring friction", |p| {
+        undamp(p);
         p.friction.ring = 0.0;
     }),
 ];
 
-const CALMED: [Change; 11] = [
+const CALMED: [Change; 10] = [
     ("as it is", |_| ()),
     ("a third of the damping by oil", |p| {
         p.belt.film_damping /= 3.0;
@@ -89,10 +87,6 @@ const CALMED: [Change; 11] = [
     ("loose, `primary.inertia` 0.1", |p| {
         undamp(p);
         p.primary.inertia = 0.1;
-    }),
-    ("loose, `belt.filmForce` 50", |p| {
-        undamp(p);
-        p.belt.film_force = 50.0;
     }),
     ("loose, `belt.play` 1e-4", |p| {
         undamp(p);
@@ -118,17 +112,10 @@ const CALMED: [Change; 11] = [
 /// The case whose gaps are drawn.
 const DRAWN: usize = 2;
 
-/// A film of 10 N over 6 µm without damping.
+/// No damping by oil.
 fn undamp(parameters: &mut Parameters) {
-    parameters.belt.film_force = 10.0;
-    parameters.belt.film_thickness = 6e-6;
     parameters.belt.film_damping = 0.0;
     parameters.belt.squeeze_damping = 0.0;
-}
-
-fn loosen(parameters: &mut Parameters) {
-    undamp(parameters);
-    parameters.belt.film_force = 1.0;
 }
 
 /// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, of the counted working points.

@@ -1,6 +1,6 @@
 //! Sensitivity of thrust ratio and slip to uncertain parameters, around the laboratory variator at 50 N·m, 2000 rpm and three
 //! ratios; then to the roughness of the elements' faces and the film between them; then that of the thrust ratio without torque
-//! and of the peak of traction. Prints the Markdown tables of `docs/sensitivity.md`:
+//! and of the peak of traction. Prints Markdown tables; `docs/notebook/figures.md` has what decides:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -51,17 +51,6 @@ const DAMPED: [Case; 2] = [
 ];
 /// Dampings by oil of the third table, as shares of the default.
 const DAMPINGS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
-/// Cases in which the film has an effect.
-const FILM_CASES: [Case; 3] = [case("30 N·m", 7.0 / 3.0, 30.0, 6_469.0), DAMPED[0], DAMPED[1]];
-/// Film forces, N, and dampings by oil, as shares of the default, of the fourth table.
-const FILMS: [(f64, f64); 6] = [
-    (0.0, 0.0),
-    (10.0, 0.0),
-    (100.0, 0.0),
-    (0.0, 1.0),
-    (10.0, 1.0),
-    (100.0, 1.0),
-];
 /// Ratio and force without torque, –, N.
 const UNLOADED: [(f64, f64); 4] = [(2.25, 10e3), (2.25, 20e3), (1.0 / 2.25, 10e3), (1.0 / 2.25, 20e3)];
 const SLIPS: [f64; 6] = [0.007, 0.01, 0.015, 0.02, 0.03, 0.04];
@@ -81,7 +70,7 @@ const TRACTION_CHANGES: [Change; 3] = [
     ("fall of friction = 0", |p| p.friction.fall = 0.0),
 ];
 
-const CHANGES: [Change; 40] = [
+const CHANGES: [Change; 39] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -97,19 +86,15 @@ const CHANGES: [Change; 40] = [
     ("play × 2", |p| p.belt.play *= 2.0),
     ("roughness of the elements × 0.5", |p| p.belt.roughness *= 0.5),
     ("roughness of the elements × 2", |p| p.belt.roughness *= 2.0),
-    ("film force × 0.5", |p| p.belt.film_force *= 0.5),
-    ("film force × 2", |p| p.belt.film_force *= 2.0),
+    ("suction × 0.5", |p| p.belt.suction *= 0.5),
+    ("suction × 2", |p| p.belt.suction *= 2.0),
     ("film thickness × 0.5", |p| p.belt.film_thickness *= 0.5),
     ("film thickness × 2", |p| p.belt.film_thickness *= 2.0),
-    ("film force = 0", |p| p.belt.film_force = 0.0),
     ("film damping = 0", |p| p.belt.film_damping = 0.0),
     ("squeezed oil = 0", |p| p.belt.squeeze_damping = 0.0),
     ("squeezed oil × 0.5", |p| p.belt.squeeze_damping *= 0.5),
     ("squeezed oil × 2", |p| p.belt.squeeze_damping *= 2.0),
-    ("film force and all damping by oil = 0", |p| {
-        p.belt.film_force = 0.0;
-        damp(p, 0.0);
-    }),
+    ("all damping by oil = 0", |p| damp(p, 0.0)),
     ("film damping × 0.5", |p| p.belt.film_damping *= 0.5),
     ("film damping × 2", |p| p.belt.film_damping *= 2.0),
     ("roughness of the flanks × 0.5", |p| p.contact.roughness *= 0.5),
@@ -260,7 +245,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!();
     damping(&base)?;
     println!();
-    film(&base)?;
     println!();
     without_torque(&base)?;
     println!();
@@ -338,29 +322,6 @@ fn damping(base: &Parameters) -> Result<(), Box<dyn Error>> {
             }
         }
         println!();
-    }
-    Ok(())
-}
-
-/// The fourth table: with and without the film.
-fn film(base: &Parameters) -> Result<(), Box<dyn Error>> {
-    print!("| roughness, µm | film force, N | damping by oil |");
-    for case in &FILM_CASES {
-        print!(" slip at {} |", case.name);
-    }
-    println!("\n|---|---|---|{}", "---|".repeat(FILM_CASES.len()));
-    for roughness in [1e-7, 4e-7] {
-        for (force, damping) in FILMS {
-            let mut parameters = base.clone();
-            parameters.belt.roughness = roughness;
-            parameters.belt.film_force = force;
-            damp(&mut parameters, damping);
-            print!("| {:.1} | {force:.0} | {damping:.0} |", 1e6 * roughness);
-            for case in &FILM_CASES {
-                slip(&parameters, case)?;
-            }
-            println!();
-        }
     }
     Ok(())
 }

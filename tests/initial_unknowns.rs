@@ -118,6 +118,17 @@ fn the_declared_dependencies_are_those_that_are_found() {
         &[("primary.axial", I(2))],
         &[("solver.mode", I(2))],
         &[("belt.kind", I(2))],
+        &[
+            ("initial.primarySpeed", R(0.0)),
+            ("secondary.axial", I(2)),
+            ("primary.cylinder.area", R(0.01)),
+            ("primary.cylinder.seal", R(100.0)),
+        ],
+        &[
+            ("initial.primarySpeed", R(0.0)),
+            ("primary.axial", I(2)),
+            ("secondary.cylinder.area", R(0.01)),
+        ],
     ];
     let mut seen = BTreeMap::<String, BTreeSet<String>>::new();
     for start in starts {

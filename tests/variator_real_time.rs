@@ -197,10 +197,9 @@ fn firing_is_followed() {
     for model in MODELS {
         let share = if model == RingModel::Ale { 0.1 } else { 0.01 };
         for &ratio in LoadHistory::Firing.ratios() {
-            assert_followed((LoadHistory::Firing, model, ratio), 4, share, 5e-3);
+            assert_followed((LoadHistory::Firing, model, ratio), 8, share, 5e-3);
         }
-        let effort = if model == RingModel::Ale { 8 } else { 4 };
-        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), effort, 0.2, 3e-2);
+        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), 8, 0.2, 3e-2);
     }
 }
 
@@ -352,7 +351,7 @@ fn few_steps_are_begun_again() {
         }
         let rollbacks = variator.outputs().work.rollbacks;
         println!("{rollbacks} steps begun again in 500 ms");
-        assert!(rollbacks <= 3, "{rollbacks}");
+        assert!(rollbacks <= 5, "{rollbacks}");
     }
 }
 

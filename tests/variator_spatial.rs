@@ -162,13 +162,13 @@ fn misalignment_follows_the_ratio() {
     }
 }
 
-/// Skewed strands change thrust ratio and losses little, and losses with the square of the misalignment. Half the lateral force
-/// of the strands acts on the movable sheave, with the sign of the misalignment.
+/// Skewed strands change thrust ratio and losses little, and losses with the square of the misalignment: losses, not their share
+/// of a power that changes too at the same slip.
 #[test]
 fn losses_rise_with_the_square_of_the_misalignment() {
     let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);
     let aligned = state(0.0).outputs;
-    let loss = |o: &Outputs| o.losses.total() / o.primary.power;
+    let loss = |o: &Outputs| o.losses.total();
     let even = |m: f64| {
         let both = [state(m), state(-m)];
         for s in &both {
@@ -180,7 +180,7 @@ fn losses_rise_with_the_square_of_the_misalignment() {
             mean(&loss) - loss(&aligned),
         ];
         println!(
-            "±{m} m: thrust ratio by {:+.2e} of {:.4}, loss by {:+.2e} of {:.5} of the power",
+            "±{m} m: thrust ratio by {:+.2e} of {:.4}, losses by {:+.2e} of {:.1} W",
             change[0],
             aligned.thrust_ratio,
             change[1],
@@ -190,7 +190,10 @@ fn losses_rise_with_the_square_of_the_misalignment() {
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
     assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");
-    assert!(large[0].abs() < 8e-3 && large[1].abs() < 1e-3, "{large:?}");
+    assert!(
+        large[0].abs() < 8e-3 && large[1].abs() < 1e-3 * aligned.primary.power,
+        "{large:?}"
+    );
 }
 
 /// The power of a misaligned belt balances on each mesh.

@@ -74,6 +74,7 @@ fn rates(from: &Inputs, to: &Inputs) -> Inputs {
         torque: (to.torque - from.torque) / STEP,
         clamping_force: (to.clamping_force - from.clamping_force) / STEP,
         speed_setpoint: (to.speed_setpoint - from.speed_setpoint) / STEP,
+        pressure: 0.0,
     };
     Inputs {
         primary: pulley(&from.primary, &to.primary),

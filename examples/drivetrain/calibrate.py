@@ -1,4 +1,4 @@
-"""Sensitivity of outputs to parameters at one steady working point: the table of docs/drivetrain-calibration.md."""
+"""Sensitivity of outputs to parameters at one steady working point: for docs/calibrate.md."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ CHANGES = {
     "contact.stiffness": 0.5,
     "belt.pushStiffness": 0.5,
     "belt.play": 2.0,
-    "belt.filmForce": 2.0,
+    "belt.filmDamping": 2.0,
     "belt.squeezeDamping": 2.0,
     "ring.axialStiffness": 0.8,
 }

@@ -1,5 +1,4 @@
-"""Influence of the friction velocity at and near standstill of the belt: the figures of docs/drivetrain.md and
-docs/drivetrain-calibration.md."""
+"""Influence of the friction velocity at and near standstill of the belt: for docs/drivetrain.md."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

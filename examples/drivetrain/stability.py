@@ -1,7 +1,7 @@
 """Growth rates of small oscillations of the ratio: the linear belt with the controllers of `cargo fmu drive`.
 
 The belt is the linear model of `pushbelt.Variator.linearize`; flywheel, clutch, controllers and hydraulics are those of the drive. A small
-change of the target ratio excites the oscillation. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
+change of the target ratio excites the oscillation. Prints growth rates (docs/controllers.md): `stability.py coarse`, the mesh of the drive, and
 `stability.py default`.
 """
 
@@ -93,7 +93,7 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
             base = np.array([wanted[0], clamping.force(measured, 0.0)])
             for circuit, force in zip(circuits, (base[0], FORCE), strict=True):
                 circuit.pressure = force / circuit.area
-        forces = [c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
+        forces = [c.area * c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
         change = np.array(forces) - (base[0], FORCE) if steered else np.full(2, 0.01 if k == 10 else 0.0)
         belt.advance(np.array([*change, clutch - torque]))
         if abs(logs[-1]) > 0.003:

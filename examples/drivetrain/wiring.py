@@ -31,7 +31,7 @@ def powers(state: dict[str, float]) -> str:
 
 
 def main() -> None:
-    """Prints the figures of docs/drivetrain-models.md."""
+    """Prints powers, an acceleration and the effect of the step size (docs/tools.md)."""
     with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         state = run(archive, 0.01, {})
         print("engine drives: " + powers(state))

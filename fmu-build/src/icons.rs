@@ -29,7 +29,7 @@ struct Icon {
 const ICON: Icon = icon!("icon");
 
 /// The icons of its terminals.
-const TERMINALS: [Icon; 2] = [icon!("shaft"), icon!("clamp")];
+const TERMINALS: [Icon; 3] = [icon!("shaft"), icon!("clamp"), icon!("port")];
 
 /// `model.png`, the picture of the FMU in a user interface.
 pub const MODEL: &[u8] = ICON.png;

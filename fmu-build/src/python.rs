@@ -51,7 +51,7 @@ pub const PACKING: Packages = Packages {
 };
 
 /// Folders of the source tree with Python packages.
-const SOURCES: [&str; 4] = ["python", "validation", "examples/cosim", "benches"];
+const SOURCES: [&str; 5] = ["python", "validation", "paper/python", "examples/cosim", "benches"];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.

@@ -59,11 +59,15 @@ impl DisplacedCurve for Unaligned<Displaced> {
             let (f, df) = Self::within(frame, segment, fraction);
             let mut slopes = frame.frame.slopes(segment, df + T::constant(f), point);
             for by in &mut slopes.shape {
-                by.r -= point.t * by.xi;
+                by.r -= point.t * ((point.kappa * frame.frame.growth.v + 1.0) * by.xi);
                 (by.xi, by.growth) = (T::zero(), T::zero());
             }
             slopes
         };
         Self::gather::<T, _>(frame, fraction, of, DisplacedPoint::with_lane)
+    }
+
+    fn growth<T: Real>(frame: &UnalignedFrame<DisplacedFrame<T>>) -> [Jet<T>; 2] {
+        Displaced::growth(&frame.frame)
     }
 }

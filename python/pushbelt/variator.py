@@ -159,6 +159,7 @@ class Variator(LinearPoints):
         """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
         values = self._values
         torque, force = values["primary.torque"], values["secondary.clampingForce"]
+        force += values.get("secondary.cylinder.area", 0.0) * values.get("secondary.pressure", 0.0)
         if values["primary.drive"] != Drive.TORQUE or values["secondary.axial"] != Axial.FORCE or torque == 0.0:
             return None
         carried = torque_capacity(values, values["initial.ratio"], force)

@@ -6,8 +6,11 @@
 //!
 //! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
 //!
-//! The five coordinates are Θ, spread a, turn γ and shift s (two); both centres are free. Of their derivatives only ∂/∂a is
-//! new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b
+//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ, r_S + δ, and the loop is longer
+//! by 2πδ. ξ remains the length along the curve without growth, so |r'| = 1 + δκ, with κ the turning per dξ.
+//!
+//! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free. Of their derivatives only
+//! ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b
 //! cancel.
 //!
 //! A motion is a path through these coordinates. A frame holds derivatives along a path: derivatives with respect to Θ
@@ -21,8 +24,8 @@ use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-/// Number of coordinates: Θ, spread a (m), turn γ (rad), shift s (two, m).
-pub const COORDINATES: usize = 5;
+/// Number of coordinates: Θ, spread a (m), turn γ (rad), shift s (two, m), growth δ (m).
+pub const COORDINATES: usize = 6;
 /// Coordinates that change the shape: Θ and spread. They come first.
 const OF_SHAPE: usize = 2;
 
@@ -40,8 +43,12 @@ pub struct Displaced {
 #[derive(Clone, Debug)]
 pub struct DisplacedFrame<T: Real> {
     centers: [VectorJet<T>; 2],
-    /// Arc radii, secondary first, m.
+    /// Arc radii without growth, secondary first, m.
     pub radius: [Jet<T>; 2],
+    /// Growth δ, m.
+    pub growth: Jet<T>,
+    /// Strain 2πδ/L of the loop.
+    pub strain: Jet<T>,
     phi: Jet<T>,
     turn: Jet<T>,
     lengths: [Jet<T>; SEGMENTS],
@@ -70,7 +77,7 @@ struct ShapeSlopes<T: Real> {
 pub struct DisplacedPoint<T: Real> {
     /// With respect to Θ and to the spread.
     pub shape: [PointSlopes<T>; OF_SHAPE],
-    /// ∂r/∂γ, m. ∂r/∂s is the unit matrix; the turn changes neither ξ nor κ.
+    /// ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of them changes ξ or κ.
     pub turn: Vector2<T>,
 }
 
@@ -217,13 +224,14 @@ impl Displaced {
     /// The curve at one place of a path.
     #[must_use]
     pub fn at_place<T: Real>(curve: &TwoPulley, path: &Path<T>) -> DisplacedFrame<T> {
-        let [theta, spread, turn, shift @ ..] = *path;
+        let [theta, spread, turn, x, y, growth] = *path;
         let axes = curve.center_distance();
         let mut distance = spread;
         distance.v += T::from(axes);
         let dimensions = Dimensions::new(curve, &theta, &distance);
         let Dimensions { r_p, r_s, phi, b, .. } = dimensions;
         let radius = [r_s, r_p];
+        let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
         let half = r_s.times(phi);
         let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
         let arc = r_p.times(opposite).scaled(2.0);
@@ -234,7 +242,7 @@ impl Displaced {
         }
         // From P to S, and half of it: e(γ) = (−cos γ, sin γ).
         let arm = VectorJet::polar(distance.scaled(0.5), turn);
-        let mut middle = VectorJet::of(shift);
+        let mut middle = VectorJet::of([x, y]);
         middle.v.x += T::from(0.5 * axes);
         let centers = [1.0, -1.0].map(|side| middle.plus_scaled_by(&arm, side));
         let upper = phi.plus_scaled(turn, 1.0);
@@ -242,7 +250,7 @@ impl Displaced {
         let quarter = |chi: Jet<T>| chi.raised(PI / 2.0);
         let ends = [(0, upper), (1, lower)];
         let strands = ends.map(|(pulley, chi)| {
-            let start = centers[pulley].plus_scaled_by(&VectorJet::polar(radius[pulley], chi), 1.0);
+            let start = centers[pulley].plus_scaled_by(&VectorJet::polar(grown[pulley], chi), 1.0);
             (start, VectorJet::polar(b, quarter(chi)))
         });
         let by_length = lengths.map(|length| length.v.recip());
@@ -268,7 +276,7 @@ impl Displaced {
                 let t = strands[strand].1.v * per_b;
                 let n = turn_right(t);
                 let chi = if strand == 0 { of_phi } else { -of_phi };
-                let start = centers[strand] - n * radius_by[strand] + t * (radius[strand].v * chi);
+                let start = centers[strand] - n * radius_by[strand] + t * (grown[strand].v * chi);
                 (start, t * of_b + n * (b.v * chi))
             });
             ShapeSlopes {
@@ -284,6 +292,8 @@ impl Displaced {
         DisplacedFrame {
             centers,
             radius,
+            growth,
+            strain: growth.scaled(2.0 * PI / curve.length()),
             phi,
             turn,
             lengths,
@@ -326,7 +336,7 @@ impl<T: Real> DisplacedFrame<T> {
                 let chi = (fraction * sweep[1] + start[1]) * by.phi;
                 let across = n * -by.radius[pulley];
                 (
-                    by.centers[pulley] + across + t * (self.radius[pulley].v * chi),
+                    by.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),
                     -(by.radius[pulley] * point.kappa * point.kappa),
                 )
             };
@@ -382,9 +392,14 @@ impl ReferenceCurve for Displaced {
             return on_strand(start.plus_scaled(along, fraction), t, phi_d + frame.turn.d, xi);
         }
         let (pulley, chi) = frame.angle(segment, fraction);
-        on_arc(frame.radius[pulley], chi, xi, |arm| {
-            frame.centers[pulley].plus_scaled_by(&arm, 1.0)
-        })
+        let radius = frame.radius[pulley];
+        let kappa = radius.recip();
+        let grown = radius.plus_scaled(frame.growth, 1.0);
+        ReferencePoint {
+            kappa: kappa.v,
+            kappa_theta: kappa.d,
+            ..on_arc(grown, chi, xi, |arm| frame.centers[pulley].plus_scaled_by(&arm, 1.0))
+        }
     }
 
     fn tangent_angle<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
@@ -413,6 +428,9 @@ pub trait DisplacedCurve: ReferenceCurve {
         fraction: T::Constant,
         point: &ReferencePoint<T>,
     ) -> DisplacedPoint<T>;
+
+    /// Growth δ along the outward normal, m, and the strain of the loop.
+    fn growth<T: Real>(frame: &Self::Frame<T>) -> [Jet<T>; 2];
 }
 
 impl DisplacedCurve for Displaced {
@@ -424,6 +442,11 @@ impl DisplacedCurve for Displaced {
         point: &ReferencePoint<T>,
     ) -> DisplacedPoint<T> {
         frame.slopes(segment, T::constant(fraction), point)
+    }
+
+    #[inline(always)]
+    fn growth<T: Real>(frame: &DisplacedFrame<T>) -> [Jet<T>; 2] {
+        [frame.growth, frame.strain]
     }
 }
 
@@ -439,6 +462,7 @@ mod tests {
             [0.02, -0.3, 0.2],
             [1e-3, 0.02, -0.01],
             [-3e-3, 0.01, 0.05],
+            [1e-4, 0.02, 0.03],
         ];
         of.map(|[v, d, dd]| Jet {
             v: v + t * d + 0.5 * t * t * dd,

@@ -18,7 +18,7 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
-pub use rings::{CONTACT_STRAIN, Rings};
+pub use rings::{CONTACT_STRAIN, FILM_FORCE, Rings};
 pub use rows::Rows;
 pub use settings::{Settings, StandardRings};
 pub use terminals::{TERMINALS, terminals};

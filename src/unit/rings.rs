@@ -47,6 +47,13 @@ pub const CONTACT_STRAIN: Retired = Retired {
     instead: "set belt.roughness, the same strain times belt.elementThickness",
 };
 
+/// Removed in an earlier version.
+pub const FILM_FORCE: Retired = Retired {
+    name: "belt.filmForce",
+    reference: 1039,
+    instead: "delete it; no force acts across a gap at rest",
+};
+
 /// A variable of the FMU of the paper's comparison alone.
 const fn of_paper(name: &'static str, reference: u32) -> Retired {
     Retired {
@@ -72,6 +79,7 @@ impl Rings for StandardRings {
     const RING_MODEL: &'static Enumeration = &RING_MODEL;
     const RETIRED: &'static [Retired] = &[
         CONTACT_STRAIN,
+        FILM_FORCE,
         of_paper("mesh.aligned", 1075),
         of_paper("ring.referenceDirections", 1048),
         of_paper("ring.elements", 1045),

@@ -167,6 +167,7 @@ fn display_unit(name: &str, unit: &str) -> Option<&'static str> {
         "rad/s" => Some("rpm"),
         "m" => Some("mm"),
         "N" => Some("kN"),
+        "Pa" if name.ends_with("pressure") => Some("bar"),
         "Pa" => Some("MPa"),
         "1" if SHARES.contains(&name) => Some("%"),
         _ => None,

@@ -56,6 +56,7 @@ macro_rules! pulley_inputs {
         $t.set("{}.torque", 1, Input, "N.m", "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", set!(inputs.$pulley.torque));
         $t.set("{}.clampingForce", 2, Input, "N", "Clamping force that closes the {} sheaves", set!(inputs.$pulley.clamping_force));
         $t.set("{}.speedSetpoint", 3, Input, "rad/s", "Speed set point of the {} shaft; used only with {}.drive = Speed", set!(inputs.$pulley.speed_setpoint));
+        $t.set("{}.pressure", 4, Input, "Pa", "Pressure in the cylinder of the {} pulley above ambient, which acts on {}.cylinder.area in addition to {}.clampingForce", set!(inputs.$pulley.pressure));
     };
 }
 
@@ -65,6 +66,9 @@ macro_rules! pulley_outputs {
         $t.read("{}.speed", 11, (Output, "rad/s", Range::typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
         $t.read("{}.radius", 12, (Output, "m", Range::typical(0.06)), "Running radius on the {} pulley: pressure-weighted mean pitch radius of the arc", read!($pulley.radius));
         $t.read("{}.position", 13, (Output, "m", Range::typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", read!($pulley.position));
+        $t.read("{}.sheaveVelocity", 25, (Output, "m/s", Range::typical(0.01)), "Speed of the movable {} sheave, positive when it closes", read!($pulley.sheave_velocity));
+        $t.read("{}.cylinder.flow", 24, (Output, "m3/s", Range::typical(1e-4)), "Flow into the cylinder of the {} pulley, {}.cylinder.area * {}.sheaveVelocity", read!($pulley.flow));
+        $t.read("{}.clampingForceTotal", 23, (Output, "N", Range::typical(1e4)), "Force that closes the {} sheaves at the end of the last step: {}.clampingForce, pressure, spring, rotating oil and seals, or the reaction of a held sheave", read!($pulley.clamping_force_total));
         $t.read("{}.axialForce", 14, (Output, "N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
         $t.read("{}.shaftTorque", 15, (Output, "N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", read!($pulley.shaft_torque));
         $t.read("{}.externalTorque", 16, (Output, "N.m", Range::typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
@@ -94,6 +98,11 @@ macro_rules! pulley_parameters {
         $t.set("{}.drag.viscous", 42, Parameter, "N.m.s/rad", "Drag torque of the {} shaft per speed, as of oil", set!(parameters.$pulley.drag.viscous));
         $t.set("{}.bearing.friction", 43, Parameter, "1", "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings", set!(parameters.$pulley.drag.bearing_friction));
         $t.set("{}.bearing.radius", 44, Parameter, "m", "Mean radius of the bearings of the {} shaft", set!(parameters.$pulley.drag.bearing_radius));
+        $t.set("{}.cylinder.area", 45, Parameter, "m2", "Area of the {} piston, on which {}.pressure acts; 0: no cylinder", set!(parameters.$pulley.cylinder.area));
+        $t.set("{}.cylinder.springForce", 46, Parameter, "N", "Force at ratio 1 of the spring that closes the {} sheaves", set!(parameters.$pulley.cylinder.spring_force));
+        $t.set("{}.cylinder.springStiffness", 47, Parameter, "N/m", "Stiffness of the spring of the {} sheaves: its force falls with {}.position", set!(parameters.$pulley.cylinder.spring_stiffness));
+        $t.set("{}.cylinder.centrifugal", 48, Parameter, "N.s2/rad2", "Closing force of the oil that rotates with the {} pulley per square of the speed; negative with an overcompensated cylinder", set!(parameters.$pulley.cylinder.centrifugal));
+        $t.set("{}.cylinder.seal", 49, Parameter, "N", "Friction of the seals of the {} cylinder, against {}.sheaveVelocity, regularised by friction.velocity", set!(parameters.$pulley.cylinder.seal));
     };
 }
 
@@ -167,6 +176,7 @@ fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.read("efficiency.belt", 24, (Output, "1", Range::typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
     t.read("loss.layers", 25, (Output, "W", Range::typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
     t.read("loss.shafts", 26, (Output, "W", Range::typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
+    t.read("loss.seals", 36, (Output, "W", Range::typical(1.0)), "Friction loss of the seals of both cylinders", read!(losses.seals));
     t.read("loss.spin", 33, (Output, "W", Range::typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
     t.read("loss.joints", 35, (Output, "W", Range::typical(10.0)), "Friction loss in the joints of a pull chain", read!(losses.joints));
     t.read("pushForce.max", 15, (Output, "N", Range::typical(1000.0)), "Largest push force between elements", read!(push_force_max));
@@ -205,10 +215,10 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises", set!(parameters.belt.roughness));
     t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
     t.set("belt.elementInertia", 1058, Parameter, "kg.m2", "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss", set!(parameters.belt.element_inertia));
-    t.set("belt.filmForce", 1039, Parameter, "N", "Film force between elements at a gap of zero, which stands for oil, waviness and rocking of the faces and acts across wider gaps than belt.roughness", set!(parameters.belt.film_force));
-    t.set("belt.filmThickness", 1040, Parameter, "m", "Gap over which belt.filmForce and belt.squeezeDamping decrease", set!(parameters.belt.film_thickness));
-    t.set("belt.filmDamping", 1057, Parameter, "N.s", "Film damping: force between elements per rate of strain, constant across all gaps", set!(parameters.belt.film_damping));
+    t.set("belt.filmThickness", 1040, Parameter, "m", "Gap between elements over which the forces of the oil decrease", set!(parameters.belt.film_thickness));
+    t.set("belt.filmDamping", 1057, Parameter, "N.s", "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2", set!(parameters.belt.film_damping));
     t.set("belt.squeezeDamping", 1085, Parameter, "N.s", "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3", set!(parameters.belt.squeeze_damping));
+    t.set("belt.suction", 1087, Parameter, "N", "Largest suction between two elements, at which the oil cavitates: area of their faces times the pressure of the atmosphere", set!(parameters.belt.suction));
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));

@@ -2,8 +2,8 @@
 
 use crate::fmi::fmi3::{Terminal, terminals_and_icons};
 
-/// The terminals of shafts and clamps.
-pub const TERMINALS: [Terminal; 4] = [
+/// The terminals of shafts, clamps and cylinders.
+pub const TERMINALS: [Terminal; 6] = [
     Terminal {
         name: "primaryShaft",
         description: "Shaft of the primary pulley: torque in, speed out",
@@ -31,6 +31,20 @@ pub const TERMINALS: [Terminal; 4] = [
         members: &[("force", "secondary.clampingForce"), ("position", "secondary.position")],
         icon: "clamp",
         middle: [-65.0, 90.0],
+    },
+    Terminal {
+        name: "primaryPort",
+        description: "Port of the primary cylinder: pressure in, flow out",
+        members: &[("pressure", "primary.pressure"), ("flow", "primary.cylinder.flow")],
+        icon: "port",
+        middle: [77.0, -90.0],
+    },
+    Terminal {
+        name: "secondaryPort",
+        description: "Port of the secondary cylinder: pressure in, flow out",
+        members: &[("pressure", "secondary.pressure"), ("flow", "secondary.cylinder.flow")],
+        icon: "port",
+        middle: [-65.0, -90.0],
     },
 ];
 

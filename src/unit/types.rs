@@ -19,6 +19,9 @@ pub(super) const UNITS: &[UnitDefinition] = &[
     si::NEWTON_PER_METRE,
     si::NEWTON_PER_SQUARE_METRE,
     si::PASCAL,
+    si::SQUARE_METRE,
+    si::CUBIC_METRE_PER_SECOND,
+    si::NEWTON_SQUARE_SECOND_PER_SQUARE_RADIAN,
     si::PER_METRE,
     si::NEWTON_METRE,
     si::NEWTON_SQUARE_METRE,
@@ -81,11 +84,15 @@ pub(super) static AXIAL: Enumeration = Enumeration {
     name: "Axial",
     description: "Boundary condition of the movable sheave of a pulley",
     items: &[
-        Item::new("Force", Axial::Force as i32, "The clamping force is the input"),
+        Item::new(
+            "Force",
+            Axial::Force as i32,
+            "Clamping force and pressure are the inputs",
+        ),
         Item::new(
             "Held",
             Axial::Held as i32,
-            "The sheave is held at the position where the geometric ratio is initial.ratio; the clamping force input is ignored",
+            "The sheave is held at the position where the geometric ratio is initial.ratio; clamping force and pressure are ignored",
         ),
     ],
 };

@@ -14,7 +14,7 @@ use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
-use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
+use crate::variator::pulleys::loads::{Boundary, Loads};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
@@ -147,11 +147,10 @@ impl VariatorSystem {
         self.assembly.ring_energy(&self.belt, view)
     }
 
-    /// Sets loads that are those of `start` at the time `from` and change at `rates`. At `time` they replace those before, and
-    /// the rates `y_dot` jump with them.
-    pub fn change_loads(&mut self, from: f64, start: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
+    /// Sets loads. At `time` they replace those before, and the rates `y_dot` jump with them.
+    pub fn change_loads(&mut self, loads: Loads, time: f64, y_dot: &mut [f64]) {
         let before = self.loads.at(time);
-        self.loads = Loads::changing(from, start, rates);
+        self.loads = loads;
         self.pulleys.jump(&before, &self.loads.at(time), y_dot);
     }
 

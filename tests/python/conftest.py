@@ -14,7 +14,7 @@ import fmpy
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "examples/cosim", "benches")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Instance  # noqa: E402

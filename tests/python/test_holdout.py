@@ -89,7 +89,7 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     assert [(one.name, one.sha256) for one in found.inputs] == [(path.name, hashlib.sha256(b"x").hexdigest())]
     assert provenance.current("calibrate") is found
     assert provenance.current("sweep") is None
-    assert provenance.begin("paper", [], "pushbelt.paper").command == "python -m pushbelt.paper"
+    assert provenance.begin("paper", [], "pushbelt_paper").command == "python -m pushbelt_paper"
 
 
 def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -307,19 +305,3 @@ def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
         belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
-
-
-# The page
-
-
-def test_the_loop_of_the_page_prints_what_stands_there(
-    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "linear.md").read_text(encoding="utf-8").split("## Between the points")[1]
-    program, printed = re.search(r"```python\n(.*?)```\n\nprints\n\n```\n(.*?)```", page, re.DOTALL).groups()
-    names: dict[str, object] = {}
-    exec(compile(program, "linear.md", "exec"), names)
-    assert capsys.readouterr().out == printed
-    # The loop ends at its set point.
-    assert names["state"]["ratio.geometric"] == pytest.approx(0.7, rel=0.05)

@@ -13,7 +13,7 @@ import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
 PROGRAMS = (
-    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "paper", "sweep",
+    "belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep",
 )  # fmt: skip
 MODULES = {
     ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path

@@ -21,8 +21,8 @@ from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt.paper import __main__, cases, figures, report, tracer
-from pushbelt.paper.results import Times, Window
+from pushbelt_paper import __main__, cases, figures, report, tracer
+from pushbelt_paper.results import Times, Window
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
@@ -205,7 +205,7 @@ def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path
         for place, title in enumerate(header):
             fractions = [row[place] for row in rows if "." in row[place] and re.fullmatch(r"[-\d.]+e-?\d+", row[place])]
             assert not fractions or split(title)[1] is not None, f"{path.name}: {title}"
-    from pushbelt.paper import rings
+    from pushbelt_paper import rings
 
     found = rings.read(tmp_path / "rings")
     assert [check for check in found.checks if check.passed is False] == []

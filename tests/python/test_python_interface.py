@@ -153,7 +153,7 @@ def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> 
 def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["docs"]) == 0
     assert "linear, " in capsys.readouterr().out
-    assert cli.main(["docs", "units" if (ROOT / "docs" / "units.md").exists() else "limits"]) == 0
+    assert cli.main(["docs", "limits"]) == 0
     assert capsys.readouterr().out.startswith("# ")
     assert cli.main(["docs", "variabels"]) == 1
     assert "no page variabels; similar names: variables" in capsys.readouterr().err
@@ -234,11 +234,11 @@ def test_the_pages_travel_in_the_wheel() -> None:
     assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/introduction.md"])
 def test_the_first_program_prints_what_stands_there_whatever_the_order_of_outputs(
-    page: str, fmu: Path, capsys: pytest.CaptureFixture[str]
+    fmu: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (ROOT / page).read_text(encoding="utf-8")
+    page = "introduction.md"
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     program, printed = re.search(r"```python\n(import numpy.*?)```\n\nIt prints:\n\n```\n(.*?)```", text, re.DOTALL).groups()
     program = program.replace("target/PushbeltVariator.fmu", fmu.as_posix())
     for given in ('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', '["slip", "efficiency", "belt.speed", "ratio.geometric", "thrustRatio"]'):
@@ -246,13 +246,3 @@ def test_the_first_program_prints_what_stands_there_whatever_the_order_of_output
         lines = capsys.readouterr().out.splitlines(keepends=True)
         # fmpy warns of speed set points that are not wired.
         assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed
-
-
-def test_the_first_program_of_the_introduction(
-    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "introduction.md").read_text(encoding="utf-8").split("## From Python")[1]
-    program, printed = re.search(r"```python\n(.*?)```\n\nprints `(.*?)`\.", page, re.DOTALL).groups()
-    exec(compile(program, "introduction.md", "exec"), {})
-    assert capsys.readouterr().out == f"{printed}\n"

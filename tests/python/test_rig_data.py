@@ -105,7 +105,7 @@ def test_pressures_in_bar_and_psi(unit: str, pascal: float, tmp_path: Path) -> N
         f"Sekundärdruck [{unit}]": 1e3 * c["F_S"] / 0.01 / pascal,
         "slip [%]": c["slip"],
     }
-    found = points.read(table(tmp_path / "table.csv", some), oil=Oil((0.01, 0.01))).points
+    found = points.read(table(tmp_path / "table.csv", some), oil=Oil({"secondary.cylinder.area": 0.01})).points
     assert [p.force for p in found] == pytest.approx(1e3 * c["F_S"])
 
 

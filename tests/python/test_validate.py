@@ -197,9 +197,9 @@ def test_losses_of_the_rest_are_fitted() -> None:
     points = [measured.MapPoint(1.0, rpm, torque, 0.9) for rpm in (1000.0, 3000.0) for torque in (20.0, 50.0, 80.0)]
     # The rest loses 1 N·m, 0.5 N·m per 1000 rpm and 2 % of the torque.
     beside = [efficiency.Beside(p, (0.9 + (1.0 + 5e-4 * p.rpm + 0.02 * p.torque) / p.torque, 0.0)) for p in points]
-    assert efficiency._rest(beside) == pytest.approx((1.0, 5e-4, 0.02))
-    slopes = efficiency._slopes(points, [0.5 + 0.03 * math.log2(p.torque) - 0.01 * math.log2(p.rpm) for p in points])
-    assert slopes == pytest.approx((0.03, -0.01))
+    assert efficiency.rest(beside) == pytest.approx((1.0, 5e-4, 0.02))
+    found = efficiency.slopes(points, [0.5 + 0.03 * math.log2(p.torque) - 0.01 * math.log2(p.rpm) for p in points])
+    assert found == pytest.approx((0.03, -0.01))
 
 
 def test_a_curve_of_traction_is_described() -> None:

@@ -26,13 +26,12 @@ EXTRA_OF = {
     "durability": "durability",
     "linearize": "reports",
     "maps": "sweep",
-    "paper": "reports",
     "sweep": "sweep",
 }
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
 """Modules that an option of a program imports: their packages, and the extras that install them."""
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
-"""Packages that docs/wheel.md describes separately: the WLTC's table, and the co-simulation of the source tree."""
+"""Packages that the book describes separately: the WLTC's table, and the co-simulation of the source tree."""
 ON_DEMAND = {"pandas"}
 """Packages that `to_dataframe` imports when it is called. Without them its error names the extra."""
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP, ROOT
+from conftest import CHEAP
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
@@ -208,17 +208,6 @@ def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
     assert all("no steady state" in text for text in found["reason"].sel(torque=900.0).values)
     assert (found["reason"].sel(torque=60.0) == "").all()
     assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
-
-
-def test_the_programs_of_the_page_print_what_stands_there(fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "wheel.md").read_text(encoding="utf-8")
-    programs = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    printed = re.findall(r"It prints:\n\n```\n(.*?)```", page, re.DOTALL)
-    names: dict[str, Any] = {}
-    for program, expected in zip(programs, printed, strict=True):
-        exec(compile(program, "wheel.md", "exec"), names)  # noqa: S102
-        assert capsys.readouterr().out == expected
 
 
 # Files

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.results import Profile
 from pushbelt.fmu.starts import StartValues
 
 from .bench import Bench
@@ -32,7 +31,7 @@ EFFECTS: Mapping[str, Mapping[str, float]] = {
     "flanks": {"contact.stiffness": 2e12},
     "tilt clearance": _of_both("tiltClearance"),
     "play": {"belt.play": 0.0},
-    "oil": {"belt.filmForce": 0.0, "belt.filmDamping": 0.0, "belt.squeezeDamping": 0.0},
+    "oil": {"belt.filmDamping": 0.0, "belt.squeezeDamping": 0.0},
     "losses": {
         "friction.fall": 0.0, "friction.layers": 0.0, "belt.elementInertia": 0.0,
         **_of_both("drag.constant", "drag.viscous", "bearing.friction"),
@@ -102,27 +101,8 @@ class Deviation:
         return (sum(powers) - losses) / max(abs(power) for power in powers)
 
 
-def strand_traction(profile: Profile, out: Mapping[str, float], bench: Bench) -> float:
-    """r from the FMU's strand forces F = T - Q at the middle of both strands."""
-    length = bench.given("geometry.beltLength")
-    count = len(profile.position)
-
-    def force(xi: float) -> float:
-        k = round(xi / length * count) % count
-        return float(profile.ring_tension[k] - profile.push_force[k])
-
-    mass = bench.given("belt.massPerLength") + bench.given("ring.massPerLength")
-    centrifugal = mass * out["belt.speed"] ** 2
-    # From xi = 0 to the middle of the upper strand: half the wrap of S and half a strand.
-    radius_p, radius_s = out["primary.radius"], out["secondary.radius"]
-    wrap_p, wrap_s = _wraps(radius_p, radius_s, bench.given("geometry.centerDistance"))
-    half_arc = radius_s * wrap_s / 2.0
-    middle = half_arc + (length - radius_s * wrap_s - radius_p * wrap_p) / 4.0
-    upper, lower = force(middle) - centrifugal, force(length - middle) - centrifugal
-    return (upper - lower) / (upper + lower)
-
-
-def _wraps(radius_p: float, radius_s: float, center_distance: float) -> tuple[float, float]:
+def wraps(radius_p: float, radius_s: float, center_distance: float) -> tuple[float, float]:
+    """Wrap angles of both pulleys, rad, at these radii, m."""
     lean = math.asin((radius_p - radius_s) / center_distance)
     return math.pi + 2.0 * lean, math.pi - 2.0 * lean
 
@@ -147,7 +127,7 @@ def deviation(bench: Bench, values: StartValues, out: dict[str, float]) -> Devia
 
     beta, mu = given("geometry.wedgeAngle"), given("friction.pulley")
     radius_p, radius_s = out["primary.radius"], out["secondary.radius"]
-    wrap_p, wrap_s = _wraps(radius_p, radius_s, given("geometry.centerDistance"))
+    wrap_p, wrap_s = wraps(radius_p, radius_s, given("geometry.centerDistance"))
     thrust_s = out["secondary.axialForce"]
     # Torque of the belt on the pulleys; both pulleys give the same F_1 - F_2 except for the spread of the radii.
     pull = (-out["primary.shaftTorque"] / radius_p + out["secondary.shaftTorque"] / radius_s) / 2.0

@@ -20,7 +20,7 @@ SECTIONS: dict[str, tuple[ModuleType, int, int]] = {
     "continuum": (continuum, 64, 14),
     "chain": (chain, 71, 12),
     "default_belt": (default_belt, 18, 4),
-    "shifting": (shifting, 83, 50),
+    "shifting": (shifting, 81, 44),
     "efficiency": (efficiency, 270, 50),
     "slip": (slip, 400, 90),
     "gaps": (gaps, 5, 5),

@@ -19,7 +19,7 @@ pub enum Status {
 }
 
 /// Categories of messages, as in the description's `LogCategories`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Category {
     /// Why a call failed.
     Error,
@@ -43,17 +43,6 @@ impl Category {
             Self::Warning => "logStatusWarning",
             Self::Discard => "logStatusDiscard",
             Self::Events => "logEvents",
-        }
-    }
-
-    /// What is logged under it.
-    #[must_use]
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Error => "Why a call failed (always logged)",
-            Self::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
-            Self::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
-            Self::Events => "What the unit did, e.g. how it found its initial state",
         }
     }
 

@@ -31,9 +31,16 @@ pub const NEWTON: UnitDefinition =
 pub const NEWTON_PER_METRE: UnitDefinition = UnitDefinition::new("N/m", &[("kg", 1), ("s", -2)]);
 /// N/m².
 pub const NEWTON_PER_SQUARE_METRE: UnitDefinition = UnitDefinition::new("N/m2", &[("kg", 1), ("m", -1), ("s", -2)]);
-/// Pa, shown in MPa.
+/// Pa, shown in MPa or bar.
 pub const PASCAL: UnitDefinition =
-    UnitDefinition::new("Pa", &[("kg", 1), ("m", -1), ("s", -2)]).shown_in(&[("MPa", 1e-6)]);
+    UnitDefinition::new("Pa", &[("kg", 1), ("m", -1), ("s", -2)]).shown_in(&[("MPa", 1e-6), ("bar", 1e-5)]);
+/// m².
+pub const SQUARE_METRE: UnitDefinition = UnitDefinition::new("m2", &[("m", 2)]);
+/// m³/s.
+pub const CUBIC_METRE_PER_SECOND: UnitDefinition = UnitDefinition::new("m3/s", &[("m", 3), ("s", -1)]);
+/// N·s²/rad².
+pub const NEWTON_SQUARE_SECOND_PER_SQUARE_RADIAN: UnitDefinition =
+    UnitDefinition::new("N.s2/rad2", &[("kg", 1), ("m", 1), ("rad", -2)]);
 /// N·m.
 pub const NEWTON_METRE: UnitDefinition = UnitDefinition::new("N.m", &[("kg", 1), ("m", 2), ("s", -2)]);
 /// N·m².

@@ -34,7 +34,7 @@ fn main() {
                 let mut rates = settings.clone();
                 let torque = 60.0 * phase.cos();
                 let force = 1.2e3 * (0.3 * phase).cos();
-                rates.inputs = Inputs::of_array([torque, force, 0.0, 1e-3, 1e-3, 0.0]);
+                rates.inputs = Inputs::of_array([torque, force, 0.0, 0.0, 1e-3, 1e-3, 0.0, 0.0]);
                 rates
             });
             let mut step = CommunicationStep {

@@ -10,16 +10,22 @@
 //! T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
 //! ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
 //!
+//! F_P and F_S are those of clamps and [cylinders](Cylinder). Seals act on the shift alone, in the quotient of the forces.
+//!
 //! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
-use crate::settings::{Inputs, PulleyParameters, Settings};
+use crate::settings::{Cylinder, Inputs, PulleyInputs, PulleyParameters, Settings};
 use crate::tables::{Belt, Geometry, Place, Tables};
 
 /// Regularisation speed v_0 of the slip, m/s.
 pub const SLIP_SPEED: f64 = 0.1;
 /// Speed ω_0 below which drag and belt loss fade, rad/s.
 pub const FADING_SPEED: f64 = 2.0;
+/// Regularisation speed of the seals' friction, m/s: the default of friction.velocity in the detailed unit.
+const SEAL_SPEED: f64 = 5e-4;
+/// Iterations for the shift rate under the friction of seals.
+const RUBBED: usize = 60;
 /// Smallest force in a quotient of forces, N.
 pub const LEAST_FORCE: f64 = 1.0;
 /// Number of places of the table of radii.
@@ -33,6 +39,8 @@ pub struct Radii {
     first: f64,
     per_step: f64,
     primary: Vec<f64>,
+    /// Pitch radius at ratio 1, m.
+    at_one: f64,
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
 }
@@ -112,6 +120,7 @@ impl Radii {
             first,
             per_step: 1.0 / step,
             primary: (0..RADII).map(radius).collect::<Result<_, _>>()?,
+            at_one: primary_radius(geometry, 1.0).ok_or("no belt fits at the ratio 1")?,
             stops: [least, most],
         })
     }
@@ -119,9 +128,33 @@ impl Radii {
     /// Pitch radius on the primary pulley at ln i, m.
     #[must_use]
     pub fn primary(&self, log_ratio: f64) -> f64 {
+        self.with_slope(log_ratio).0
+    }
+
+    /// Pitch radius on the primary pulley at ln i, m, and its derivative.
+    fn with_slope(&self, log_ratio: f64) -> (f64, f64) {
         let scaled = ((log_ratio - self.first) * self.per_step).clamp(0.0, (RADII - 1) as f64);
         let k = (scaled as usize).min(RADII - 2);
-        self.primary[k] + (scaled - k as f64) * (self.primary[k + 1] - self.primary[k])
+        let step = self.primary[k + 1] - self.primary[k];
+        (self.primary[k] + (scaled - k as f64) * step, step * self.per_step)
+    }
+
+    /// Positions of the primary and the secondary sheave at ln i, m, 0 at ratio 1, and their derivatives.
+    #[must_use]
+    pub fn positions(&self, geometry: &Geometry, log_ratio: f64) -> [(f64, f64); 2] {
+        let place = 2.0 * geometry.wedge_angle.tan();
+        let (radius, slope) = self.with_slope(log_ratio);
+        let ratio = log_ratio.exp();
+        [(radius, slope), (ratio * radius, ratio * (radius + slope))]
+            .map(|(radius, slope)| (place * (radius - self.at_one), place * slope))
+    }
+}
+
+impl Cylinder {
+    /// Friction of the seals along the speed of the sheave, m/s.
+    #[must_use]
+    pub fn drag(&self, velocity: f64) -> f64 {
+        self.seal * velocity / velocity.hypot(SEAL_SPEED)
     }
 }
 
@@ -228,6 +261,7 @@ impl Law<'_> {
     /// The frame of a state under a secondary force, N.
     #[must_use]
     pub fn frame(&self, state: &State, force: f64) -> Frame {
+        let force = force.max(0.0);
         let place = self.tables.place(force, state.primary.abs(), state.log_ratio);
         let (capacity, capacity_slip) = self.tables.limits(&place);
         let radius = self.radii.primary(state.log_ratio);
@@ -335,11 +369,60 @@ impl Law<'_> {
         )
     }
 
-    /// ℓ' at a primary speed (rad/s) and with the clamping forces of the inputs, 1/s, and its slope over the utilisation by way of the
-    /// thrust ratio.
+    /// Forces of clamps and cylinders that close the primary and the secondary pulley in a state, without their seals, N.
     #[must_use]
-    pub fn shift(&self, frame: &Frame, point: &Point, primary: f64, inputs: &Inputs) -> (f64, f64) {
-        let [closing, other] = [inputs.primary.clamping_force, inputs.secondary.clamping_force];
+    pub fn closing(&self, state: &State, inputs: &Inputs) -> [f64; 2] {
+        let [primary, secondary] = self.radii.positions(&self.tables.geometry, state.log_ratio);
+        let of = |of: &Cylinder, inputs: &PulleyInputs, (position, _): (f64, f64), speed: f64| {
+            let push = of.spring_force - of.spring_stiffness * position + of.centrifugal * speed * speed;
+            inputs.clamping_force + of.area * inputs.pressure + push
+        };
+        [
+            of(&self.settings.primary.cylinder, &inputs.primary, primary, state.primary),
+            of(
+                &self.settings.secondary.cylinder,
+                &inputs.secondary,
+                secondary,
+                state.secondary,
+            ),
+        ]
+    }
+
+    /// ℓ' in a state with the forces of the inputs, 1/s, and its slope over the utilisation by way of the thrust ratio.
+    #[must_use]
+    pub fn shift(&self, frame: &Frame, point: &Point, state: &State, inputs: &Inputs) -> (f64, f64) {
+        let forces = self.closing(state, inputs);
+        let free = self.shift_under(frame, point, state.primary, forces);
+        let cylinders = [&self.settings.primary, &self.settings.secondary].map(|pulley| &pulley.cylinder);
+        if cylinders.iter().all(|cylinder| cylinder.seal == 0.0) {
+            return free;
+        }
+        let slopes = self
+            .radii
+            .positions(&self.tables.geometry, state.log_ratio)
+            .map(|(_, slope)| slope);
+        let under = |rate: f64| {
+            let rubbed = [0, 1].map(|k| forces[k] - cylinders[k].drag(slopes[k] * rate));
+            self.shift_under(frame, point, state.primary, rubbed)
+        };
+        // The friction of the seals falls with the rate that it causes: one root, between no motion and that without friction.
+        let (mut low, mut high) = (free.0.min(0.0), free.0.max(0.0));
+        for _ in 0..RUBBED {
+            let middle = 0.5 * (low + high);
+            if under(middle).0 > middle {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let rate = 0.5 * (low + high);
+        let near = 1e-2 * SEAL_SPEED / slopes[1].abs();
+        let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);
+        (rate, under(rate).1 / (1.0 - falls.min(0.0)))
+    }
+
+    /// [`Law::shift`] under forces of the sheaves on the belt, N.
+    fn shift_under(&self, frame: &Frame, point: &Point, primary: f64, [closing, other]: [f64; 2]) -> (f64, f64) {
         let at = |way: &Way| {
             let Belt {
                 thrust_ratio,

@@ -33,6 +33,8 @@ pub struct PulleyInputs {
     pub clamping_force: f64,
     /// Speed set point, rad/s.
     pub speed_setpoint: f64,
+    /// Pressure in the cylinder above ambient, Pa.
+    pub pressure: f64,
 }
 
 /// Inputs of the variator.
@@ -47,31 +49,49 @@ pub struct Inputs {
 impl Inputs {
     /// Inputs as an array, for sums.
     #[must_use]
-    pub fn array(&self) -> [f64; 6] {
+    pub fn array(&self) -> [f64; 8] {
         let Self { primary, secondary } = self;
         [
             primary.torque,
             primary.clamping_force,
             primary.speed_setpoint,
+            primary.pressure,
             secondary.torque,
             secondary.clamping_force,
             secondary.speed_setpoint,
+            secondary.pressure,
         ]
     }
 
     /// The inverse of [`Inputs::array`].
     #[must_use]
-    pub fn of_array(values: [f64; 6]) -> Self {
+    pub fn of_array(values: [f64; 8]) -> Self {
         let pulley = |k: usize| PulleyInputs {
             torque: values[k],
             clamping_force: values[k + 1],
             speed_setpoint: values[k + 2],
+            pressure: values[k + 3],
         };
         Self {
             primary: pulley(0),
-            secondary: pulley(3),
+            secondary: pulley(4),
         }
     }
+}
+
+/// Parameters of the cylinder of a pulley.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cylinder {
+    /// Area of the piston, m².
+    pub area: f64,
+    /// Force of the spring at ratio 1, N.
+    pub spring_force: f64,
+    /// Stiffness of the spring, N/m.
+    pub spring_stiffness: f64,
+    /// Closing force of the rotating oil per square of the speed, N·s²/rad².
+    pub centrifugal: f64,
+    /// Friction of the seals, N.
+    pub seal: f64,
 }
 
 /// Parameters of a pulley.
@@ -95,6 +115,8 @@ pub struct PulleyParameters {
     pub bearing_friction: f64,
     /// Mean radius of the bearings, m.
     pub bearing_radius: f64,
+    /// Cylinder.
+    pub cylinder: Cylinder,
 }
 
 /// Parameters and inputs, with the tables.
@@ -132,6 +154,13 @@ const PULLEY: PulleyParameters = PulleyParameters {
     drag_viscous: 5e-4,
     bearing_friction: 1.8e-3,
     bearing_radius: 0.02,
+    cylinder: Cylinder {
+        area: 0.0,
+        spring_force: 0.0,
+        spring_stiffness: 0.0,
+        centrifugal: 0.0,
+        seal: 0.0,
+    },
 };
 
 impl Default for Settings {
@@ -140,6 +169,7 @@ impl Default for Settings {
             torque,
             clamping_force,
             speed_setpoint: 209.44,
+            pressure: 0.0,
         };
         Self {
             ratio: 1.0,
@@ -166,8 +196,12 @@ pub struct PulleyOutputs {
     pub speed: f64,
     /// Pitch radius, m.
     pub radius: f64,
-    /// Axial force of the belt, N.
+    /// Axial force of the belt, N: in maps the whole force that closes the pulley.
     pub axial_force: f64,
+    /// Speed of the movable sheave, closing positive, m/s.
+    pub sheave_velocity: f64,
+    /// Flow into the cylinder, m³/s.
+    pub flow: f64,
     /// Torque of the belt on the pulley, N·m.
     pub shaft_torque: f64,
     /// External torque on the shaft, N·m.
@@ -201,6 +235,8 @@ pub struct Readings {
     pub loss: f64,
     /// Drag loss of both shafts, W.
     pub shaft_loss: f64,
+    /// Friction loss of the seals, W.
+    pub seal_loss: f64,
     /// Kinetic energy of both shafts, J.
     pub stored_energy: f64,
     /// Whether the state is beyond the tables.

@@ -26,8 +26,8 @@ pub struct Stage<'a> {
     pub law: &'a Law<'a>,
     /// The inputs at the time of the stage.
     pub inputs: Inputs,
-    /// Secondary force under which the belt is clamped, N.
-    pub force: f64,
+    /// With a held secondary sheave: the thrust ratio from which it gets its force.
+    pub held_thrust_ratio: Option<f64>,
 }
 
 /// Speed of a shaft as a linear function of a torque.
@@ -62,7 +62,9 @@ impl Stage<'_> {
     fn iterate(&self, base: &State, k: f64, state: &State) -> Option<State> {
         let law = self.law;
         let settings = law.settings;
-        let frame = law.frame(state, self.force);
+        let [closing, own] = law.closing(state, &self.inputs);
+        let force = self.held_thrust_ratio.map_or(own, |ratio| closing / ratio);
+        let frame = law.frame(state, force);
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
         let point = law.point(&frame, sliding);
         let utilisation = point.traction.value;
@@ -90,7 +92,7 @@ impl Stage<'_> {
         let (rate, slope) = if held {
             (0.0, 0.0)
         } else {
-            law.shift(&frame, &point, state.primary, &self.inputs)
+            law.shift(&frame, &point, state, &self.inputs)
         };
         let around = frame.radius * frame.ratio * state.secondary;
         let behind = if held {

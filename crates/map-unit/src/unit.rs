@@ -10,7 +10,7 @@ use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
 
 use crate::file::THRUST_RATIO;
-use crate::law::{FADING_SPEED, Frame, Law, Radii, State};
+use crate::law::{FADING_SPEED, Frame, Law, Point, Radii, State};
 use crate::settings::{Axial, Drive, Inputs, PulleyOutputs, Readings, Settings};
 use crate::stage::{SPEED_LAG, Stage};
 use crate::tables::Tables;
@@ -39,11 +39,12 @@ pub struct MapUnit {
     state: State,
     time: f64,
     /// The inputs that act at the present time.
-    acting: [f64; 6],
+    acting: [f64; 8],
     /// Thrust ratio of the last step, from which a held secondary sheave gets its force.
     thrust_ratio: f64,
-    /// Whether it has been logged that the state is beyond the tables.
+    /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
     logged: bool,
+    opened: bool,
     readings: Readings,
 }
 
@@ -65,6 +66,7 @@ impl MapUnit {
             acting: settings.inputs.array(),
             thrust_ratio: 1.0,
             logged: false,
+            opened: false,
             readings: Readings::default(),
         })
     }
@@ -112,9 +114,9 @@ impl MapUnit {
     fn settle(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
         let ratio = self.state.log_ratio.exp();
         if drive[1] == Drive::Speed {
-            self.state.secondary = self.acting[5];
+            self.state.secondary = self.acting[6];
             if drive[0] == Drive::Torque {
-                self.state.primary = self.acting[5] * ratio;
+                self.state.primary = self.acting[6] * ratio;
             }
         } else {
             self.state.secondary = self.state.primary / ratio;
@@ -157,7 +159,7 @@ impl MapUnit {
         let lost = (primary / FADING_SPEED).tanh() * point.torque_loss();
         let (on_primary, _) = law.drag(&self.settings.primary, primary, load);
         let (on_secondary, _) = law.drag(&self.settings.secondary, secondary, load);
-        let (into, out) = (self.acting[0] - on_primary, self.acting[3] - on_secondary);
+        let (into, out) = (self.acting[0] - on_primary, self.acting[4] - on_secondary);
         let i = frame.ratio;
         match drive {
             [Drive::Torque, Drive::Speed] => into,
@@ -205,7 +207,8 @@ impl MapUnit {
             self.settle(drive, &mut unheard);
             self.update_thrust_ratio();
             // Too small a primary force: the ratio grows.
-            if self.acting[1] < self.thrust_ratio * self.acting[4] {
+            let [closing, other] = self.closing();
+            if closing < self.thrust_ratio * other {
                 low = self.state.log_ratio;
             } else {
                 high = self.state.log_ratio;
@@ -214,16 +217,24 @@ impl MapUnit {
         self.settle(drive, warn);
     }
 
-    /// The secondary force, N: the input, or with a held sheave what the primary force requires.
-    fn force(&self, inputs: &[f64; 6]) -> f64 {
-        match self.settings.secondary.axial {
-            Axial::Force => inputs[4],
-            Axial::Held => inputs[1] / self.thrust_ratio,
-        }
+    /// The thrust ratio from which a held secondary sheave gets its force.
+    fn held_thrust_ratio(&self) -> Option<f64> {
+        (self.settings.secondary.axial == Axial::Held).then_some(self.thrust_ratio)
+    }
+
+    /// Forces of clamps and cylinders on the primary and the secondary sheave at present, without seals, N.
+    fn closing(&self) -> [f64; 2] {
+        self.law().closing(&self.state, &Inputs::of_array(self.acting))
+    }
+
+    /// The secondary force, N: of clamp and cylinder, or with a held sheave what the primary force requires.
+    fn force(&self) -> f64 {
+        let [closing, own] = self.closing();
+        self.held_thrust_ratio().map_or(own, |ratio| closing / ratio)
     }
 
     fn frame(&self) -> Frame {
-        self.law().frame(&self.state, self.force(&self.acting))
+        self.law().frame(&self.state, self.force())
     }
 
     fn sliding(&self, frame: &Frame) -> f64 {
@@ -236,18 +247,17 @@ impl MapUnit {
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
-    fn step(&mut self, duration: f64, to: [f64; 6]) -> bool {
+    fn step(&mut self, duration: f64, to: [f64; 8]) -> bool {
         let from = self.acting;
         let at = |share: f64| Inputs::of_array(std::array::from_fn(|n| from[n] + share * (to[n] - from[n])));
         let k = GAMMA * duration;
         let law = self.law();
-        let force = |inputs: &Inputs| self.force(&inputs.array());
         let start = self.state;
         let inputs = at(GAMMA);
         let stage = Stage {
             law: &law,
             inputs,
-            force: force(&inputs),
+            held_thrust_ratio: self.held_thrust_ratio(),
         };
         let Some(first) = stage.solve(&start, k, &start) else {
             return false;
@@ -264,7 +274,7 @@ impl MapUnit {
         let stage = Stage {
             law: &law,
             inputs,
-            force: force(&inputs),
+            held_thrust_ratio: self.held_thrust_ratio(),
         };
         let Some(second) = stage.solve(&base, k, &first) else {
             return false;
@@ -278,7 +288,7 @@ impl MapUnit {
     }
 
     /// Steps to a time, s, at which the inputs are `to`.
-    fn run_to(&mut self, end: f64, to: [f64; 6]) -> Result<(), StepFailure> {
+    fn run_to(&mut self, end: f64, to: [f64; 8]) -> Result<(), StepFailure> {
         let mut longest = LONGEST;
         let whole = end - self.time;
         let mut left = whole;
@@ -317,22 +327,22 @@ impl MapUnit {
     fn advance_to(&mut self, step: &CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
         let wanted = settings.inputs.array();
         let duration = step.to - self.time;
-        let rates = step.rates.as_ref().map_or([0.0; 6], |rates| rates.inputs.array());
+        let rates = step.rates.as_ref().map_or([0.0; 8], |rates| rates.inputs.array());
         let ramp = if settings.ramp < 0.0 {
             duration
         } else {
             settings.ramp.min(duration)
         };
         // An input with a rate starts at its value; the others reach theirs at the end of the ramp.
-        for n in 0..6 {
+        for n in 0..8 {
             if rates[n] != 0.0 || ramp <= INSTANT {
                 self.acting[n] = wanted[n];
             }
         }
-        let at = |since: f64| -> [f64; 6] {
+        let at = |since: f64| -> [f64; 8] {
             std::array::from_fn(|n| {
                 let value = wanted[n] + rates[n] * since;
-                if n % 3 == 1 { value.max(0.0) } else { value }
+                if n % 4 == 1 { value.max(0.0) } else { value }
             })
         };
         let from = self.time;
@@ -342,14 +352,35 @@ impl MapUnit {
         self.run_to(step.to, at(duration))?;
         // After the step an input has the value that was set last.
         self.acting = wanted;
-        if rates != [0.0; 6] {
+        if rates != [0.0; 8] {
             self.acting = at(duration);
         }
         Ok(())
     }
 
-    /// Logs once that the state is beyond the tables.
+    /// Logs once that a cylinder opens its pulley.
+    fn log_opening(&mut self, remarks: &mut Vec<Remark>) {
+        let inputs = Inputs::of_array(self.acting);
+        let pulleys = [("primary", inputs.primary), ("secondary", inputs.secondary)];
+        let axials = [self.settings.primary.axial, self.settings.secondary.axial];
+        for ((force, (name, given)), axial) in self.closing().into_iter().zip(pulleys).zip(axials) {
+            if !self.opened && axial == Axial::Force && force <= 0.0 && force < given.clamping_force {
+                self.opened = true;
+                remarks.push(Remark {
+                    warning: true,
+                    text: format!(
+                        "at {} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the \
+                         force on its sheave is {force:.1} N",
+                        self.time, given.pressure, given.clamping_force
+                    ),
+                });
+            }
+        }
+    }
+
+    /// Logs once each that the state is beyond the tables and that a pulley opens.
     fn log_outside(&mut self, remarks: &mut Vec<Remark>) {
+        self.log_opening(remarks);
         if self.logged {
             return;
         }
@@ -363,16 +394,30 @@ impl MapUnit {
                      secondary force {:.0} N; map.outside shows it from now on",
                     frame.ratio,
                     self.state.primary,
-                    self.force(&self.acting)
+                    self.force()
                 ),
             });
         }
     }
 
+    /// Speeds of the primary and the secondary sheave at present, closing positive, m/s.
+    fn sheave_velocities(&self, frame: &Frame, point: &Point) -> [f64; 2] {
+        if self.is_held() {
+            return [0.0; 2];
+        }
+        let inputs = Inputs::of_array(self.acting);
+        let (rate, _) = self.law().shift(frame, point, &self.state, &inputs);
+        let [least, most] = self.radii.stops;
+        let at_stop = self.state.log_ratio <= least && rate < 0.0 || self.state.log_ratio >= most && rate > 0.0;
+        let rate = if at_stop { 0.0 } else { rate };
+        let positions = self.radii.positions(&self.tables.geometry, self.state.log_ratio);
+        positions.map(|(_, slope)| slope * rate)
+    }
+
     fn read(&self) -> Readings {
         let law = self.law();
         let frame = self.frame();
-        let force = self.force(&self.acting);
+        let force = self.force();
         let State { primary, secondary, .. } = self.state;
         let sliding = self.sliding(&frame);
         let point = law.point(&frame, sliding);
@@ -384,16 +429,21 @@ impl MapUnit {
         let holding = point.thrust_ratio();
         let drag = [(&self.settings.primary, primary), (&self.settings.secondary, secondary)]
             .map(|(pulley, speed)| law.drag(pulley, speed, load).0);
+        let cylinders = [&self.settings.primary, &self.settings.secondary].map(|pulley| &pulley.cylinder);
+        let velocities = self.sheave_velocities(&frame, &point);
+        let drags: [f64; 2] = std::array::from_fn(|k| cylinders[k].drag(velocities[k]));
         let axial = match self.settings.primary.axial {
             Axial::Held => holding * force,
-            Axial::Force => self.acting[1],
+            Axial::Force => self.closing()[0] - drags[0],
         };
+        let force = force - drags[1];
+        let seal_loss = drags[0] * velocities[0] + drags[1] * velocities[1];
         let setpoint = |speed: f64, pulley: usize, from_belt: f64| {
             let of = [&self.settings.primary, &self.settings.secondary][pulley];
             match of.drive {
-                Drive::Torque => self.acting[3 * pulley],
+                Drive::Torque => self.acting[4 * pulley],
                 Drive::Speed => {
-                    of.inertia * (self.acting[3 * pulley + 2] - speed) / SPEED_LAG - from_belt + drag[pulley]
+                    of.inertia * (self.acting[4 * pulley + 2] - speed) / SPEED_LAG - from_belt + drag[pulley]
                 }
             }
         };
@@ -415,8 +465,9 @@ impl MapUnit {
             belt_efficiency: efficiency(belt_powers),
             utilisation: traction.value.abs(),
             macro_slip: traction.macro_slip,
-            loss: belt_powers[0] + belt_powers[1] + shaft_loss,
+            loss: belt_powers[0] + belt_powers[1] + shaft_loss + seal_loss,
             shaft_loss,
+            seal_loss,
             stored_energy: 0.5
                 * (self.settings.primary.inertia * primary * primary
                     + self.settings.secondary.inertia * secondary * secondary),
@@ -425,6 +476,8 @@ impl MapUnit {
                 speed: primary,
                 radius: frame.radius,
                 axial_force: axial,
+                sheave_velocity: velocities[0],
+                flow: cylinders[0].area * velocities[0],
                 shaft_torque: -torque,
                 external_torque: setpoint(primary, 0, -torque),
                 power: belt_powers[0],
@@ -433,6 +486,8 @@ impl MapUnit {
                 speed: secondary,
                 radius: frame.ratio * frame.radius,
                 axial_force: force,
+                sheave_velocity: velocities[1],
+                flow: cylinders[1].area * velocities[1],
                 shaft_torque: on_secondary,
                 external_torque: setpoint(secondary, 1, on_secondary),
                 power: belt_powers[1],
@@ -580,5 +635,6 @@ impl Unit for MapUnit {
             tape.within(value, -LARGEST, LARGEST);
         }
         tape.flag(&mut self.logged);
+        tape.flag(&mut self.opened);
     }
 }

@@ -18,6 +18,11 @@ const UNITS: &[UnitDefinition] = &[
     si::METRE_PER_SECOND,
     si::KILOGRAM_SQUARE_METRE,
     si::NEWTON,
+    si::NEWTON_PER_METRE,
+    si::PASCAL,
+    si::SQUARE_METRE,
+    si::CUBIC_METRE_PER_SECOND,
+    si::NEWTON_SQUARE_SECOND_PER_SQUARE_RADIAN,
     si::NEWTON_METRE,
     si::NEWTON_METRE_SECOND_PER_RADIAN,
     si::JOULE,
@@ -41,11 +46,15 @@ static AXIAL: Enumeration = Enumeration {
     name: "Axial",
     description: "Boundary condition of the movable sheave of a pulley",
     items: &[
-        Item::new("Force", Axial::Force as i32, "The clamping force is the input"),
+        Item::new(
+            "Force",
+            Axial::Force as i32,
+            "Clamping force and pressure are the inputs",
+        ),
         Item::new(
             "Held",
             Axial::Held as i32,
-            "The sheave is held at the position where the geometric ratio is initial.ratio; the clamping force input is ignored",
+            "The sheave is held at the position where the geometric ratio is initial.ratio; clamping force and pressure are ignored",
         ),
     ],
 };
@@ -61,6 +70,7 @@ fn real(
     let display_unit = match unit {
         "rad/s" => Some("rpm"),
         "N" => Some("kN"),
+        "Pa" => Some("bar"),
         "m" => Some("mm"),
         "1" if matches!(name, "slip" | "efficiency" | "efficiency.belt") => Some("%"),
         _ => None,
@@ -134,6 +144,10 @@ macro_rules! pulley {
         add(1, "torque", (Input, "N.m", Range::between(-1e4, 1e4)), "External torque on the {} shaft, positive in the direction of positive speed; a load is negative", setting!(inputs.$pulley.torque));
         add(2, "clampingForce", (Input, "N", Range::between(0.0, 5e5)), "Clamping force that closes the {} sheaves", setting!(inputs.$pulley.clamping_force));
         add(3, "speedSetpoint", (Input, "rad/s", Range::between(-1e4, 1e4)), "Speed set point of the {} shaft; used only with {}.drive = Speed", setting!(inputs.$pulley.speed_setpoint));
+        add(4, "pressure", (Input, "Pa", Range::between(-1e5, 2e7)), "Pressure in the cylinder of the {} pulley above ambient, which acts on {}.cylinder.area in addition to {}.clampingForce", setting!(inputs.$pulley.pressure));
+        add(25, "sheaveVelocity", (Output, "m/s", Range::typical(0.01)), "Speed of the movable {} sheave, positive when it closes", read!($pulley.sheave_velocity));
+        add(24, "cylinder.flow", (Output, "m3/s", Range::typical(1e-4)), "Flow into the cylinder of the {} pulley, {}.cylinder.area * {}.sheaveVelocity", read!($pulley.flow));
+        add(23, "clampingForceTotal", (Output, "N", Range::typical(1e4)), "Force that closes the {} sheaves at the end of the last step: {}.clampingForce, pressure, spring, rotating oil and seals, or the reaction of a held sheave", read!($pulley.axial_force));
         add(11, "speed", (Output, "rad/s", Range::typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
         add(12, "radius", (Output, "m", Range::typical(0.06)), "Running radius on the {} pulley: pitch radius of the arc", read!($pulley.radius));
         add(14, "axialForce", (Output, "N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
@@ -147,6 +161,11 @@ macro_rules! pulley {
         add(42, "drag.viscous", (Parameter, "N.m.s/rad", Range::between(0.0, 10.0)), "Drag torque of the {} shaft per speed, as of oil", setting!($pulley.drag_viscous));
         add(43, "bearing.friction", (Parameter, "1", Range::between(0.0, 1.0)), "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings", setting!($pulley.bearing_friction));
         add(44, "bearing.radius", (Parameter, "m", Range::between(0.0, 1.0)), "Mean radius of the bearings of the {} shaft", setting!($pulley.bearing_radius));
+        add(45, "cylinder.area", (Parameter, "m2", Range::between(0.0, 1.0)), "Area of the {} piston, on which {}.pressure acts; 0: no cylinder", setting!($pulley.cylinder.area));
+        add(46, "cylinder.springForce", (Parameter, "N", Range::between(-1e5, 1e5)), "Force at ratio 1 of the spring that closes the {} sheaves", setting!($pulley.cylinder.spring_force));
+        add(47, "cylinder.springStiffness", (Parameter, "N/m", Range::between(0.0, 1e7)), "Stiffness of the spring of the {} sheaves: its force falls with the position", setting!($pulley.cylinder.spring_stiffness));
+        add(48, "cylinder.centrifugal", (Parameter, "N.s2/rad2", Range::between(-10.0, 10.0)), "Closing force of the oil that rotates with the {} pulley per square of the speed; negative with an overcompensated cylinder", setting!($pulley.cylinder.centrifugal));
+        add(49, "cylinder.seal", (Parameter, "N", Range::between(0.0, 1e4)), "Friction of the seals of the {} cylinder, against {}.sheaveVelocity", setting!($pulley.cylinder.seal));
         $list.push(choice($base + 31, &format!("{}.drive", stringify!($pulley)), &text("Boundary condition of the {} shaft: torque or speed"), &DRIVE, choose!($pulley.drive, Drive::Speed, Drive::Torque)));
         $list.push(choice($base + 32, &format!("{}.axial", stringify!($pulley)), &text("Boundary condition of the movable {} sheave: force or held"), &AXIAL, choose!($pulley.axial, Axial::Held, Axial::Force)));
     };
@@ -172,6 +191,7 @@ pub(crate) fn table() -> Table<Settings, Readings> {
     add(9, "torqueUtilisation", (Output, "1", Range::between(0.0, 10.0).of_size(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))", read!(utilisation));
     add(11, "loss.total", (Output, "W", Range::typical(100.0)), "Sum of all losses", read!(loss));
     add(26, "loss.shafts", (Output, "W", Range::typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(shaft_loss));
+    add(36, "loss.seals", (Output, "W", Range::typical(1.0)), "Friction loss of the seals of both cylinders", read!(seal_loss));
     add(18, "stored.energy", (Local, "J", Range::typical(1000.0)), "Kinetic energy of both shafts", read!(stored_energy));
     add(1011, "initial.ratio", (Parameter, "1", Range::between(0.01, 100.0)), "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop", setting!(ratio));
     add(1012, "initial.primarySpeed", (Parameter, "rad/s", Range::between(-1e4, 1e4)), "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead", setting!(primary_speed));

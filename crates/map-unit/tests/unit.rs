@@ -207,7 +207,7 @@ impl Bench {
         let point = law.point(&frame, sliding);
         let torque = frame.torque * point.traction.value;
         let lost = (state.primary / 2.0).tanh() * point.torque_loss();
-        let (shift, _) = law.shift(&frame, &point, state.primary, &settings.inputs);
+        let (shift, _) = law.shift(&frame, &point, &state, &settings.inputs);
         ([torque, frame.ratio * (torque - lost)], shift)
     }
 
@@ -440,7 +440,7 @@ fn inputs_ramp_jump_or_follow_their_derivative() {
         };
         if rates {
             let mut slopes = settings.clone();
-            slopes.inputs = pushbelt_map_unit::settings::Inputs::of_array([0.0; 6]);
+            slopes.inputs = pushbelt_map_unit::settings::Inputs::of_array([0.0; 8]);
             slopes.inputs.primary.torque = 200.0;
             communication.rates = Some(slopes);
         } else {

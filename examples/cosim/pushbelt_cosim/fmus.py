@@ -19,7 +19,7 @@ from pushbelt.maps.data import Maps
 
 from .unit import MAP_FILE
 
-PROGRAMS = ("belt", "calibrate", "demo", "paper", "sweep")
+PROGRAMS = ("belt", "calibrate", "demo", "sweep")
 """Parts of `pushbelt` that the units do not need."""
 
 SLAVES = Path(__file__).parent / "slaves"

@@ -79,7 +79,7 @@ pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "paper",
         about: "Run the paper's examples with every ring model and write target/paper/report.html",
-        module: "pushbelt.paper",
+        module: "pushbelt_paper",
         fmu: Fmu::OfPaper,
         ..COMMON
     },

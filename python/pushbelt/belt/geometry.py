@@ -46,7 +46,7 @@ SHEAVE = 1.2e11
 """Stiffness of a sheave's face as an elastic half-space, N/m²."""
 PUSH_STIFFNESS = 1e7
 """Push stiffness of elements of `WIDTH`, N."""
-FILM = {"belt.filmForce": 5.0, "belt.filmDamping": 2.0, "belt.squeezeDamping": 2700.0}
+FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 750.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
 CLEARANCE = 0.004
 """Distance of the two pulleys at the largest radii, m."""
@@ -290,7 +290,7 @@ class Belt:
         number = f"{self.elements} elements of {1e3 * mass:.4g} g on the pitch line"
         filled = f"{number}, each 59 % of width x {1e3 * d.element_height:g} mm x thickness, 7800 kg/m3"
         wider, thicker = d.width / WIDTH, thickness / THICKNESS
-        scales = {"belt.filmForce": wider, "belt.filmDamping": wider * thicker, "belt.squeezeDamping": wider * thicker}
+        scales = {"belt.filmDamping": wider, "belt.squeezeDamping": wider * thicker, "belt.suction": wider}
         return {
             "belt.pitchOffset": Entry(
                 self.pitch_offset,
@@ -307,9 +307,9 @@ class Belt:
                 self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
             ),
             "belt.elementInertia": Entry(
-                mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
+                0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
                 "typical",
-                f"a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
+                f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
             ),
             "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
             **{

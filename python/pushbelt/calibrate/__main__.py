@@ -4,7 +4,7 @@ The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per p
 `primary.speed [rpm]`, or in the row below:
 
     ratio.geometric, or ratio.speed (i), or secondary.speed (n_S); primary.speed (n_P); primary.torque (T_P)
-    secondary.clampingForce (F_S), or secondary.pressure (p_S) with --piston-area
+    secondary.clampingForce (F_S), or secondary.pressure (p_S) with --set secondary.cylinder.area=A
     any of thrustRatio, slip, efficiency, primary.clampingForce (F_P), secondary.torque (T_S), di/dt or ds/dt
     their standard deviations, like slip.sd [%]; name
 

@@ -10,14 +10,13 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
-from .hydraulics import PressureCircuit
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-LOSS_COLOURS = (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED)
+LOSS_COLOURS = (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED)
 """Colours of `LOSSES`."""
-DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, MUTED)
+DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"
@@ -26,7 +25,6 @@ GROUP = "drive"
 
 def drive(run: Run, group: str = "") -> Chart:
     """Speed, ratio, engine, pressures, slip and loss over time."""
-    area = PressureCircuit(0.0).area
 
     def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
         return Series(name, run.time, values, colour, width=width)
@@ -56,7 +54,7 @@ def drive(run: Run, group: str = "") -> Chart:
         (
             "Pressures (bar)",
             [
-                line(pulley, 1e-5 * run[f"{pulley}.clampingForce"] / area, colour)
+                line(pulley, 1e-5 * run[f"{pulley}.pressure"], colour)
                 for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
             ],
             {},
@@ -157,7 +155,7 @@ def low_friction(fixed: Run, slip: Run) -> Chart:
 
     rows = (
         ("Slip (%)", lambda run: 100.0 * run["slip"]),
-        ("Secondary clamping force (kN)", lambda run: 1e-3 * run["secondary.clampingForce"]),
+        ("Secondary clamping force (kN)", lambda run: 1e-3 * run["secondary.clampingForceTotal"]),
         ("Variator loss, added up (kJ)", lambda run: 1e-3 * STEP * np.cumsum(run.loss)),
     )
     return Chart(

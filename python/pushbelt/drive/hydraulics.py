@@ -43,7 +43,7 @@ class PressureCircuit:
         return self.area * self.lowest, self.area * self.highest
 
     def advance(self, demand: float, step: float) -> float:
-        """Advances by a communication step towards a demanded clamping force, N; returns the mean force over the step, N."""
+        """Advances by a communication step towards a demanded clamping force, N; returns the mean pressure over the step, Pa."""
         wanted = clip(demand / self.area, self.lowest, self.highest)
         count = max(round(step / self.substep), 1)
         dt = step / count
@@ -54,4 +54,4 @@ class PressureCircuit:
             before = self.pressure
             self.pressure += clip((wanted - before) * share, -most, most)
             impulse += 0.5 * dt * (before + self.pressure)
-        return self.area * impulse / step
+        return impulse / step

@@ -9,7 +9,6 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 
-from .hydraulics import PressureCircuit
 from .simulate import Run
 
 PULLEYS = ("primary", "secondary")
@@ -32,8 +31,7 @@ class Pump:
 
     def power(self, run: Run) -> Array:
         """Power that the pump takes from the engine over time, W."""
-        area = PressureCircuit(0.0).area
-        pressure = np.max([run[f"{pulley}.clampingForce"] for pulley in PULLEYS], axis=0) / area + self.margin
+        pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + self.margin
         revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
         return pressure * self.displacement * revolutions / self.efficiency
 
@@ -81,5 +79,5 @@ def merit(run: Run, pump: Pump = Pump()) -> Merit:  # noqa: B008
         run.variator_loss,
         step * float(pump.power(run).sum()),
         step * float(np.abs(run["speed.car"]).sum()),
-        float(run["secondary.clampingForce"].mean()) / PressureCircuit(0.0).area,
+        float(run["secondary.pressure"].mean()),
     )

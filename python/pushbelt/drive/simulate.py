@@ -31,7 +31,7 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Start values by name of mesh: a coarse one for long runs, and the FMU's default."""
 
-LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "other")
+LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "seals", "other")
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
 
 OUTPUTS = (
@@ -45,6 +45,7 @@ OUTPUTS = (
     "primary.shaftTorque",
     "primary.axialForce",
     "secondary.axialForce",
+    "secondary.clampingForceTotal",
     "primary.power",
     "secondary.power",
     "loss.total",
@@ -80,7 +81,7 @@ SIGNALS: Mapping[str, str] = {
 OF_STEPS = ("work.engine", "loss.clutch")
 """Signals that are energies of one step."""
 
-INPUTS = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
+INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")
 """Inputs of the FMU."""
 
 VARIATOR = "bench168"
@@ -162,8 +163,10 @@ class Run:
 
 
 def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) -> dict[str, float]:
-    """Start values of the FMU: a parameter set with the car's inertia on the secondary shaft; the ring model by name."""
-    parameters = parameter_set(variator)
+    """Start values of the FMU: a parameter set with the car's inertia on the secondary shaft and the pistons of the circuits; the ring
+    model by name."""
+    areas = {f"{pulley}.cylinder.area": PressureCircuit.area for pulley in ("primary", "secondary")}
+    parameters = {**parameter_set(variator), **areas}
     parameters["secondary.inertia"] += car.inertia
     model = RingModel[ring]
     chosen = dict(MESHES[mesh])
@@ -227,8 +230,8 @@ def _columns(vehicle: VehicleSignals, clamping: ClampingSignals) -> dict[str, fl
         "clutch.locked": vehicle.clutch_locked,
         "force.brake": vehicle.brake_force,
         "force.road": vehicle.road_load,
-        "primary.clampingForce": clamping.primary_force,
-        "secondary.clampingForce": clamping.secondary_force,
+        "primary.pressure": clamping.primary_pressure,
+        "secondary.pressure": clamping.secondary_pressure,
         "intervening": clamping.intervening,
         "work.engine": vehicle.engine_work,
         "loss.clutch": vehicle.clutch_loss,
@@ -312,17 +315,18 @@ def _advance(
 def at_rest() -> dict[str, float]:
     """Start values of the FMU in the standing car."""
     signals = VehicleSignals()
-    force = PressureCircuit(START_PRESSURE).force
     return {
         "initial.ratio": RATIO_LIMITS[1],
         "initial.primarySpeed": 0.0,
         "primary.torque": signals.primary_torque,
         "secondary.torque": signals.secondary_torque,
-        "primary.clampingForce": force,
-        "secondary.clampingForce": force,
+        "primary.clampingForce": 0.0,
+        "secondary.clampingForce": 0.0,
+        "primary.pressure": START_PRESSURE,
+        "secondary.pressure": START_PRESSURE,
     }
 
 
 def _input_values(vehicle: VehicleSignals, clamping: ClampingSignals) -> tuple[float, ...]:
     """Values of `INPUTS`."""
-    return vehicle.primary_torque, vehicle.secondary_torque, clamping.primary_force, clamping.secondary_force
+    return vehicle.primary_torque, vehicle.secondary_torque, clamping.primary_pressure, clamping.secondary_pressure

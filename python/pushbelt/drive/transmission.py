@@ -21,10 +21,10 @@ START_PRESSURE = 8e5
 class ClampingSignals:
     """Outputs of the transmission control over a control step."""
 
-    primary_force: float
-    """Mean clamping force on the primary pulley, N."""
-    secondary_force: float
-    """N."""
+    primary_pressure: float
+    """Mean pressure in the primary cylinder, Pa."""
+    secondary_pressure: float
+    """Pa."""
     target_ratio: float
     intervening: bool
     """Whether the slip controller intervenes against macro-slip."""
@@ -78,8 +78,8 @@ class TransmissionControl:
 
     @property
     def signals(self) -> ClampingSignals:
-        """Forces at the present pressures, as they act before the first step."""
-        return ClampingSignals(self.primary.force, self.secondary.force, self._target, self.clamping.intervening)
+        """The present pressures, as they act before the first step."""
+        return ClampingSignals(self.primary.pressure, self.secondary.pressure, self._target, self.clamping.intervening)
 
     def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> ClampingSignals:
         """Computes the demands from the measured values and advances the hydraulics by a step, s. Power in W, speed in rad/s."""
@@ -97,5 +97,5 @@ class TransmissionControl:
         )
 
     def _close(self, circuit: PressureCircuit, wanted: float, step: float) -> float:
-        """Mean force of a circuit over a step towards a demanded force, N."""
+        """Mean pressure of a circuit over a step towards a demanded force, N; Pa."""
         return circuit.advance(self.pressure.demand(wanted, circuit.force), step)

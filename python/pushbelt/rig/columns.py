@@ -68,9 +68,9 @@ CONDITIONS: Mapping[str, Column] = {
         _FORCES["primary"],
     ),
     "secondary.pressure": Column(
-        "pressure", 0.0, 2e7, "oil pressure in place of the secondary force; needs --piston-area", _PRESSURES["secondary"]
+        "pressure", 0.0, 2e7, "oil pressure in place of the secondary force; needs secondary.cylinder.area", _PRESSURES["secondary"]
     ),
-    "primary.pressure": Column("pressure", 0.0, 2e7, "oil pressure in place of the primary force; needs --piston-area", _PRESSURES["primary"]),
+    "primary.pressure": Column("pressure", 0.0, 2e7, "oil pressure in place of the primary force; needs primary.cylinder.area", _PRESSURES["primary"]),
 }
 HIGHEST = 1.0
 """Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""

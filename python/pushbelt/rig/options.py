@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import re
 
-from . import units
+from ..fmu.data import parameter_set
 from .points import Oil, Reading
 
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
@@ -26,35 +25,12 @@ def decimal(text: str) -> str:
     return DECIMAL[text]
 
 
-def areas(text: str) -> tuple[float, float]:
-    """Areas of the primary and the secondary piston, m²; one for both, with or without a unit."""
-    found = []
-    for part in text.split(","):
-        match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(\S*)\s*", part)
-        unit = units.find(match.group(2) or "m2", "area") if match else None
-        try:
-            value = float(match.group(1)) if match else 0.0
-        except ValueError:
-            value = 0.0
-        if unit is None or not 1e-5 <= unit.si(value) <= 1.0:
-            raise argparse.ArgumentTypeError(f"{text} is not an area of 1e-5 to 1 m², such as 0.012 or 120cm2,90cm2")
-        found.append(unit.si(value))
-    return _both(found, text)
+class _Removed(argparse.Action):
+    """Refuses an option in whose place there are parameters."""
 
-
-def coefficients(text: str) -> tuple[float, float]:
-    """Coefficients of the primary and the secondary pulley, N·s²; one for both."""
-    try:
-        found = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text} is not a number, or two with a comma between them") from None
-    return _both(found, text)
-
-
-def _both(found: list[float], text: str) -> tuple[float, float]:
-    if len(found) > 2:
-        raise argparse.ArgumentTypeError(f"{text} has {len(found)} values: one for both pulleys, or primary,secondary")
-    return found[0], found[-1]
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Ends with the parameters in place of the option."""
+        parser.error(f"{self.option_strings[0]} has been removed: set {self.metavar} in the parameter set or by --set")
 
 
 def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -77,19 +53,10 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 def add(parser: argparse.ArgumentParser) -> None:
     """Adds all options."""
     group = add_reading(parser)
-    group.add_argument(
-        "--piston-area",
-        type=areas,
-        metavar="A[,A]",
-        help="areas of the primary and the secondary piston, m² or such as 120cm2: oil pressures give the forces p A",
-    )
-    group.add_argument(
-        "--centrifugal",
-        type=coefficients,
-        metavar="C[,C]",
-        help="coefficients of the oil's centrifugal force, N·s²: the forces are p A + c ω²",
-    )
     group.add_argument("--as-written", action="store_true", help="take values that are not plausible on a variator as they are written")
+    for option, name in (("--piston-area", "area"), ("--centrifugal", "centrifugal")):
+        names = " and ".join(f"{pulley}.cylinder.{name}" for pulley in ("primary", "secondary"))
+        group.add_argument(option, action=_Removed, help=argparse.SUPPRESS, metavar=names)
 
 
 def reading(options: argparse.Namespace) -> Reading:
@@ -98,5 +65,5 @@ def reading(options: argparse.Namespace) -> Reading:
 
 
 def oil(options: argparse.Namespace) -> Oil:
-    """Pistons of the command line."""
-    return Oil(options.piston_area, options.centrifugal)
+    """Cylinders of the parameter set and of --set; the geometry is that of `bench168`, the default of the FMU, unless they have their own."""
+    return Oil({**parameter_set("bench168"), **parameter_set(options.variator), **dict(getattr(options, "set", []))})

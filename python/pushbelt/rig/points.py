@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from ..fmu.data import pitch_radius
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import (
@@ -31,18 +32,30 @@ UNLIKELY = 0.5
 
 @dataclass(frozen=True)
 class Oil:
-    """Forces of the pistons from oil pressures, F = p A + c ω², for the primary and the secondary pulley."""
+    """Forces of the cylinders of a parameter set from oil pressures, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
 
-    areas: tuple[float, float] | None = None
-    """Piston areas A, m²."""
-    centrifugal: tuple[float, float] | None = None
-    """Coefficients c of the centrifugal force, N·s²; None: not counted."""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Values by name: those of `primary.cylinder` and `secondary.cylinder`, and with a stiff spring the geometry."""
 
-    def force(self, pulley: str, pressure: float, speed: float) -> float:
-        """Force of a piston, N, at a pressure in Pa and a speed in rad/s."""
-        side = ("primary", "secondary").index(pulley)
-        assert self.areas is not None
-        return pressure * self.areas[side] + (self.centrifugal[side] * speed**2 if self.centrifugal else 0.0)
+    def of(self, pulley: str, name: str) -> float:
+        """A parameter of the cylinder of a pulley, 0 if it is not given."""
+        return self.parameters.get(f"{pulley}.cylinder.{name}", 0.0)
+
+    def forces(self, pulley: str, pressures: np.ndarray, speeds: np.ndarray, ratios: np.ndarray) -> np.ndarray:
+        """Forces of a cylinder, N, at pressures in Pa, speeds in rad/s and geometric ratios. What does not act is not needed."""
+        found = pressures * self.of(pulley, "area") + self.of(pulley, "springForce")
+        if self.of(pulley, "centrifugal"):
+            found = found + self.of(pulley, "centrifugal") * speeds**2
+        if self.of(pulley, "springStiffness"):
+            found = found - self.of(pulley, "springStiffness") * np.array([self._position(pulley, ratio) for ratio in ratios])
+        return found
+
+    def _position(self, pulley: str, ratio: float) -> float:
+        """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
+        if not ratio > 0.0:
+            return math.nan
+        radius = pitch_radius(self.parameters, ratio) * (ratio if pulley == "secondary" else 1.0)
+        return 2.0 * math.tan(self.parameters["geometry.wedgeAngle"]) * (radius - pitch_radius(self.parameters, 1.0))
 
 
 @dataclass(frozen=True)
@@ -184,24 +197,23 @@ class _Points:
             pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
             if not self._has(pressure) or self._has(force):
                 continue
-            if self.oil.areas is None:
+            if not self.oil.of(pulley, "area"):
                 self.sheet.failed.add(force)
-                text = "a pressure gives no force without the area of the piston: --piston-area A"
+                text = f"a pressure gives no force without the area of the piston: {pulley}.cylinder.area in the parameter set or by --set"
                 self.sheet.faults.append(Fault(text, None, self.sheet.title(pressure)))
                 continue
             speed = self._get(f"{pulley}.speed")
             turns = self._get("ratio.speed") if self._has("ratio.speed") else self._get("ratio.geometric")
             factor = turns if pulley == "primary" else 1.0 / turns
             speed = np.where(np.isfinite(speed), speed, self._get(f"{other}.speed") * factor)
-            counted = speed if self.oil.centrifugal else np.zeros(len(self.sheet))
-            found = np.array([self.oil.force(pulley, p, w) for p, w in zip(self.values[pressure], counted, strict=True)])
+            ratio = self._get("ratio.geometric")
+            found = self.oil.forces(pulley, self.values[pressure], speed, np.where(np.isfinite(ratio), ratio, turns))
             self.values[force], column = found, CONDITIONS[force]
             text = f"the force is {{:.4g}} N, not within {column.low:g} to {column.high:g} N"
             self._dropped(force, (found < column.low) | (found > column.high), lambda row, f=found, t=text: t.format(f[row]), self.sheet.title(pressure))
-            law = "p A + c ω²" if self.oil.centrifugal else "p A"
-            self.remarks.append(f"{force} is {law} of {self.sheet.title(pressure)}")
-            if not self.oil.centrifugal:
-                self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; --centrifugal c adds c ω²")
+            self.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
+            if not self.oil.of(pulley, "centrifugal"):
+                self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
 
     def _computed(self) -> None:
         """Slip and efficiency from speeds and torques; efficiency of the overrun."""

@@ -107,7 +107,8 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
 
 def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
     """The instance in a steady state, or why there is none."""
-    unit = states.started(values)
+    # The forces of a point are whole: cylinders are in them.
+    unit = states.started({name: value for name, value in values.items() if ".cylinder." not in name})
     if unit.not_steady is None:
         return unit
     carried = 0.0

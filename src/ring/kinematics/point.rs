@@ -3,7 +3,7 @@
 use super::hermite::{Hermite, combine};
 use super::motion::{ElementMotion, ReferenceMotion};
 use super::vectors::{cross, embed, inward_normal};
-use crate::reference_curve::ReferencePoint;
+use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
 
@@ -41,21 +41,23 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real> RingPoint<T> {
-    /// Kinematics of a ring that follows the reference curve.
+    /// Kinematics of a ring that follows the reference curve, which has this growth δ.
     #[inline(always)]
-    pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
+    pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>, growth: &Jet<T>) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
         let (w, w_dot) = motion.material_speed(&reference.xi);
+        let stretch = growth.v * reference.kappa + 1.0;
+        let stretch_dot = (growth.d * reference.kappa + growth.v * reference.kappa_theta) * rate;
         Self {
             reference,
             r: reference.r,
             r_dot: reference.r_theta * rate,
             r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
-            slope: reference.t,
-            slope_dot: reference.n * (reference.chi_theta * rate),
-            bend: reference.n * reference.kappa,
-            stretch: T::one(),
-            inverse_stretch: T::one(),
+            slope: reference.t * stretch,
+            slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
+            bend: reference.n * (reference.kappa * stretch),
+            stretch,
+            inverse_stretch: stretch.recip(),
             t: reference.t,
             n: reference.n,
             w,

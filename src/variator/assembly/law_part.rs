@@ -5,16 +5,14 @@ use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
-use crate::variator::cell::laws::{
-    Extent, LawArguments, LawForce, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS, STACK_FORCES,
-};
+use crate::variator::cell::laws::{Extent, LawArguments, LawForce, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
 
 /// Largest number of forces of a cell's laws: in space, with both flanks at each station.
-const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
+const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + 1;
 
 /// L and R of a pack of cells, and the tangents S of its cached derivatives.
 #[derive(Clone, Debug)]
@@ -83,7 +81,6 @@ impl LawPart {
             record(LawForce::Ring { station });
         }
         record(LawForce::Push);
-        record(LawForce::Collision);
     }
 
     /// The derivatives with updated tangents, from the cached `block`.
@@ -109,7 +106,7 @@ impl LawPart {
             }
             changes.add::<K, RING_ARGUMENTS>(&[now.ring], &[then.ring]);
         }
-        changes.add::<K, STACK_ARGUMENTS>(&slopes.stack, &self.slopes.stack);
+        changes.add::<K, STACK_ARGUMENTS>(&[slopes.stack], &[self.slopes.stack]);
         let Changes { forces, count, .. } = changes;
         let left = |force: usize, row: usize| self.left[force * height::<K>() + row];
         // Four forces at a time, so that an entry is read and written once for all of them.

@@ -3,7 +3,7 @@
 use crate::contact::Friction;
 use crate::scalar::{Lanes, Real};
 use crate::variator::cell::flank_variation::FlankTangents;
-use crate::variator::cell::laws::{LawTangents, STACK_ARGUMENTS, STACK_FORCES, TangentRecorder};
+use crate::variator::cell::laws::{LawTangents, STACK_ARGUMENTS, TangentRecorder};
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -41,9 +41,8 @@ pub(crate) struct TangentScales {
     stack: f64,
     /// Reciprocal of the inertia of the elements per belt length in the step, m²/(N·s).
     inertia: f64,
-    /// The same for the elements of a station, m/(N·s), and the reciprocal of its length, 1/m.
-    station: Lanes,
-    per_length: Lanes,
+    /// The same, divided by the square of the length of a station, 1/(N·s).
+    of_rate: Lanes,
 }
 
 impl TangentScales {
@@ -58,8 +57,7 @@ impl TangentScales {
             friction: flank / friction.pulley.max(LEAST_FRICTION),
             stack: 1.0 / law.chain.push_stiffness,
             inertia,
-            station: per_length * inertia,
-            per_length,
+            of_rate: per_length * per_length * inertia,
         }
     }
 
@@ -77,15 +75,10 @@ impl TangentScales {
         ]
     }
 
-    /// Tangents of the push force with respect to density and its rate, and of the collision force with respect to the
-    /// difference of V.
+    /// Tangents of the push force with respect to density and its rate.
     #[inline(always)]
-    fn stack(&self, [push, collision]: &[[Lanes; STACK_ARGUMENTS]; STACK_FORCES]) -> [Lanes; 3] {
-        [
-            push[0] * self.stack,
-            push[1] * self.station * self.per_length,
-            collision[3] * self.station,
-        ]
+    fn stack(&self, push: &[Lanes; STACK_ARGUMENTS]) -> [Lanes; 2] {
+        [push[0] * self.stack, push[1] * self.of_rate]
     }
 }
 

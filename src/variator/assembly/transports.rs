@@ -8,7 +8,7 @@ use crate::variator::belt::{Belt, CellUnknowns};
 /// Rate at which the unknowns of the elements of a chain vanish, 1/s.
 pub const VANISHING: f64 = 1.0e3;
 
-/// Flow, density and lag of every cell.
+/// Flow and density of every cell.
 ///
 /// Each quantity is a list that begins with the last cell, as the predecessor of the first. All cells follow in their
 /// order, then padding for a pack that ends beyond them.
@@ -55,8 +55,8 @@ impl Transports {
     #[inline(always)]
     fn beside(&self, first: usize) -> [Transport<Lanes>; 2] {
         [first, first + 1].map(|start| {
-            let [flow, density, lag] = self.quantities.each().map(|of| Lanes::read(&of[start..]));
-            Transport { flow, density, lag }
+            let [flow, density] = self.quantities.each().map(|of| Lanes::read(&of[start..]));
+            Transport { flow, density }
         })
     }
 

@@ -87,7 +87,6 @@ impl Belt {
                     primary: geometry.center_distance,
                 },
                 planes: SheavePlane::pair(geometry.pulley_offset),
-                has_lag: mesh.cells_per_element > 1 && !parameters.is_chain(),
             },
             cells_at: (0..mesh.cells.len())
                 .map(|cell| CellUnknowns {

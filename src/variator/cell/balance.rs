@@ -12,7 +12,7 @@
 //! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for the whole chain: forces along
 //! the belt act on the ring.
 
-use crate::chain::{Stack, Transport};
+use crate::chain::Transport;
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::variator::cell::observer::{AtStation, StationObserver};
@@ -43,11 +43,10 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
     observer: &mut P,
 ) -> (CellBalance<T>, CellState<T>) {
     let cell = CellState::new(given, ring, reference, slots);
-    let stack = cell.stack(given.law);
-    let Stack { push, collision, lag } = stack;
+    let push = cell.push(given.law);
     let face = slots.face();
     let mut out = CellBalance {
-        speed: [push.force - collision, collision - push.force],
+        speed: [push.force, -push.force],
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
@@ -55,7 +54,6 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
         transport: Transport {
             flow: chain_at_face(given, face).flow,
             density: cell.density,
-            lag: if given.law.has_lag { lag } else { T::zero() },
         },
     };
     for (i, station) in slots.stations.iter().enumerate() {
@@ -65,7 +63,7 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
         observer.observe(&AtStation {
             given,
             cell: &cell,
-            stack: &stack,
+            push: &push,
             face,
             index: i,
             station,

@@ -8,7 +8,7 @@
 //! While the geometry has hardly changed, an update of S alone yields the current derivatives
 //! ([`LawPart`](crate::variator::assembly::law_part::LawPart)).
 
-use crate::chain::Stack;
+use crate::chain::{Push, push_force};
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankTangents, flank_slopes, of_flank};
 use crate::variator::cell::observer::{AtStation, StationObserver};
@@ -19,10 +19,8 @@ use num_traits::Zero;
 
 /// Arguments of the friction between ring and elements: T − m_r ṡ², sliding speed.
 pub(crate) const RING_ARGUMENTS: usize = 2;
-/// Forces in a stack: push force, collision force.
-pub(crate) const STACK_FORCES: usize = 2;
-/// Arguments of a stack's laws: density, its material rate, flow, difference of V.
-pub(crate) const STACK_ARGUMENTS: usize = 4;
+/// Arguments of the push force: density, its material rate.
+pub(crate) const STACK_ARGUMENTS: usize = 2;
 
 /// Arguments of the laws, or their variations in a direction.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +85,7 @@ impl Extent {
 
     /// Number of forces.
     pub fn forces(self) -> usize {
-        self.stations * (self.flanks * FLANK_FORCES + 1) + STACK_FORCES
+        self.stations * (self.flanks * FLANK_FORCES + 1) + 1
     }
 
     /// Number of arguments.
@@ -105,17 +103,13 @@ pub(crate) enum LawForce {
     Ring { station: usize },
     /// The push force.
     Push,
-    /// The collision force.
-    Collision,
 }
 
 /// Tangents of the laws of a pack of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LawTangents {
     pub stations: [StationTangents; STATIONS],
-    pub stack: [[Lanes; STACK_ARGUMENTS]; STACK_FORCES],
-    /// Derivatives of the lag, which is not a force.
-    pub lag: [Lanes; STACK_ARGUMENTS],
+    pub stack: [Lanes; STACK_ARGUMENTS],
 }
 
 /// Tangents of the laws at a station.
@@ -135,8 +129,7 @@ impl LawTangents {
         };
         Self {
             stations: [station; STATIONS],
-            stack: [[zero; STACK_ARGUMENTS]; STACK_FORCES],
-            lag: [zero; STACK_ARGUMENTS],
+            stack: [zero; STACK_ARGUMENTS],
         }
     }
 }
@@ -163,13 +156,12 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
             let arguments = at.cell.stack_arguments();
             let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
             let law = given.law;
-            let Stack { push, collision, lag } = if law.is_chain() {
-                Stack::none()
+            let push = if law.is_chain() {
+                Push::none()
             } else {
-                Stack::new(&law.chain, seeded)
+                push_force(&law.chain, seeded)
             };
-            self.0.stack = [push.force.eps, collision.eps];
-            self.0.lag = lag.eps;
+            self.0.stack = push.force.eps;
         }
     }
 }

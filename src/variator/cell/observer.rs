@@ -1,6 +1,6 @@
 //! Observers of the evaluation of a cell: they sample it, or record quantities for its derivatives.
 
-use crate::chain::Stack;
+use crate::chain::Push;
 use crate::contact::energy_density_at;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
@@ -22,7 +22,7 @@ pub trait StationObserver<T: Real, const D: usize = 2> {
 pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub given: &'a CellInput<'a, T>,
     pub cell: &'a CellState<T>,
-    pub stack: &'a Stack<T>,
+    pub push: &'a Push<T>,
     /// The ring at the left face of the cell.
     pub face: &'a RingPoint<T, D>,
     /// Number of the station in the cell.
@@ -59,12 +59,12 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
     fn sample(&self) -> Sample<T> {
         let Self {
             cell,
+            push,
             face,
             forces,
             ring,
             ..
         } = *self;
-        let Stack { push, collision, .. } = self.stack;
         let StationState {
             ring: point,
             chain,
@@ -72,7 +72,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
         } = self.station;
         let (flanks, approach) = (&forces.flanks, &forces.approach);
         let of_ring = ring.density(point);
-        let stack_loss = (*collision * cell.difference - push.viscous * cell.lengthening) * cell.inverse_length;
+        let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
         let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.place.axis), T::zero());
         Sample {
             xi: point.reference.xi.v,

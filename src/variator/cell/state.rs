@@ -1,6 +1,6 @@
 //! The state of a cell and of its stations, used by its balance and by the derivatives of the balance.
 
-use crate::chain::{ChainPoint, Stack};
+use crate::chain::{ChainPoint, Push, push_force};
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
@@ -159,20 +159,20 @@ impl<T: Real> CellState<T> {
         }
     }
 
-    /// Arguments of the stack's laws: ν, its material rate, flow, difference of V.
+    /// Arguments of the push force: ν and its material rate.
     #[inline(always)]
-    pub fn stack_arguments(&self) -> [T; 4] {
+    pub fn stack_arguments(&self) -> [T; 2] {
         let thinning = -(self.density * self.lengthening * self.inverse_pitch_length);
-        [self.density, thinning, self.flow, self.difference]
+        [self.density, thinning]
     }
 
-    /// Forces in the stack of the cell.
+    /// Push force in the cell.
     #[inline(always)]
-    pub fn stack(&self, law: &CellLaw) -> Stack<T> {
+    pub fn push(&self, law: &CellLaw) -> Push<T> {
         if law.is_chain() {
-            return Stack::none();
+            return Push::none();
         }
-        Stack::new(&law.chain, self.stack_arguments())
+        push_force(&law.chain, self.stack_arguments())
     }
 
     /// ∂V/∂ξ, 1/s.

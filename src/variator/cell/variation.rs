@@ -41,8 +41,8 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     push: Lanes,
     /// Derivatives of the passing amount of elements with respect to density and flow.
     passing: [Lanes; 2],
-    /// Tangents of push force, collision force and lag with respect to the arguments of the stack's laws.
-    stack: [[Lanes; STACK_ARGUMENTS]; 3],
+    /// Tangents of the push force.
+    push_by: [Lanes; STACK_ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
@@ -70,10 +70,8 @@ struct CellVariation {
 struct StackVariation {
     arguments: [Lanes; STACK_ARGUMENTS],
     density: Lanes,
-    /// Push force and collision force, N.
+    /// Push force, N.
     push: Lanes,
-    collision: Lanes,
-    lag: Lanes,
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
@@ -86,12 +84,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             forces,
             laws,
         } = evaluated;
-        let lag = if given.law.has_lag {
-            laws.lag
-        } else {
-            [Lanes::zero(); STACK_ARGUMENTS]
-        };
-        let push = cell.stack(given.law).push.force;
+        let push = cell.push(given.law).force;
         let face = slots.face();
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
@@ -117,7 +110,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 Tangent::seed(cell.flow, 1, 1.0),
             )
             .eps,
-            stack: [laws.stack[0], laws.stack[1], lag],
+            push_by: laws.stack,
             slopes,
         }
     }
@@ -157,11 +150,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
         let mut out = nothing();
-        out.speed = [stack.push - stack.collision, stack.collision - stack.push];
+        out.speed = [stack.push, -stack.push];
         out.transport = Transport {
             flow: cell.flow_in,
             density: stack.density,
-            lag: stack.lag,
         };
         let on_stations = StackForce {
             density: [self.cell.density, stack.density],
@@ -285,15 +277,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             - density * self.cell.lengthening
             - self.cell.density * lengthening)
             * inverse;
-        let through = by.through * self.cell.inverse_length;
-        let arguments = [density, thinning, through, by.difference];
-        let [push, collision, lag] = self.stack.each_ref().map(|slopes| along(slopes, &arguments));
+        let arguments = [density, thinning];
         StackVariation {
             arguments,
             density,
-            push,
-            collision,
-            lag,
+            push: along(&self.push_by, &arguments),
         }
     }
 
@@ -344,7 +332,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         );
         match force {
             LawForce::Push => out.speed = [one, -one],
-            LawForce::Collision => out.speed = [-one, one],
             LawForce::Flank { .. } | LawForce::Ring { .. } => {}
         }
         for (i, station) in self.stations.iter().enumerate() {
@@ -460,7 +447,6 @@ fn nothing() -> CellBalance<Lanes> {
         transport: Transport {
             flow: zero,
             density: zero,
-            lag: zero,
         },
     }
 }

@@ -36,9 +36,6 @@ pub struct CellLaw {
     pub axes: PerPulley<f64>,
     /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
-    /// Whether fluxes include the [`lag`](chain::lag). Not with one cell per element, because its derivatives would be
-    /// outside the band of the matrix.
-    pub has_lag: bool,
 }
 
 /// The middle of a pulley along z: it moves by half the closing of the movable sheave, away from that sheave.

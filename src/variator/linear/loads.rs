@@ -4,6 +4,7 @@ use faer::Mat;
 
 use crate::pulley::Pulley;
 use crate::variator::linear::working_point::WorkingPoint;
+use crate::variator::pulleys::loads::{Boundary, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::system::VariatorSystem;
@@ -13,6 +14,8 @@ use crate::variator::system::VariatorSystem;
 pub enum Load {
     /// Clamping force of a pulley, N.
     ClampingForce(Pulley),
+    /// Pressure in the cylinder of a pulley, Pa.
+    Pressure(Pulley),
     /// External torque on a pulley's shaft, N·m.
     Torque(Pulley),
     /// Speed set point of a pulley, rad/s.
@@ -23,15 +26,31 @@ impl Load {
     /// The input among all `inputs`.
     pub fn field(self, inputs: &mut Inputs) -> &mut f64 {
         let Inputs { primary, secondary } = inputs;
-        let (Self::ClampingForce(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
+        let (Self::ClampingForce(j) | Self::Pressure(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
         let pulley = match j {
             Pulley::Primary => primary,
             Pulley::Secondary => secondary,
         };
         match self {
             Self::ClampingForce(_) => &mut pulley.clamping_force,
+            Self::Pressure(_) => &mut pulley.pressure,
             Self::Torque(_) => &mut pulley.torque,
             Self::SpeedSetpoint(_) => &mut pulley.speed_setpoint,
+        }
+    }
+
+    /// Adds a change of the input to the boundary conditions.
+    pub(super) fn change(self, by: f64, system: &VariatorSystem, boundary: &mut Boundary) {
+        let (Self::ClampingForce(j) | Self::Pressure(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
+        match (self, &mut boundary.sheave[j], &mut boundary.shaft[j]) {
+            (Self::ClampingForce(_), SheaveMode::Force(force), _) => *force += by,
+            (Self::Pressure(_), SheaveMode::Force(force), _) => {
+                *force += system.pulleys.parameters(j).cylinder.area * by
+            }
+            (Self::Torque(_) | Self::SpeedSetpoint(_), _, ShaftMode::Torque(load) | ShaftMode::Setpoint(load)) => {
+                *load += by;
+            }
+            _ => {}
         }
     }
 
@@ -41,6 +60,8 @@ impl Load {
         match self {
             Self::ClampingForce(Pulley::Primary) => "primary.clampingForce",
             Self::ClampingForce(Pulley::Secondary) => "secondary.clampingForce",
+            Self::Pressure(Pulley::Primary) => "primary.pressure",
+            Self::Pressure(Pulley::Secondary) => "secondary.pressure",
             Self::Torque(Pulley::Primary) => "primary.torque",
             Self::Torque(Pulley::Secondary) => "secondary.torque",
             Self::SpeedSetpoint(Pulley::Primary) => "primary.speedSetpoint",
@@ -62,6 +83,9 @@ pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
         });
         if pulley.axial == Axial::Force {
             loads.push(Load::ClampingForce(j));
+            if pulley.cylinder.area > 0.0 {
+                loads.push(Load::Pressure(j));
+            }
         }
     }
     loads
@@ -73,6 +97,7 @@ pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize)
     for (l, load) in loads.iter().enumerate() {
         let (row, factor) = match *load {
             Load::ClampingForce(j) => (system.belt.layout.sheave(j), 1.0),
+            Load::Pressure(j) => (system.belt.layout.sheave(j), system.pulleys.parameters(j).cylinder.area),
             Load::Torque(j) => (system.belt.layout.shaft_speed(j), 1.0),
             Load::SpeedSetpoint(j) => (
                 system.belt.layout.shaft_speed(j),
@@ -104,6 +129,7 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
         let (given, held) = (*load.field(&mut given), *load.field(&mut held));
         let (unit, small) = match load {
             Load::ClampingForce(_) => ("N", SMALL_FORCE),
+            Load::Pressure(j) => ("Pa", SMALL_FORCE / point.system.pulleys.parameters(*j).cylinder.area),
             Load::Torque(_) => ("N.m", SMALL_TORQUE),
             // The set point is the speed of the point.
             Load::SpeedSetpoint(_) => continue,

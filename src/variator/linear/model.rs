@@ -11,7 +11,7 @@ use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
-use crate::variator::survey::belt_survey::Survey;
+use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 
@@ -44,21 +44,23 @@ pub struct LinearModel {
     pub remarks: Vec<String>,
 }
 
-/// A direction of x = (y, q), and its ẏ.
+/// A direction of x = (y, q), and its ẏ, with the load that changes by one along it.
 struct StateDirection {
+    load: Option<Load>,
     y: Vec<f64>,
     y_dot: Vec<f64>,
     q: Vec<f64>,
 }
 
 impl StateDirection {
-    /// Of a column of x and its rate.
-    fn new(n: usize, positions: &[usize], column: &[f64], rate: &[f64]) -> Self {
+    /// Of a load, a column of x and its rate.
+    fn new(n: usize, positions: &[usize], load: Option<Load>, column: &[f64], rate: &[f64]) -> Self {
         let mut q = vec![0.0; n];
         for (k, &i) in positions.iter().enumerate() {
             q[i] = column[n + k];
         }
         Self {
+            load,
             y: column[..n].to_vec(),
             y_dot: rate[..n].to_vec(),
             q,
@@ -160,19 +162,20 @@ fn about(
     let slow = SlowSystem::new(&descriptor, &b, cut_off)?.ok_or(LinearError::NoMode(frequency))?;
 
     let n = system.belt.layout.len();
-    let mut differentiate = |column: &[f64], rate: &[f64]| {
-        let direction = StateDirection::new(n, &descriptor.positions, column, rate);
+    let mut differentiate = |load: Option<Load>, column: &[f64], rate: &[f64]| {
+        let direction = StateDirection::new(n, &descriptor.positions, load, column, rate);
         derivatives_along(system, state, &direction, read)
     };
     let c: Vec<Vec<f64>> = (0..slow.right.ncols())
-        .map(|k| differentiate(&column(&slow.right, k), &column(&slow.rates, k)))
+        .map(|k| differentiate(None, &column(&slow.right, k), &column(&slow.rates, k)))
         .collect();
     // The response of the slow modes is subtracted before outputs are differentiated: it is large here, and sliding depends
     // on it nonlinearly.
     let d: Vec<Vec<f64>> = slow
         .remainder(&descriptor, &b, NEARLY_STATIC * cut_off)
         .iter()
-        .map(|[x, rate]| differentiate(x, rate))
+        .zip(&loads)
+        .map(|([x, rate], load)| differentiate(Some(*load), x, rate))
         .collect();
     Ok(LinearModel {
         remarks: departures(&loads, &point),
@@ -233,9 +236,15 @@ fn derivatives_along(
             state.q[i] += step * direction.q[i];
         }
         let survey = Survey::of(system, state.view());
-        let boundary = system.loads.at(TIME);
-        let torques = survey.sums.shaft_torque;
-        let context = Context::of_steady_state(system.pulleys.external_torques(&boundary, state.view(), torques));
+        let mut boundary = system.loads.at(TIME);
+        if let Some(load) = direction.load {
+            load.change(step, system, &mut boundary);
+        }
+        let BeltSums {
+            shaft_torque, axial, ..
+        } = survey.sums;
+        let external = system.pulleys.external(&boundary, state.view(), shaft_torque, axial);
+        let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();
         Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
         outputs

@@ -3,7 +3,7 @@
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
-use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::run::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
@@ -124,8 +124,14 @@ fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<I
         (Pulley::Secondary, &parameters.secondary, &mut held.secondary),
     ] {
         if pulley.axial == Axial::Force {
-            values.clamping_force = system.pulleys.holding_force(j, state.view(), sums.axial[j]);
-            boundary.sheave[j] = SheaveMode::Force(values.clamping_force);
+            let force = system.pulleys.holding_force(j, state.view(), sums.axial[j]);
+            let area = pulley.cylinder.area;
+            if area > 0.0 {
+                values.pressure = (force - values.clamping_force) / area;
+            } else {
+                values.clamping_force = force;
+            }
+            boundary.sheave[j] = SheaveMode::Force(force);
         }
         boundary.shaft[j] = match pulley.drive {
             Drive::Torque => {
@@ -159,5 +165,5 @@ fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, Li
 /// Sets constant loads.
 fn load(system: &mut VariatorSystem, boundary: Boundary) {
     let mut rates = vec![0.0; system.belt.layout.len()];
-    system.change_loads(0.0, boundary, LoadRates::default(), 0.0, &mut rates);
+    system.change_loads(Loads::constant(boundary), TIME, &mut rates);
 }

@@ -262,7 +262,7 @@ impl Layout {
         self.border() + GAUGE + condition
     }
 
-    /// Index of the rate of a coordinate of displaced centres (`ALE0`): spread, turn, shift along x and y.
+    /// Index of the rate of a coordinate of displaced centres (`ALE0`): spread, turn, shift along x and y, growth.
     #[must_use]
     pub fn centre(&self, k: usize) -> usize {
         self.border() + GAUGE + k

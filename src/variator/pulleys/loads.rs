@@ -6,7 +6,7 @@ use crate::tape::Tape;
 /// Condition that determines a sheave's axial position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SheaveMode {
-    /// The clamping force, N, is given.
+    /// The force of clamp and pressure, N, is given.
     Force(f64),
     /// The sheave stands still.
     Held,
@@ -67,7 +67,7 @@ impl Boundary {
         },
     };
 
-    /// External forces on the movable sheaves, N; 0 where they are held.
+    /// Forces of clamps and pressures on the movable sheaves, N; 0 where they are held.
     #[must_use]
     pub fn clamping_forces(&self) -> PerPulley<f64> {
         self.sheave.map(|sheave| match sheave {
@@ -95,6 +95,8 @@ impl Boundary {
 pub struct LoadRates {
     /// Rates of clamping forces, N/s.
     pub force: PerPulley<f64>,
+    /// Rates of the forces of pressures, N/s.
+    pub oil: PerPulley<f64>,
     /// Rates of external torques, N·m/s, or of speed set points, rad/s².
     pub shaft: PerPulley<f64>,
 }
@@ -105,6 +107,8 @@ pub struct Loads {
     /// Time at which the loads are those of `start`, s.
     from: f64,
     start: Boundary,
+    /// Forces of pressures beside the forces of `start`, N.
+    oil: PerPulley<f64>,
     rates: LoadRates,
 }
 
@@ -112,26 +116,32 @@ impl Loads {
     /// Loads that do not change.
     #[must_use]
     pub fn constant(start: Boundary) -> Self {
-        Self::changing(0.0, start, LoadRates::default())
+        Self::changing(0.0, (start, PerPulley::default()), LoadRates::default())
     }
 
-    /// Loads that are `start` at the time `from`, s, and change at `rates`.
+    /// Loads that are `start`, and forces of pressures, N, in addition to its clamping forces, at the time `from`, s. They change at
+    /// `rates`.
     #[must_use]
-    pub fn changing(from: f64, start: Boundary, rates: LoadRates) -> Self {
-        Self { from, start, rates }
+    pub fn changing(from: f64, (start, oil): (Boundary, PerPulley<f64>), rates: LoadRates) -> Self {
+        Self {
+            from,
+            start,
+            oil,
+            rates,
+        }
     }
 
     /// The boundary conditions at a time, s. A falling clamping force stops at zero: an actuator can't pull its sheave.
     #[must_use]
     pub fn at(&self, time: f64) -> Boundary {
         let mut boundary = self.start;
-        if self.rates == LoadRates::default() {
-            return boundary;
-        }
         let after = time - self.from;
         for pulley in Pulley::BOTH {
             if let SheaveMode::Force(force) = &mut boundary.sheave[pulley] {
-                *force = (*force + after * self.rates.force[pulley]).max(0.0);
+                if self.rates.force[pulley] != 0.0 {
+                    *force = (*force + after * self.rates.force[pulley]).max(0.0);
+                }
+                *force += self.oil[pulley] + after * self.rates.oil[pulley];
             }
             if let ShaftMode::Torque(load) | ShaftMode::Setpoint(load) = &mut boundary.shaft[pulley] {
                 *load += after * self.rates.shaft[pulley];
@@ -144,9 +154,10 @@ impl Loads {
     pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
         self.start.serialize(tape);
-        for rates in [&mut self.rates.force, &mut self.rates.shaft] {
-            for rate in rates.each_mut() {
-                tape.real(rate);
+        let LoadRates { force, oil, shaft } = &mut self.rates;
+        for values in [&mut self.oil, force, oil, shaft] {
+            for value in values.each_mut() {
+                tape.real(value);
             }
         }
     }

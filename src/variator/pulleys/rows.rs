@@ -1,6 +1,6 @@
 //! Equations of motion of the pulleys:
 //!
-//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1,
+//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1; F of clamp and [cylinder](crate::cylinder),
 //! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
 //! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the [drag](crate::shaft) of the
 //!   shaft.
@@ -23,8 +23,19 @@ pub struct Pulleys {
     parameters: PerPulley<PulleyParameters>,
     /// Axial travel of the movable sheaves between their stops.
     travel: PerPulley<Travel>,
+    /// Regularisation velocity of the seals' friction, m/s.
+    seal_velocity: f64,
     /// Factor on the inertias, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
     pub inertia_factor: f64,
+}
+
+/// What acts on a pulley from outside.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct External {
+    /// External torque at the shaft, or the reaction in speed drive, N·m.
+    pub torque: f64,
+    /// Force of clamp and cylinder on the movable sheave, or the reaction where it is held, N.
+    pub closing: f64,
 }
 
 /// An end stop of a movable sheave.
@@ -60,6 +71,7 @@ impl Pulleys {
             layout: belt.layout,
             parameters: PerPulley::from_fn(|pulley| parameters.pulley(pulley).clone()),
             travel: PerPulley::from_fn(travel),
+            seal_velocity: parameters.friction.velocity,
             inertia_factor: 1.0,
         }
     }
@@ -78,11 +90,39 @@ impl Pulleys {
         closed.or_else(|| (z <= travel.open).then_some(Stop::Opening))
     }
 
-    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less the force of an
-    /// end stop.
+    /// Force of the end stops on a sheave, N.
+    #[must_use]
+    pub fn stop_force(&self, pulley: Pulley, view: View<'_>) -> f64 {
+        self.stop(pulley, view).force
+    }
+
+    /// Force of clamp and pressure under which a sheave stands still, N: the belt's `axial` force on it, less those of an
+    /// end stop, of spring and rotating oil.
     #[must_use]
     pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
-        axial - self.stop(pulley, view).force
+        axial - self.stop(pulley, view).force - self.push(pulley, view)
+    }
+
+    /// Force of spring and rotating oil on a sheave, N.
+    #[must_use]
+    pub fn push(&self, pulley: Pulley, view: View<'_>) -> f64 {
+        let [z, omega] = [
+            view.q[self.layout.sheave(pulley)],
+            view.y[self.layout.shaft_speed(pulley)],
+        ];
+        self.parameters[pulley].cylinder.push(z, omega)
+    }
+
+    /// Force of a cylinder on its sheave beside that of its pressure, N.
+    fn cylinder(&self, pulley: Pulley, view: View<'_>) -> f64 {
+        let z_dot = view.y[self.layout.sheave(pulley)];
+        self.push(pulley, view) - self.parameters[pulley].cylinder.drag(z_dot, self.seal_velocity)
+    }
+
+    /// Loss by the friction of a pulley's seals at the speed `z_dot` of its sheave, m/s; W.
+    #[must_use]
+    pub fn seal_loss(&self, pulley: Pulley, z_dot: f64) -> f64 {
+        self.parameters[pulley].cylinder.drag(z_dot, self.seal_velocity) * z_dot
     }
 
     /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the
@@ -148,16 +188,17 @@ impl Pulleys {
     fn sheave_row(&self, pulley: Pulley, mode: SheaveMode, axial: f64, view: View<'_>) -> f64 {
         let of = &self.parameters[pulley];
         let z = self.layout.sheave(pulley);
+        let cylinder = self.cylinder(pulley, view);
         match mode {
             SheaveMode::Force(force) => {
-                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] - force + axial
+                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] - (force + cylinder) + axial
                     - self.stop(pulley, view).force
             }
             SheaveMode::Held => HOLD * view.y[z],
             SheaveMode::Ratio { theta, force } => {
                 let off = theta - view.q[self.layout.theta()];
                 of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
-                    - force
+                    - (force + cylinder)
                     - closing_sign(pulley) * RATIO_STIFFNESS * off
                     - self.stop(pulley, view).force
             }
@@ -293,7 +334,13 @@ impl Pulleys {
             SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
                 let (q, y) = (Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0));
                 let stop = self.travel[pulley].stop_force(q, y).force.eps;
-                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - stop);
+                let speed = self.layout.shaft_speed(pulley);
+                let [q, y, omega] = [(view.q[z], 0, beta), (view.y[z], 0, 1.0), (view.y[speed], 1, 1.0)]
+                    .map(|(value, direction, slope)| Tangent::<2, f64>::seed(value, direction, slope));
+                let cylinder = of.cylinder.push(q, omega) - of.cylinder.drag(y, self.seal_velocity);
+                let [by_sheave, by_speed] = cylinder.eps;
+                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - (stop + by_sheave));
+                out.add(z, speed, -by_speed);
                 if let SheaveMode::Ratio { .. } = mode {
                     let theta = self.layout.theta();
                     out.add(z, theta, closing_sign(pulley) * RATIO_STIFFNESS * beta);
@@ -315,7 +362,7 @@ impl Pulleys {
         }
     }
 
-    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. The drag of the shafts is not in it.
+    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. Drag of shafts and seals is not in it.
     #[must_use]
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
@@ -350,7 +397,7 @@ impl Pulleys {
         2.0 * (lost - trapezoid)
     }
 
-    /// Energy of the pulleys: rotation, axial motion, tilt, end stops, J.
+    /// Energy of the pulleys: rotation, axial motion, tilt, end stops, springs, J.
     #[must_use]
     pub fn energy(&self, view: View<'_>) -> f64 {
         let mut energy = 0.0;
@@ -360,7 +407,8 @@ impl Pulleys {
             let omega = view.y[self.layout.shaft_speed(pulley)];
             energy += 0.5 * of.inertia * omega * omega
                 + 0.5 * of.sheave_mass * view.y[z] * view.y[z]
-                + self.travel[pulley].energy(view.q[z]);
+                + self.travel[pulley].energy(view.q[z])
+                + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
                 let [psi, _] = self.tilt(pulley, view);
                 energy += 2.0 * of.tilt.energy(psi);
@@ -377,16 +425,28 @@ impl Pulleys {
         }
     }
 
-    /// External torques at the shafts, N·m; `torques` are those of belt and drag.
+    /// Loads from outside. `torques` are those of belt and drag on the shafts, N·m, and `axial` the belt's forces on the sheaves, N.
     #[must_use]
-    pub fn external_torques(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> PerPulley<f64> {
+    pub fn external(
+        &self,
+        boundary: &Boundary,
+        view: View<'_>,
+        torques: PerPulley<f64>,
+        axial: PerPulley<f64>,
+    ) -> PerPulley<External> {
         PerPulley::from_fn(|pulley| {
             let omega = view.y[self.layout.shaft_speed(pulley)];
             let accelerating = match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(set) => self.parameters[pulley].inertia * (set - omega) / SPEED_LAG,
                 _ => 0.0,
             };
-            Self::torque_supplied(boundary.shaft[pulley], torques[pulley]) + accelerating
+            External {
+                torque: Self::torque_supplied(boundary.shaft[pulley], torques[pulley]) + accelerating,
+                closing: match boundary.sheave[pulley] {
+                    SheaveMode::Force(force) => force + self.cylinder(pulley, view),
+                    SheaveMode::Held | SheaveMode::Ratio { .. } => axial[pulley] - self.stop(pulley, view).force,
+                },
+            }
         })
     }
 

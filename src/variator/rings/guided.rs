@@ -1,8 +1,12 @@
 //! `ALE0`: the ring follows the reference curve, whose arcs have free centres.
 //!
-//! The curve has five coordinates p: Θ, and spread, turn and shift of the centres ([`Displaced`]). The virtual motion of a
+//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ ([`Displaced`]). The virtual motion of a
 //! mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects loads on p. The curve holds derivatives along the motion in place of
 //! those with respect to Θ, so its Θ̇ is one.
+//!
+//! The ring stretches as a whole, by γ = 2πδ/L with the energy ½ EA γ² L. The tension varies along it by friction. Its mean over the
+//! arcs, by angle, is EA (γ + η γ̇); the balance of the forces across, ∮(f·n − Tκ) dξ = 0, is the conjugate of δ, so the power of the
+//! stack on the growing loop is balanced.
 //!
 //! [`Displaced`]: crate::reference_curve::Displaced
 
@@ -12,6 +16,9 @@ use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
 use crate::variator::law::place::{Place, between, share};
 use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+
+/// Place of the growth among the coordinates of the curve. Its row is the mean of the tension.
+const GROWTH: usize = COORDINATES - 1;
 
 /// `ALE0`: the ring follows the reference curve; its tension is an unknown at the faces.
 pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
@@ -83,6 +90,13 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
         }
     }
 
+    /// EA (γ + η γ̇), N.
+    #[inline(always)]
+    fn mean_tension(&self) -> T {
+        let [_, strain] = C::growth(self.curve.0);
+        strain.v * self.ring.axial_stiffness + strain.d * self.ring.viscosity()
+    }
+
     /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect to a coordinate of
     /// the shape, N.
     #[inline(always)]
@@ -109,7 +123,9 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
         {
             *sum += along * *weight;
         }
-        sum.across += (action.across - action.tension * point.reference.kappa) * *weight;
+        let bearing = action.tension * point.reference.kappa * *weight;
+        sum.curve[GROWTH] += bearing;
+        sum.across += action.across * *weight - bearing;
         sum.balance += action.along * *weight;
     }
 }
@@ -124,7 +140,7 @@ impl<T: Real, C: DisplacedCurve> EulerianRing<T> for Guided<'_, T, C> {
 impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn point(&self, _slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        RingPoint::guided(reference, self.motion)
+        RingPoint::guided(reference, self.motion, &C::growth(self.curve.0)[0])
     }
 
     #[inline(always)]
@@ -142,15 +158,18 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
         self.add(&mut sum, slot, point, action, |by| {
             energy * by.growth + moment * by.kappa
         });
+        sum.curve[GROWTH] -= kappa * self.mean_tension() * action.weight;
         self.sum = sum;
     }
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
+        let [_, strain] = C::growth(self.curve.0);
         RingDensity {
             kinetic: ale::kinetic_energy_density(self.ring, point),
-            elastic: ale::energy_density(self.ring, point),
-            viscous: T::zero(),
+            elastic: strain.v * strain.v * (0.5 * self.ring.axial_stiffness)
+                + ale::bending_energy_density(self.ring, point),
+            viscous: strain.d * strain.d * self.ring.viscosity(),
         }
     }
 }

@@ -105,6 +105,6 @@ pub struct RingForces<T: Real, const D: usize = 2> {
     pub drift: T,
     /// Conjugate of Θ, N·m.
     pub theta: T,
-    /// Conjugates of the other coordinates of the curve (`ALE0`): spread, N, turn, N·m, shift, N.
+    /// Rows of the other coordinates of the curve (`ALE0`): spread, N, turn, N·m, shift, N, growth, N.
     pub centres: [T; COORDINATES - 1],
 }

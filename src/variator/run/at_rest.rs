@@ -34,12 +34,14 @@ pub enum Unsettled {
 }
 
 impl Plant {
-    /// Whether each sheave is held or has a clamping force.
+    /// Whether each sheave is held or closed by a force at the initial ratio.
     pub fn is_clamped(&self, inputs: &Inputs) -> bool {
-        let held = |pulley: Pulley| self.system.parameters.pulley(pulley).axial == Axial::Held;
+        let parameters = &self.system.parameters;
+        let closing = parameters.closing_forces(inputs, [parameters.initial.ratio, 0.0]);
+        let held = |pulley: Pulley| parameters.pulley(pulley).axial == Axial::Held;
         Pulley::BOTH
             .into_iter()
-            .all(|pulley| held(pulley) || inputs.pulley(pulley).clamping_force >= NO_FORCE)
+            .all(|pulley| held(pulley) || closing[pulley] >= NO_FORCE)
     }
 
     /// Clamps and settles an unloaded belt at a standstill. Whether there is something to clamp it with.

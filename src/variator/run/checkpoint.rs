@@ -4,10 +4,11 @@ use crate::contact::Friction;
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::variator::pulleys::loads::Loads;
+use crate::variator::pulleys::rows::External;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::plant::Plant;
 
-/// A plant's state, loads and energies, and the external torques. Its memory is allocated once.
+/// A plant's state, loads and energies, and the loads as held over the last step. Its memory is allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Checkpoint {
     state: State,
@@ -18,7 +19,7 @@ pub(super) struct Checkpoint {
     friction_velocity: f64,
     /// Supplied, lost and moved, J.
     energies: [f64; 3],
-    external_torque: PerPulley<f64>,
+    external: PerPulley<External>,
 }
 
 impl Checkpoint {
@@ -35,12 +36,12 @@ impl Checkpoint {
             friction: system.parameters.friction.clone(),
             friction_velocity: system.friction_velocity,
             energies: [energy.supplied, energy.lost, energy.moved],
-            external_torque: PerPulley::default(),
+            external: PerPulley::default(),
         }
     }
 
-    /// Stores the state of a plant, and the external torques, N·m.
-    pub fn save(&mut self, plant: &Plant, external_torque: PerPulley<f64>) {
+    /// Stores the state of a plant, and the loads as held over the last step.
+    pub fn save(&mut self, plant: &Plant, external: PerPulley<External>) {
         let Plant {
             system, energy, state, ..
         } = plant;
@@ -51,12 +52,12 @@ impl Checkpoint {
         self.friction.clone_from(&system.parameters.friction);
         self.friction_velocity = system.friction_velocity;
         self.energies = [energy.supplied, energy.lost, energy.moved];
-        self.external_torque = external_torque;
+        self.external = external;
     }
 
-    /// Brings a plant back to the state that was stored last, without what the solver reuses from step to step. Returns the external
-    /// torques, N·m.
-    pub fn restore(&self, plant: &mut Plant) -> PerPulley<f64> {
+    /// Brings a plant back to the state that was stored last, without what the solver reuses from step to step. Returns the loads as
+    /// held over the last step.
+    pub fn restore(&self, plant: &mut Plant) -> PerPulley<External> {
         let Plant {
             system, energy, state, ..
         } = plant;
@@ -69,6 +70,6 @@ impl Checkpoint {
         energy.last.update(system, state.view());
         plant.time = self.time;
         plant.inputs = self.inputs;
-        self.external_torque
+        self.external
     }
 }

@@ -99,7 +99,7 @@ impl CommunicationStep {
     /// Inputs out of range.
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
-        variator.checkpoint.save(&variator.plant, variator.external_torque);
+        variator.checkpoint.save(&variator.plant, variator.external);
         let plant = &variator.plant;
         let from = plant.time;
         let ramp = plant.system.parameters.solver.input_ramp;
@@ -152,7 +152,7 @@ impl CommunicationStep {
     /// Brings the variator back to where the communication step began. Outputs have the same bits as there, and the work done since then
     /// remains counted.
     fn roll_back(variator: &mut Variator) {
-        variator.external_torque = variator.checkpoint.restore(&mut variator.plant);
+        variator.external = variator.checkpoint.restore(&mut variator.plant);
         variator.stepper.start_again(&variator.plant);
         variator.stale = true;
     }

@@ -21,6 +21,7 @@ const BALANCED: f64 = 0.25;
 pub(super) struct Hints {
     fast: bool,
     unit: bool,
+    opens: bool,
     /// Time since which a load has seemed to be in another unit, s; the largest number if none does.
     since: f64,
 }
@@ -29,6 +30,7 @@ impl Hints {
     pub const NONE: Self = Self {
         fast: false,
         unit: false,
+        opens: false,
         since: f64::MAX,
     };
 
@@ -36,10 +38,12 @@ impl Hints {
     pub fn new_at(&mut self, plant: &Plant, starts: bool) -> impl Iterator<Item = String> + use<> {
         let fast = if self.fast { None } else { fast_belt(plant, starts) };
         let unit = if self.unit { None } else { self.wrong_unit(plant) };
+        let opens = if self.opens { None } else { opening(plant) };
         self.fast |= fast.is_some();
+        self.opens |= opens.is_some();
         self.unit |= unit.is_some();
         let sign = if starts { same_sign(plant) } else { None };
-        [fast, unit, sign].into_iter().flatten()
+        [fast, unit, opens, sign].into_iter().flatten()
     }
 
     /// A force or torque that has seemed to be in another unit for some time.
@@ -67,6 +71,7 @@ impl Hints {
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.flag(&mut self.fast);
         tape.flag(&mut self.unit);
+        tape.flag(&mut self.opens);
         tape.real(&mut self.since);
     }
 }
@@ -94,6 +99,23 @@ fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
         plant.time,
         short(speed)
     ))
+}
+
+/// A cylinder that opens its pulley.
+fn opening(plant: &Plant) -> Option<String> {
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    clamped(parameters).find_map(|pulley| {
+        let given = inputs.pulley(pulley);
+        let push = plant.system.pulleys.push(pulley, plant.state.view());
+        let total = given.force(&parameters.pulley(pulley).cylinder) + push;
+        (total <= 0.0 && total < given.clamping_force).then(|| {
+            format!(
+                "at {} s {2}.pressure = {} Pa opens the {} pulley: with clampingForce = {} N, spring and rotating oil the force on its sheave \
+                 is {} N",
+                plant.time, given.pressure, pulley.name(), given.clamping_force, short(total)
+            )
+        })
+    })
 }
 
 /// Torques of a steady start that would balance if one of them had the other sign.

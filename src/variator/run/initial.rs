@@ -51,8 +51,8 @@ const USUAL_RADIUS: f64 = 0.3;
 const STANDSTILL: f64 = 1.0e-3;
 
 /// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
-/// within 2 % of the limit in which both vanish, their quotient growing: sliding speeds are then far above the one, and a centrifugal
-/// tension of some 2 N is far below the ring's.
+/// within 2 % of that at half and at double the speed: sliding speeds are far above the friction velocity, a centrifugal tension
+/// of some 2 N is far below the ring's, and oil bears as much as between the elements of a belt that slows down.
 const CREEP_SPEED: f64 = 20.0;
 const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
 
@@ -149,7 +149,11 @@ impl StartSearch<'_> {
         Start {
             ratio,
             primary_speed,
-            clamping: clamping(inputs),
+            clamping: self
+                .plant
+                .system
+                .parameters
+                .closing_forces(inputs, [ratio, primary_speed]),
         }
     }
 
@@ -236,13 +240,10 @@ impl StartSearch<'_> {
         let parameters = &mut self.plant.system.parameters;
         let own = parameters.clone();
         parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
-        // In the limit no oil flows.
-        (parameters.belt.film_damping, parameters.belt.squeeze_damping) = (0.0, 0.0);
         let found = self.solve_steady();
         let belt = Survey::of(&self.plant.system, self.plant.state.view())
             .sums
             .shaft_torque;
-        self.plant.system.law.chain = own.belt.clone();
         self.plant.system.parameters = own;
         self.plant.end_soft_start();
         let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;
@@ -337,7 +338,7 @@ impl StartSearch<'_> {
         SteadyTask {
             ratio: p.initial.ratio,
             reaction,
-            clamping: clamping(inputs),
+            clamping: PerPulley::from_fn(|pulley| inputs.pulley(pulley).force(&p.pulley(pulley).cylinder)),
             shaft: PerPulley {
                 secondary: of_secondary,
                 primary: of_primary,
@@ -366,8 +367,9 @@ impl StartSearch<'_> {
             Drive::Torque => inputs.primary.torque,
             Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
         };
+        let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
         let (force, radius) = (
-            inputs.secondary.clamping_force,
+            p.closing_forces(inputs, [p.initial.ratio, speed]).secondary,
             USUAL_RADIUS * p.geometry.center_distance,
         );
         torque / full_slip_torque(&p.friction, self.plant.system.belt.law.wedge[1], force, radius).max(1.0e-6)
@@ -391,11 +393,16 @@ impl StartSearch<'_> {
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
         let task = self.steady_task(1.0);
         let clamped = task.reaction.other();
-        if task.clamping[clamped] < NO_FORCE {
-            return Err(NoSteadyState::Unclamped(clamped, task.clamping[clamped]));
-        }
         let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
         let (parameters, at) = (&self.plant.system.parameters, [task.ratio, speed]);
+        let force = parameters.closing_forces(self.inputs, at)[clamped];
+        if force < NO_FORCE {
+            return Err(NoSteadyState::Unclamped(
+                clamped,
+                parameters.name_of_closing(clamped),
+                force,
+            ));
+        }
         if let Some(why) = excessive_speed(parameters, self.inputs, at) {
             return Err(NoSteadyState::TooFast(why));
         }
@@ -415,15 +422,14 @@ impl StartSearch<'_> {
             found
         };
         if free {
-            let axial = Survey::of(&self.plant.system, self.plant.state.view())
-                .sums
-                .axial
-                .primary;
+            let Plant { system, state, .. } = &*self.plant;
+            let axial = Survey::of(system, state.view()).sums.axial.primary;
+            let closing = task.clamping.primary + system.pulleys.push(Pulley::Primary, state.view());
             self.log(
                 false,
                 format!(
                     "steady start: primary clamping force less axial belt force is {:.1} N",
-                    self.inputs.primary.clamping_force - axial
+                    closing - axial
                 ),
             );
         }
@@ -522,7 +528,9 @@ impl StartSearch<'_> {
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
     fn balance_forces(&mut self, newton: &mut Newton, found: StartState) -> StartState {
         let task = self.steady_task(1.0);
-        let holding = solve::reaction(&self.plant.system, self.plant.state.view(), Pulley::Primary);
+        let Plant { system, state, .. } = &*self.plant;
+        let holding =
+            solve::reaction(system, state.view(), Pulley::Primary) + system.pulleys.push(Pulley::Primary, state.view());
         let at_ratio = self.plant.state.clone();
         let range = self.plant.system.parameters.ratio_range();
         match solve_equilibrium(&mut self.plant.system, newton, &mut self.plant.state, &task, range) {
@@ -564,9 +572,4 @@ impl StartSearch<'_> {
 /// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the given speed is negative.
 fn creep_speed(start: &Start) -> f64 {
     CREEP_SPEED.copysign(start.primary_speed)
-}
-
-/// Clamping forces among the inputs, N.
-fn clamping(inputs: &Inputs) -> PerPulley<f64> {
-    PerPulley::from_fn(|pulley| inputs.pulley(pulley).clamping_force)
 }

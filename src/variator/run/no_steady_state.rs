@@ -8,9 +8,9 @@ use crate::variator::settings::capacity::Demand;
 /// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NoSteadyState {
-    /// The force on a pulley, N, does not clamp the belt.
-    #[error("no steady state without a clamping force ({}.clampingForce = {} N)", .0.name(), .1)]
-    Unclamped(Pulley, f64),
+    /// The force on a pulley, with the name of its variable, N, does not clamp the belt.
+    #[error("no steady state without a clamping force ({}.{} = {} N)", .0.name(), .1, .2)]
+    Unclamped(Pulley, &'static str, f64),
     /// A small share of the torques is beyond capacity.
     #[error("no steady state: {0}")]
     Beyond(Demand),

@@ -17,13 +17,15 @@ const RESIDUAL: f64 = 36.0e-9;
 const JACOBIAN: f64 = 14.0;
 
 /// Names of the inputs in the order of [`Inputs::values`], and a usual size of each: changes are counted in it.
-const INPUTS: [(&str, f64); 6] = [
+const INPUTS: [(&str, f64); 8] = [
     ("primary.torque", 100.0),
     ("primary.clampingForce", 1.0e4),
     ("primary.speedSetpoint", 200.0),
+    ("primary.pressure", 1.0e6),
     ("secondary.torque", 100.0),
     ("secondary.clampingForce", 1.0e4),
     ("secondary.speedSetpoint", 200.0),
+    ("secondary.pressure", 1.0e6),
 ];
 
 /// Simulated time, work, and how much each input moved since the last judgement.
@@ -32,7 +34,7 @@ pub(super) struct Pace {
     simulated: f64,
     residuals: u64,
     jacobians: u64,
-    moved: [f64; 6],
+    moved: [f64; 8],
     given: Inputs,
 }
 

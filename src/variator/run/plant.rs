@@ -9,7 +9,7 @@ use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::PulleyInputs;
+use crate::variator::settings::signals::{Inputs, PulleyInputs};
 use crate::variator::survey::energy_balance::{EnergyBalance, Running};
 use crate::variator::survey::observe::macro_slip;
 use crate::variator::system::VariatorSystem;
@@ -74,18 +74,16 @@ impl Plant {
 
     /// Brings inputs into force: boundary conditions and friction of the present time. The rates jump with the loads.
     pub fn apply(&mut self, segment: InputSegment) {
-        let (from, boundary, rates) = self.bring(segment);
-        self.system
-            .change_loads(from, boundary, rates, self.time, &mut self.state.y_dot);
+        let loads = self.bring(segment);
+        self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
     /// The same where they were in force before at this state, or for outputs alone: the rates stay.
     pub fn restore(&mut self, segment: InputSegment) {
-        let (from, boundary, rates) = self.bring(segment);
-        self.system.loads = Loads::changing(from, boundary, rates);
+        self.system.loads = self.bring(segment);
     }
 
-    fn bring(&mut self, segment: InputSegment) -> (f64, Boundary, LoadRates) {
+    fn bring(&mut self, segment: InputSegment) -> Loads {
         self.inputs = segment;
         self.soften();
         let share = self.soft_start.load_share(self.time);
@@ -109,11 +107,14 @@ impl Plant {
             sheave: PerPulley::from_fn(|j| sheave(p.pulley(j).axial, inputs.pulley(j))),
             shaft: PerPulley::from_fn(|j| shaft(p.pulley(j).drive, inputs.pulley(j))),
         };
-        let rates = LoadRates {
+        let oil =
+            |inputs: &Inputs| PerPulley::from_fn(|j| share * (p.pulley(j).cylinder.area * inputs.pulley(j).pressure));
+        let rates_of_loads = LoadRates {
             force: PerPulley::from_fn(|j| share * rates.pulley(j).clamping_force),
+            oil: oil(rates),
             shaft: PerPulley::from_fn(|j| shaft_rate(p.pulley(j).drive, rates.pulley(j))),
         };
-        (*from, boundary, rates)
+        Loads::changing(*from, (boundary, oil(inputs)), rates_of_loads)
     }
 
     /// Whether the belt slips through, where it `slipped` before or not.

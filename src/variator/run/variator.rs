@@ -5,6 +5,7 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::pulleys::rows::External;
 use crate::variator::run::checkpoint::Checkpoint;
 use crate::variator::run::hints::Hints;
 use crate::variator::run::initial::find_start;
@@ -18,7 +19,7 @@ use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::steady::solve::geometric_ratio;
-use crate::variator::survey::belt_survey::Survey;
+use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::survey::energy_balance::EnergyBalance;
 use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
@@ -57,7 +58,7 @@ pub struct Variator {
     /// Last time at which the belt began or ceased to slip through, s.
     slipped: f64,
     initial_energy: f64,
-    pub(super) external_torque: PerPulley<f64>,
+    pub(super) external: PerPulley<External>,
     pub(super) work: Work,
     pub(super) pace: Pace,
     hints: Hints,
@@ -112,7 +113,7 @@ impl Variator {
             buckled: f64::NEG_INFINITY,
             slipped: f64::NEG_INFINITY,
             initial_energy: 0.0,
-            external_torque: PerPulley::default(),
+            external: PerPulley::default(),
             work: Work::default(),
             pace: Pace::default(),
             hints: Hints::NONE,
@@ -158,8 +159,10 @@ impl Variator {
             system, energy, state, ..
         } = &self.plant;
         let boundary = system.loads.at(self.plant.time);
-        let torques = energy.last.sums.shaft_torque;
-        self.external_torque = system.pulleys.external_torques(&boundary, state.view(), torques);
+        let BeltSums {
+            shaft_torque, axial, ..
+        } = energy.last.sums;
+        self.external = system.pulleys.external(&boundary, state.view(), shaft_torque, axial);
         self.stale = true;
     }
 
@@ -258,8 +261,10 @@ impl Variator {
             }
             let boundary = system.loads.at(time + after);
             let survey = Survey::of(system, state.view());
-            let torques = survey.sums.shaft_torque;
-            let context = self.context(system.pulleys.external_torques(&boundary, state.view(), torques));
+            let BeltSums {
+                shaft_torque, axial, ..
+            } = survey.sums;
+            let context = self.context(system.pulleys.external(&boundary, state.view(), shaft_torque, axial));
             let mut outputs = Box::<Outputs>::default();
             self.observer
                 .observe(system, state.view(), &survey, &context, &mut outputs);
@@ -283,7 +288,7 @@ impl Variator {
         plant.state.serialize(tape);
         self.stepper.serialize(tape);
         plant.system.serialize(tape);
-        let [torque_s, torque_p] = self.external_torque.each_mut();
+        let [of_secondary, of_primary] = self.external.each_mut();
         for value in [
             &mut plant.time,
             &mut plant.system.friction_velocity,
@@ -291,8 +296,10 @@ impl Variator {
             &mut plant.energy.supplied,
             &mut plant.energy.lost,
             &mut plant.energy.moved,
-            torque_s,
-            torque_p,
+            &mut of_secondary.torque,
+            &mut of_secondary.closing,
+            &mut of_primary.torque,
+            &mut of_primary.closing,
         ] {
             tape.real(value);
         }
@@ -402,9 +409,9 @@ impl Variator {
     }
 
     /// Values that outputs need beside the state.
-    fn context(&self, external_torque: PerPulley<f64>) -> Context {
+    fn context(&self, external: PerPulley<External>) -> Context {
         Context {
-            external_torque,
+            external,
             macro_slip: self.macro_slip,
             supplied: self.plant.energy.supplied,
             lost: self.plant.energy.lost,
@@ -431,7 +438,7 @@ impl Variator {
         } = &self.plant;
         let survey = &energy.last;
         if self.stale {
-            let context = self.context(self.external_torque);
+            let context = self.context(self.external);
             let outputs = &mut self.readings.outputs;
             self.observer.observe(system, state.view(), survey, &context, outputs);
             (self.stale, self.profile_stale) = (false, true);

@@ -1,8 +1,8 @@
 //! What a clamping force carries at most, and loads that look like another unit's.
 
 use crate::contact::full_slip_torque;
-use crate::pulley::Pulley;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::pulley::{PerPulley, Pulley};
+use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::validation::range_of;
 
@@ -19,7 +19,13 @@ const LARGE_TORQUE: f64 = 2.0e3;
 pub(crate) struct Demand {
     /// The pulley whose force it is.
     pulley: Pulley,
-    inputs: Inputs,
+    /// External torques on the primary and the secondary shaft, N·m.
+    torques: [f64; 2],
+    /// Whether another unit may be meant.
+    doubtful: bool,
+    /// Force of clamp and cylinder, N, and the name of its variable.
+    force: f64,
+    name: &'static str,
     ratio: f64,
     /// Torque of the belt on the primary pulley, N·m.
     torque: f64,
@@ -30,8 +36,9 @@ pub(crate) struct Demand {
 }
 
 impl Demand {
-    /// The demand on the clamping force of a pulley at a ratio and a primary speed, rad/s; none where no torque is given or no belt closes.
-    pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, [ratio, speed]: [f64; 2]) -> Option<Self> {
+    /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none where no torque is given or no belt closes.
+    pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, at: [f64; 2]) -> Option<Self> {
+        let [ratio, speed] = at;
         let (p, s) = (&parameters.primary, &parameters.secondary);
         let torque = match (p.drive, s.drive) {
             // Speeds in proportion: J_P ω̇_P = T_P + M, J_S ω̇_P/i = T_S − i M.
@@ -48,11 +55,14 @@ impl Demand {
         };
         let (radius, _) = parameters.pitch_radii(ratio)?;
         let cos_beta = parameters.geometry.wedge_angle.cos();
-        let force = inputs.pulley(pulley).clamping_force;
+        let force = parameters.closing_forces(inputs, at)[pulley];
         let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.at(speed.abs(), [force, 0.0]).torque;
         Some(Self {
             pulley,
-            inputs: *inputs,
+            torques: [inputs.primary.torque, inputs.secondary.torque],
+            doubtful: Self::may_be_another_unit(inputs, pulley),
+            force,
+            name: parameters.name_of_closing(pulley),
             ratio,
             torque,
             carried_per_force: full_slip_torque(&parameters.friction, cos_beta, 1.0, radius),
@@ -60,12 +70,8 @@ impl Demand {
         })
     }
 
-    fn force(&self) -> f64 {
-        self.inputs.pulley(self.pulley).clamping_force
-    }
-
     fn carried(&self) -> f64 {
-        self.carried_per_force * self.force()
+        self.carried_per_force * self.force
     }
 
     /// Whether a share of the torque is beyond what the force can carry.
@@ -83,14 +89,12 @@ impl Demand {
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
         let (carried, torque) = (self.carried(), self.torque.abs());
-        Self::may_be_another_unit(&self.inputs, self.pulley)
-            && torque > FAR * carried + self.drag
-            && 1.0e-3 * torque <= BEYOND * carried
+        self.doubtful && torque > FAR * carried + self.drag && 1.0e-3 * torque <= BEYOND * carried
     }
 
     /// The unit that is meant then.
     fn other_unit(&self) -> String {
-        let (force, torque) = (self.force(), self.torque.abs());
+        let (force, torque) = (self.force, self.torque.abs());
         if force < SMALL_FORCE {
             let carried = short(1.0e3 * self.carried());
             return format!(
@@ -111,14 +115,15 @@ impl std::fmt::Display for Demand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{}.clampingForce = {} N carries at most {} N·m at ratio {}, and the torques (primary {}, secondary {} N·m) load the belt \
+            "{}.{} = {} N carries at most {} N·m at ratio {}, and the torques (primary {}, secondary {} N·m) load the belt \
              with {} N·m: ",
             self.pulley.name(),
-            self.force(),
+            self.name,
+            self.force,
             short(self.carried()),
             short(self.ratio),
-            short(self.inputs.primary.torque),
-            short(self.inputs.secondary.torque),
+            short(self.torques[0]),
+            short(self.torques[1]),
             short(self.torque.abs()),
         )?;
         let least = (self.torque.abs() / self.carried_per_force).ceil();
@@ -133,6 +138,33 @@ impl std::fmt::Display for Demand {
             write!(f, "; {}", self.other_unit())?;
         }
         Ok(())
+    }
+}
+
+impl Parameters {
+    /// Forces of spring and rotating oil on the sheaves, N, at a ratio and a primary speed, rad/s.
+    pub(crate) fn pushes(&self, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
+        let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
+        let place = 2.0 * self.geometry.wedge_angle.tan();
+        PerPulley {
+            secondary: self.secondary.cylinder.push(place * (here.1 - at_one.1), speed / ratio),
+            primary: self.primary.cylinder.push(place * (here.0 - at_one.0), speed),
+        }
+    }
+
+    /// Forces of clamp and cylinder on sheaves that stand still, N, at a ratio and a primary speed, rad/s.
+    pub(crate) fn closing_forces(&self, inputs: &Inputs, at: [f64; 2]) -> PerPulley<f64> {
+        let pushes = self.pushes(at);
+        PerPulley::from_fn(|pulley| inputs.pulley(pulley).force(&self.pulley(pulley).cylinder) + pushes[pulley])
+    }
+
+    /// Name of the variable of a pulley that has this force.
+    pub(crate) fn name_of_closing(&self, pulley: Pulley) -> &'static str {
+        if self.pulley(pulley).cylinder == Cylinder::default() {
+            "clampingForce"
+        } else {
+            "clampingForceTotal"
+        }
     }
 }
 

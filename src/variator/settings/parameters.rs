@@ -2,6 +2,7 @@
 
 pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
+pub use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
 pub use crate::ring::layers::Layers;
 pub use crate::ring::{Joints, Ring};
@@ -131,6 +132,8 @@ pub struct PulleyParameters {
     pub max_radius: f64,
     /// Drag of the shaft in seals, oil and bearings.
     pub drag: ShaftDrag,
+    /// Hydraulic cylinder; all zero: clamping forces alone act.
+    pub cylinder: Cylinder,
 }
 
 /// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
@@ -258,10 +261,11 @@ impl Default for Parameters {
             // the bore.
             drag: ShaftDrag {
                 constant: 0.15,
-                viscous: 5.0e-4,
+                viscous: 4.0e-4,
                 bearing_friction: 1.8e-3,
                 bearing_radius: 0.02,
             },
+            cylinder: Cylinder::default(),
         };
         Self {
             ring_model: RingModel::Ale,
@@ -282,12 +286,13 @@ impl Default for Parameters {
                 roughness: 1.0e-7,
                 element_thickness: 1.5e-3,
                 // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm
-                // below the rocking edge, because the body below the saddle is heavier than the head.
-                element_inertia: 2.6e-8,
-                film_force: 5.0,
+                // below the rocking edge, because the body below the saddle is heavier than the head. All energy of turning lost is
+                // an upper bound; half of it is the estimate.
+                element_inertia: 1.3e-8,
                 film_thickness: 1.5e-6,
-                film_damping: 2.0,
-                squeeze_damping: 2700.0,
+                film_damping: 9.0,
+                squeeze_damping: 750.0,
+                suction: 19.0,
             },
             ring: Ring {
                 mass_per_length: 0.24,
@@ -313,7 +318,7 @@ impl Default for Parameters {
                 ring: 0.05,
                 velocity: 5.0e-4,
                 ring_velocity: 2.0e-3,
-                fall: 0.1,
+                fall: 0.06,
                 fall_speed: 0.5,
             },
             contact: Contact {

@@ -1,12 +1,13 @@
 //! Inputs and outputs of a variator at every communication step.
 
+use crate::cylinder::Cylinder;
 use crate::pulley::{PerPulley, Pulley};
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
 
 /// Inputs of one pulley.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PulleyInputs {
     /// External shaft torque, positive in the direction of positive speed, N·m.
     pub torque: f64,
@@ -14,6 +15,16 @@ pub struct PulleyInputs {
     pub clamping_force: f64,
     /// Speed set point, used in speed drive only, rad/s.
     pub speed_setpoint: f64,
+    /// Pressure in the cylinder above ambient, Pa.
+    pub pressure: f64,
+}
+
+impl PulleyInputs {
+    /// Force of clamp and pressure on the movable sheave, N.
+    #[must_use]
+    pub fn force(&self, cylinder: &Cylinder) -> f64 {
+        self.clamping_force + cylinder.area * self.pressure
+    }
 }
 
 /// Inputs of the variator: held over a communication step, or in proportion to time.
@@ -32,6 +43,7 @@ impl Inputs {
             torque: 0.0,
             clamping_force: 0.0,
             speed_setpoint: 0.0,
+            pressure: 0.0,
         };
         Self {
             primary: none,
@@ -40,20 +52,22 @@ impl Inputs {
     };
 
     /// The values, the primary pulley's first.
-    pub(crate) fn each_mut(&mut self) -> [&mut f64; 6] {
+    pub(crate) fn each_mut(&mut self) -> [&mut f64; 8] {
         let [primary, secondary] = [&mut self.primary, &mut self.secondary];
         [
             &mut primary.torque,
             &mut primary.clamping_force,
             &mut primary.speed_setpoint,
+            &mut primary.pressure,
             &mut secondary.torque,
             &mut secondary.clamping_force,
             &mut secondary.speed_setpoint,
+            &mut secondary.pressure,
         ]
     }
 
     /// The values, the primary pulley's first.
-    pub(crate) fn values(mut self) -> [f64; 6] {
+    pub(crate) fn values(mut self) -> [f64; 8] {
         self.each_mut().map(|value| *value)
     }
 
@@ -92,6 +106,7 @@ impl Default for Inputs {
             torque,
             clamping_force,
             speed_setpoint: 209.44,
+            pressure: 0.0,
         };
         Self {
             primary: pulley(50.0, 13_000.0),
@@ -109,6 +124,12 @@ pub struct PulleyOutputs {
     pub radius: f64,
     /// Movable-sheave displacement, closing positive, 0 at ratio 1, m.
     pub position: f64,
+    /// Its rate, m/s.
+    pub sheave_velocity: f64,
+    /// Axial force on the movable sheave from outside the belt: clamp and cylinder, or the reaction of a held sheave, N.
+    pub clamping_force_total: f64,
+    /// Flow into the cylinder, m³/s.
+    pub flow: f64,
     /// Axial belt force on one sheave, N.
     pub axial_force: f64,
     /// Torque of the belt on the pulley, N·m.
@@ -140,6 +161,8 @@ pub struct Losses<L = f64> {
     pub spin: L,
     /// Drag of the shafts in seals, oil and bearings.
     pub shafts: L,
+    /// Friction of the cylinders' seals.
+    pub seals: L,
     /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
     pub other: L,
 }
@@ -148,7 +171,7 @@ impl Losses {
     /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin + self.joints
+        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin + self.joints + self.seals
     }
 }
 
@@ -257,7 +280,7 @@ pub struct RingStress {
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
-/// except `external_torque` in torque drive, which is the input as held over the last step.
+/// except `external_torque` in torque drive and `clamping_force_total`, which have the inputs as held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Outputs of the primary pulley.

@@ -123,10 +123,10 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.roughness", belt.roughness, 1e-10, 1e-5),
     limit!("belt.elementThickness", belt.element_thickness, 1e-4, 0.1),
     limit!("belt.elementInertia", belt.element_inertia, 0.0, 1e-4),
-    limit!("belt.filmForce", belt.film_force, 0.0, 1e3),
     limit!("belt.filmThickness", belt.film_thickness, 1e-8, 1e-4),
     limit!("belt.filmDamping", belt.film_damping, 0.0, 1e3),
     limit!("belt.squeezeDamping", belt.squeeze_damping, 0.0, 1e5),
+    limit!("belt.suction", belt.suction, 1e-3, 1e3),
     limit!("belt.damping", belt.damping, 0.0, 1e-2),
     limit!("belt.jointRadius", joints.radius, 0.0, 1e-2),
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
@@ -178,6 +178,11 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("drag.viscous", drag.viscous, 0.0, 10.0),
     pulley_limit!("bearing.friction", drag.bearing_friction, 0.0, 1.0),
     pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
+    pulley_limit!("cylinder.area", cylinder.area, 0.0, 1.0),
+    pulley_limit!("cylinder.springForce", cylinder.spring_force, -1e5, 1e5),
+    pulley_limit!("cylinder.springStiffness", cylinder.spring_stiffness, 0.0, 1e7),
+    pulley_limit!("cylinder.centrifugal", cylinder.centrifugal, -10.0, 10.0),
+    pulley_limit!("cylinder.seal", cylinder.seal, 0.0, 1e4),
 ];
 
 /// More than ten times what belts for cars transmit and are clamped with.
@@ -185,6 +190,7 @@ const INPUTS: &[Limit<PulleyInputs, 2>] = &[
     pulley_limit!("torque", torque, -1e4, 1e4),
     pulley_limit!("clampingForce", clamping_force, 0.0, 5e5),
     pulley_limit!("speedSetpoint", speed_setpoint, -1e4, 1e4),
+    pulley_limit!("pressure", pressure, -1e5, 2e7),
 ];
 
 /// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where

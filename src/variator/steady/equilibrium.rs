@@ -50,7 +50,8 @@ fn rest_at_stop(
         last_step: LAST_STEP,
         max_solves: EQUILIBRIUM_SOLVES,
     };
-    let holding = solve::reaction(system, state.view(), task.reaction).max(1.0);
+    let push = system.pulleys.push(task.reaction, state.view());
+    let holding = (solve::reaction(system, state.view(), task.reaction) + push).max(1.0);
     let before = state.clone();
     let mut outcome = Err(Settled::default());
     for stages in STOP_STAGES {
@@ -58,7 +59,8 @@ fn rest_at_stop(
         outcome = (1..=stages).try_fold(Settled::default(), |_, stage| {
             let mut clamping = task.clamping;
             let force = &mut clamping[task.reaction];
-            *force = holding * (*force / holding).powf(f64::from(stage) / f64::from(stages));
+            let share = ((*force + push).max(0.0) / holding).powf(f64::from(stage) / f64::from(stages));
+            *force = holding * share - push;
             system.loads = Loads::constant(Boundary {
                 sheave: clamping.map(SheaveMode::Force),
                 shaft: task.shaft,
@@ -85,7 +87,7 @@ pub struct Equilibrium {
 
 impl Equilibrium {
     fn at(system: &VariatorSystem, view: View<'_>) -> Self {
-        let carries = |pulley| system.pulleys.holding_force(pulley, view, 0.0).abs();
+        let carries = |pulley| system.pulleys.stop_force(pulley, view).abs();
         Self {
             ratio: geometric_ratio(system, view),
             at_stop: carries(Pulley::Secondary).max(carries(Pulley::Primary)) > STOP_FORCE,
@@ -99,7 +101,7 @@ fn restart(system: &VariatorSystem, state: &mut State, task: &SteadyTask) {
     if task.shaft.secondary != ShaftMode::Fixed {
         speeds.secondary = speeds.primary / task.ratio;
     }
-    if let Ok(found) = cold_start(&system.belt, task, speeds) {
+    if let Ok(found) = cold_start(system, task, speeds) {
         *state = found;
     }
 }
@@ -118,9 +120,10 @@ pub fn solve_equilibrium(
     range: (f64, f64),
 ) -> Result<Equilibrium, Settled> {
     let reaction = task.reaction;
-    let wanted = task.clamping[reaction].max(1.0);
     let defect = |system: &VariatorSystem, state: &State| {
-        (wanted / solve::reaction(system, state.view(), reaction).max(1.0)).ln()
+        let push = system.pulleys.push(reaction, state.view());
+        let [wanted, holding] = [task.clamping[reaction], solve::reaction(system, state.view(), reaction)];
+        ((wanted + push).max(1.0) / (holding + push).max(1.0)).ln()
     };
     let (lowest, highest) = (range.0.ln(), range.1.ln());
     let mut x = task.ratio.ln();

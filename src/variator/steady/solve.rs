@@ -26,7 +26,7 @@ pub struct SteadyTask {
     pub ratio: f64,
     /// The pulley whose clamping force follows from the ratio.
     pub reaction: Pulley,
-    /// Clamping forces, N; the reaction's entry is a first guess.
+    /// Forces of clamp and pressure, N; the reaction's entry is a first guess.
     pub clamping: PerPulley<f64>,
     /// Conditions of the shafts.
     pub shaft: PerPulley<ShaftMode>,
@@ -134,11 +134,17 @@ pub fn solve(
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
-pub(super) fn cold_start(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
+pub(super) fn cold_start(
+    system: &VariatorSystem,
+    task: &SteadyTask,
+    speeds: PerPulley<f64>,
+) -> Result<State, GeometryError> {
+    let belt = &system.belt;
+    let pushes = system.parameters.pushes([task.ratio, speeds.primary]);
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
-        clamping: task.clamping,
+        clamping: PerPulley::from_fn(|pulley| task.clamping[pulley] + pushes[pulley]),
     };
     let mut state = kinematic_state(belt, &start)?;
     for pulley in Pulley::BOTH {
@@ -158,7 +164,7 @@ fn start_on_coarse_mesh(
 ) -> bool {
     let mut coarse = VariatorSystem::with_ring(parameters, system.belt.ring.clone());
     let speeds = system.belt.shaft_speeds(state.view());
-    let Ok(mut found) = cold_start(&coarse.belt, task, speeds) else {
+    let Ok(mut found) = cold_start(&coarse, task, speeds) else {
         return false;
     };
     let mut coarse_newton = Newton::new(&coarse);
@@ -201,13 +207,9 @@ fn solve_from(
     outcome
 }
 
-/// Sets the friction velocity in force, m/s, and with it the film: elements that collide make a start from a kinematic state hard to
-/// solve.
+/// Sets the friction velocity in force, m/s.
 fn soften(system: &mut VariatorSystem, velocity: f64) {
     system.friction_velocity = velocity;
-    let own = &system.parameters;
-    let share = ((velocity - own.friction.velocity) / SOFT_VELOCITY).clamp(0.0, 1.0);
-    system.law.chain = own.belt.with_stiff_film(share);
 }
 
 /// A system, and the loads of the belt on the pulleys as of the last residual.
@@ -359,7 +361,7 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
     slip(trial.after) > RUN_AWAY.max(slip(trial.before))
 }
 
-/// Clamping force on a pulley that would hold its sheave where it is, N.
+/// Force of clamp and pressure on a pulley that would hold its sheave where it is, N.
 pub(crate) fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
     let axial = Survey::of(system, view).sums.axial[pulley];
     system.pulleys.holding_force(pulley, view, axial)

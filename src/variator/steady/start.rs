@@ -16,7 +16,7 @@ pub struct Start {
     pub ratio: f64,
     /// ω_P, rad/s.
     pub primary_speed: f64,
-    /// Clamping forces, N.
+    /// Forces that close the pulleys, N.
     pub clamping: PerPulley<f64>,
 }
 
@@ -45,7 +45,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     state.q[layout.theta()] = theta;
     state.y[layout.drift()] = speed * radii.0 / pitch.primary;
     for j in Pulley::BOTH {
-        let depth = start.clamping[j] / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
+        let depth = start.clamping[j].max(0.0) / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
         state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan_beta + depth);
         state.y[layout.shaft_speed(j)] = speed / pitch[j];
     }

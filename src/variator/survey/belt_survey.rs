@@ -51,7 +51,7 @@ impl Survey {
 /// Sums over the belt at one state, or over the cells in each lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeltSums<L = f64> {
-    /// Losses of belt and shafts by their causes, W.
+    /// Losses of belt, shafts and seals by their causes, W.
     pub losses: Losses<L>,
     /// Axial force on one sheave, N.
     pub axial: PerPulley<L>,
@@ -136,6 +136,7 @@ impl BeltSums<Lanes> {
             spin,
             joints,
             shafts,
+            seals,
             other,
         } = self.losses;
         BeltSums {
@@ -146,6 +147,7 @@ impl BeltSums<Lanes> {
                 spin: spin.sum(),
                 joints: joints.sum(),
                 shafts: shafts.sum(),
+                seals: seals.sum(),
                 other: other.sum(),
             },
             axial: self.axial.map(Lanes::sum),
@@ -196,6 +198,7 @@ impl Survey {
         let drags = system.pulleys.drag_torques(view, self.sums.resultant);
         for j in Pulley::BOTH {
             self.sums.losses.shafts += drags[j] * speeds[j];
+            self.sums.losses.seals += system.pulleys.seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
         self.ring_energy = energy.total();

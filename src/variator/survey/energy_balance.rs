@@ -127,7 +127,7 @@ impl Evolution for Running<'_> {
     }
 }
 
-/// Work of a clamping force in a step, and the damper's loss beyond the trapezoidal rule, J.
+/// Work of clamp, pressure and rotating oil in a step, and the loss of damper and seals beyond the trapezoidal rule, J.
 struct SheaveWork {
     work: f64,
     damped: f64,
@@ -145,19 +145,29 @@ impl Running<'_> {
         0.5 * self.system.pulleys.parameters(pulley).inertia * change
     }
 
-    /// A sheave's step response is shorter than a step, so its force's work and its damper's loss follow from Simpson's
-    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` are those at
-    /// the start, in the middle and at the end.
+    /// A sheave's step response is shorter than a step, so its force's work and the loss of its damper and seals follow from Simpson's
+    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` of clamp and pressure are
+    /// those at the start, in the middle and at the end.
     fn sheave_work(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64, forces: [f64; 3]) -> SheaveWork {
         let z = self.system.belt.layout.sheave(pulley);
         let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
         let (start, end) = (before.y[z], after.y[z]);
         let middle = 1.5 * (after.q[z] - before.q[z]) / h - 0.25 * (start + end);
         let square = simpson([start * start, middle * middle, end * end]);
-        let damping = self.system.pulleys.parameters(pulley).sheave_damping;
+        let pulleys = &self.system.pulleys;
+        let of = pulleys.parameters(pulley);
+        let omega = self.system.belt.layout.shaft_speed(pulley);
+        let speeds = [
+            before.y[omega],
+            0.5 * (before.y[omega] + after.y[omega]),
+            after.y[omega],
+        ];
+        let force = |k: usize| forces[k] + of.cylinder.centrifugal * speeds[k] * speeds[k];
+        let rubbed = [start, middle, end].map(|z_dot| pulleys.seal_loss(pulley, z_dot));
         SheaveWork {
-            work: simpson([forces[0] * start, forces[1] * middle, forces[2] * end]),
-            damped: damping * (square - 0.5 * h * (start * start + end * end)),
+            work: simpson([force(0) * start, force(1) * middle, force(2) * end]),
+            damped: of.sheave_damping * (square - 0.5 * h * (start * start + end * end))
+                + (simpson(rubbed) - 0.5 * h * (rubbed[0] + rubbed[2])),
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
+use crate::variator::pulleys::rows::External;
 use crate::variator::settings::signals::{
     Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, RingStress, StartState, Work,
 };
@@ -35,8 +36,8 @@ pub struct Observer {
 /// Values for outputs in addition to the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
-    /// External torques as held over the last step, N·m.
-    pub external_torque: PerPulley<f64>,
+    /// Loads from outside as held over the last step.
+    pub external: PerPulley<External>,
     /// Macro-slip flag with its hysteresis.
     pub macro_slip: bool,
     /// Energy supplied since the start, J.
@@ -52,11 +53,11 @@ pub struct Context {
 }
 
 impl Context {
-    /// A steady state outside a run, under these external torques, N·m; there are no accumulated energies.
+    /// A steady state outside a run, under these loads; there are no accumulated energies.
     #[must_use]
-    pub fn of_steady_state(external_torque: PerPulley<f64>) -> Self {
+    pub fn of_steady_state(external: PerPulley<External>) -> Self {
         Self {
-            external_torque,
+            external,
             macro_slip: false,
             supplied: 0.0,
             lost: 0.0,
@@ -95,7 +96,10 @@ impl Observer {
             position: view.q[belt.layout.sheave(j)],
             axial_force: sums.axial[j],
             shaft_torque: sums.torque[j],
-            external_torque: context.external_torque[j],
+            external_torque: context.external[j].torque,
+            clamping_force_total: context.external[j].closing,
+            sheave_velocity: view.y[belt.layout.sheave(j)],
+            flow: system.pulleys.parameters(j).cylinder.area * view.y[belt.layout.sheave(j)],
             power: -sums.torque[j] * view.y[belt.layout.shaft_speed(j)],
             spiral: spiral(&belt.mesh, stations, j),
             idle_arc: idle[j],

@@ -27,19 +27,10 @@ SHIFT_PLACES, SHIFT_FORCE, SHIFT_SPEED, SHIFT_STEP = (0.6, 1.0, 1.8), 20e3, rad(
 """A small step, after which the opening hardly changes."""
 
 COLUMNS = (
-    Column("Case"),
-    Column("r_S/r_P"),
-    Column("Traction r", digits=3, signed=True),
-    Column("Thrust ratio", digits=4),
-    Column("Theory", digits=4),
-    share("Difference", 2),
-    share("Slip, difference"),
-    share("Loss, difference"),
-    share("Compression", signed=False),
-    share("Strain", signed=False),
-    share("v_0", signed=False),
-    Column("Balance", "1e-6", 0, 1e6, signed=True),
-)
+    Column("Case"), Column("r_S/r_P"), Column("Traction r", digits=3, signed=True), Column("Thrust ratio", digits=4), Column("Theory", digits=4),
+    share("Difference", 2), share("Slip, difference"), share("Loss, difference"), share("Compression", signed=False),
+    share("Strain", signed=False), share("v_0", signed=False), Column("Balance", "1e-6", 0, 1e6, signed=True),
+)  # fmt: skip
 NOTE = (
     "Differences: FMU minus theory. Slip and loss: the theory at the FMU's tilt. Compression: of the contact, relative to the opening; "
     "strain of the chain and v_0: relative to the sliding. Balance: net power minus losses, relative to the driving power."

@@ -52,11 +52,8 @@ SHAPE_TOLERANCE = 0.02
 class SpiralRunning:
     """Spread of the running radius between the points of the profile on one arc."""
 
-    pulley: str
     axial_force: float
     """N."""
-    axial_force_at_points: float
-    """Sum of the normal forces at the points of the profile, along the axis, N."""
     tilt: float
     """|ψ| by the law under the moment of the points, rad."""
     tilt_reported: float
@@ -71,11 +68,6 @@ class SpiralRunning:
     """Spread by the law in the fitted direction, m."""
     found: float
     """Spread in the profile, m."""
-
-    @property
-    def left_out(self) -> float:
-        """Magnitude of the relative difference between the axial force and the sum of the normal forces at the points."""
-        return abs(self.axial_force_at_points / self.axial_force - 1.0)
 
     @property
     def error(self) -> float:
@@ -118,9 +110,7 @@ def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: st
     by_law = groove[:, :2] @ (psi * (tilt / amount)) if amount > 0.0 else np.zeros_like(opening)
 
     return SpiralRunning(
-        pulley,
         force,
-        float(pressing.sum() * np.cos(beta) * curve.length / len(profile.position) * radius / curve.radius(pulley)),
         tilt,
         state[f"{pulley}.tilt"],
         amount,

@@ -12,20 +12,7 @@ from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 
 from ..bench import Bench, Plan, rad
 from ..measured import Source, data, source
-from ..outcome import (
-    PERCENT,
-    Check,
-    Column,
-    Part,
-    Section,
-    Table,
-    Unit,
-    curve,
-    reported,
-    share,
-    table,
-    within,
-)
+from ..outcome import PERCENT, Check, Column, Part, Section, Table, Unit, curve, reported, share, table, within
 
 RATIOS = (2.0, 1.0, 0.5)
 FORCES = (10e3, 20e3, 30e3)
@@ -89,21 +76,16 @@ def run(bench: Bench, plan: Plan) -> Section:
         "slip",
         Part.MEASUREMENTS,
         "Slip",
-        "Traction is the torque divided by that of full slip at peak friction, with both shafts held at speeds with a slip "
-        "between them. The section also shows the slip at "
-        "which the losses are least at a given torque.",
+        "Traction is the torque divided by that of full slip at peak friction, with both shafts held at speeds with a slip between them. "
+        "The section also has the slip at which the losses are least at a given torque.",
         (*_traction_checks(curves), *best_check),
         (_traction_table(curves), best),
         (_chart(curves),),
         (
-            "The measured slips of best efficiency are those of the system: they include the pump loss, and the ratios are not "
-            "published. A pump's power grows with the "
-            "clamping force, which moves the optimum to less force and more slip. The table shows the FMU's optimum "
-            "without a pump and "
-            f"with one of {1e6 * PUMP['displacement']:g} cm³ per turn, cylinders of {1e4 * PUMP['area']:g} cm² and an "
-            "efficiency of "
-            f"{PUMP['efficiency']:g} (engineering values). The rig's geometry and ratios differ too, so the values "
-            "are reported for comparison only.",
+            "The measured slips of best efficiency are those of the system: they include the pump loss, and the ratios are not published. A "
+            "pump's power grows with the clamping force, which moves the optimum to less force and more slip. The table shows the FMU's "
+            f"optimum without a pump and with one of {1e6 * PUMP['displacement']:g} cm³ per turn, cylinders of {1e4 * PUMP['area']:g} cm² and "
+            f"an efficiency of {PUMP['efficiency']:g} (engineering values).",
         ),
     )
 
@@ -167,16 +149,9 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
 
 def _traction_table(curves: list[Traction]) -> Table:
     columns = (
-        Column("Ratio", digits=1),
-        Column("F_S", "kN", 0, 1e-3),
-        Column("Speed", "rpm", 0),
-        share("80 % of the peak at a slip of", 2, signed=False),
-        Column("at 1 % slip"),
-        Column("at 2 %"),
-        Column("at 4 %"),
-        Column("Peak"),
-        share("Fall to 10 %", signed=False),
-    )
+        Column("Ratio", digits=1), Column("F_S", "kN", 0, 1e-3), Column("Speed", "rpm", 0), share("80 % of the peak at a slip of", 2, signed=False),
+        Column("at 1 % slip"), Column("at 2 %"), Column("at 4 %"), Column("Peak"), share("Fall to 10 %", signed=False),
+    )  # fmt: skip
     rows = [[c.ratio, c.force, c.rpm, c.rise, c.at(0.01), c.at(0.02), c.at(0.04), c.peak, c.fall] for c in curves]
     return table("traction", "Torque / torque of full slip", columns, rows)
 
@@ -210,15 +185,10 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
         )
         for place, pump, whose in zip(places, ("", "-pump"), (", without a pump", ", with a pump"), strict=True)
     ]  # fmt: skip
+    of_best = share("at a slip of", 2, signed=False), Column("and a safety of", digits=2)
     columns = (
-        Column("Ratio", digits=2),
-        share("Best efficiency", 2, signed=False),
-        share("at a slip of", 2, signed=False),
-        Column("and a safety of", digits=2),
-        share("With a pump", 2, signed=False),
-        share("at a slip of", 2, signed=False),
-        Column("and a safety of", digits=2),
-    )
+        Column("Ratio", digits=2), share("Best efficiency", 2, signed=False), *of_best, share("With a pump", 2, signed=False), *of_best,
+    )  # fmt: skip
     note = f"{BEST_TORQUE:g} N·m, {BEST_SPEED:g} rpm; the secondary force is varied."
     return table("best-slip", "Slip of best efficiency", columns, rows, note), check
 

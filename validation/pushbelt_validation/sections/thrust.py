@@ -12,21 +12,7 @@ from pushbelt.fmu.tilt import RIGID
 from ..bench import Bench, Plan, rad
 from ..limit import EFFECTS
 from ..measured import Source, source
-from ..outcome import (
-    NOTHING,
-    PERCENT,
-    Check,
-    Column,
-    Part,
-    Section,
-    Table,
-    curve,
-    reported,
-    share,
-    signed,
-    table,
-    within,
-)
+from ..outcome import NOTHING, PERCENT, Check, Column, Part, Section, Table, curve, reported, share, signed, table, within
 
 RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 TORQUE_RATIOS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
@@ -50,13 +36,9 @@ def run(bench: Bench, plan: Plan) -> Section:
     found = {key: values for key, values in solved.items() if len(values) > 1}
     spread = {key: max(values.values()) / min(values.values()) - 1.0 for key, values in found.items()}
     columns = (
-        Column("Ratio", digits=2),
-        Column("Torque ratio", digits=2, signed=True),
-        Column("Least", digits=3),
-        Column("Greatest", digits=3),
-        share("Apart", signed=False),
-        Column("Carried", "of 4", 0),
-    )
+        Column("Ratio", digits=2), Column("Torque ratio", digits=2, signed=True), Column("Least"), Column("Greatest"),
+        share("Apart", signed=False), Column("Carried", "of 4", 0),
+    )  # fmt: skip
     rows = [[*key, min(v.values()), max(v.values()), spread[key], float(len(v))] for key, v in found.items()]
     note = (
         "For 10 and 20 kN, 1000 and 3000 rpm. Points in macro-slip are not counted: in underdrive the primary "
@@ -112,12 +94,8 @@ def _fast(bench: Bench, plan: Plan) -> tuple[Table, Check]:
         "almost independent of speed; the speeds of the measurement are not known",
         PERCENT.text(*changes),
     )
-    columns = (
-        Column("Ratio", digits=2),
-        Column("Torque ratio", digits=1),
-        *(Column(f"at {rpm:g} rpm") for rpm in FAST_SPEEDS),
-        share("From least to greatest speed"),
-    )
+    speeds = (Column(f"at {rpm:g} rpm") for rpm in FAST_SPEEDS)
+    columns = (Column("Ratio", digits=2), Column("Torque ratio", digits=1), *speeds, share("From least to greatest speed"))
     note = f"{FAST_FORCE / 1e3:g} kN on the secondary pulley."
     return table("thrust-ratio-speed", "Thrust ratio over speed", columns, rows, note), check
 

@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 from pushbelt.fmu.starts import driven_by_torque
 
 from ..bench import Bench, Outputs, Plan, rad
-from ..measured import Source, data, source
-from ..outcome import PERCENT, POINTS, Check, Column, Part, Section, share, table, within
+from ..measured import data, source
+from ..outcome import NOTHING, PERCENT, POINTS, Check, Column, Part, Section, reported, share, table, within
 
 RATIO = 0.45
 SPEED = rad(2000.0)
@@ -79,13 +79,9 @@ def run(bench: Bench, _plan: Plan) -> Section:
         if out
     ]
     columns = (
-        Column("Wedge angle"),
-        Column("F_S", "kN", 2, 1e-3),
-        Column("Torque", "N·m", 1),
-        Column("Largest ring tension", "N", 0),
-        share("Efficiency", 2, signed=False),
-        share("Slip", 2, signed=False),
-    )
+        Column("Wedge angle"), Column("F_S", "kN", 2, 1e-3), Column("Torque", "N·m", 1), Column("Largest ring tension", "N", 0),
+        share("Efficiency", 2, signed=False), share("Slip", 2, signed=False),
+    )  # fmt: skip
     note = f"Ratio {RATIO:g}, 2000 rpm, torque at a safety of {SAFETY:g}."
     return Section(
         "wedge-angle",
@@ -99,21 +95,21 @@ def run(bench: Bench, _plan: Plan) -> Section:
 
 def _checks(gains: dict[str, float | None], efficiency: float | None) -> tuple[Check, ...]:
     measured, where = data()["wedgeAngle"], source("wedgeAngle")
-    unclear = Source(where.text, f"{where.certainty}; it does not state the load at which the tensions are equal")
     gain = measured["torqueCapacityGain"]
-    capacities = [
-        within(
-            f"wedge-capacity-{name.split()[0]}", f"Torque capacity from 11° to 9° at equal ring tension {name}",
-            unclear, [("gain", found)], gain - GAIN_TOLERANCE, gain + GAIN_TOLERANCE, PERCENT,
-            f"+{PERCENT.text(gain)} measured; ±5 points",
-        )
-        for name, found in gains.items()
-    ]  # fmt: skip
+    idle, loaded = gains.values()
+    statement = "Torque capacity from 11° to 9° at equal ring tension"
     return (
-        *capacities,
         within(
-            "wedge-efficiency", "Efficiency from 11° to 9° at equal torque, overdrive",
-            where, [("gain", efficiency)], *EFFICIENCY, POINTS,
+            "wedge-capacity", f"{statement} without torque", where, [("gain", idle)], gain - GAIN_TOLERANCE, gain + GAIN_TOLERANCE, PERCENT,
+            f"+{PERCENT.text(gain)} measured; ±5 points",
+        ),
+        reported(
+            "wedge-capacity-loaded", f"{statement} under torque", where,
+            "the source does not state the load at which tensions are equal; the continuum theory has +7 to +12 % under torque",
+            PERCENT.text(loaded) if loaded else NOTHING,
+        ),
+        within(
+            "wedge-efficiency", "Efficiency from 11° to 9° at equal torque, overdrive", where, [("gain", efficiency)], *EFFICIENCY, POINTS,
             f"+{POINTS.text(measured['unitEfficiencyGainOverdrive'])} of the unit measured; 0 to 1 point",
         ),
     )  # fmt: skip

@@ -8,8 +8,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
-use super::step_in_progress::StepInProgress;
-use crate::fmi2::guid_with;
+use super::steps::StepInProgress;
+use crate::description;
 use crate::log::{Category, Log, Sink, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
@@ -88,7 +88,8 @@ impl<U: Unit> Slave<U> {
 
     /// The GUID of the unit.
     pub(super) fn guid(&self) -> &str {
-        self.guid.get_or_init(|| guid_with::<U>(U::data(&self.start)))
+        self.guid
+            .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
     }
 
     /// State of the state machine.

@@ -43,8 +43,7 @@ class ControlUnit(Unit):
                 "power.demand": (0.0, "Power demanded by the driver, W"),
             },
         )
-        force = PressureCircuit(START_PRESSURE).force
-        self.declare(OUTPUT, _outputs(ClampingSignals(force, force, RATIO_LIMITS[1], False)))
+        self.declare(OUTPUT, _outputs(ClampingSignals(START_PRESSURE, START_PRESSURE, RATIO_LIMITS[1], False)))
         self._control: TransmissionControl | None = None
 
     def exit_initialization_mode(self) -> None:
@@ -66,8 +65,8 @@ class ControlUnit(Unit):
 
 def _outputs(signals: ClampingSignals) -> dict[str, tuple[float | bool, str]]:
     return {
-        "primary.clampingForce": (signals.primary_force, "Mean over the last step, N"),
-        "secondary.clampingForce": (signals.secondary_force, "Mean over the last step, N"),
+        "primary.clampingForce": (PressureCircuit.area * signals.primary_pressure, "Mean over the last step, N"),
+        "secondary.clampingForce": (PressureCircuit.area * signals.secondary_pressure, "Mean over the last step, N"),
         "ratio.target": (signals.target_ratio, "1"),
         "intervening": (signals.intervening, "Whether the slip controller intervenes against macro-slip"),
     }

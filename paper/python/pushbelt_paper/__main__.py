@@ -1,0 +1,64 @@
+"""Reproduces the paper's examples: `python -m pushbelt_paper --fmu … --rings … --output target/paper [--short]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from pushbelt import console, provenance, tables
+from pushbelt.fmu.load_cases import NotFoundError
+from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.untrusted import InputFileError
+
+from . import report, runs, times
+from .rings import RingsError
+from .statement import Statement
+from .statements_variator import evaluate
+
+PINNED = times.STORED.with_name("verdicts.csv")
+"""Verdicts of a full run. A test compares them."""
+
+
+def verdicts(statements: list[Statement]) -> list[list[str]]:
+    """Rows of the pinned file."""
+    return [[s.source, s.claim, s.verdict.value] for s in statements]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Simulates, writes report and tables, and prints their paths."""
+    parser = argparse.ArgumentParser(prog="pushbelt_paper", description=__doc__)
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    parser.add_argument("--rings", type=Path, required=True, help="the compiled example `paper_rings`")
+    parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
+    chosen = parser.add_mutually_exclusive_group()
+    chosen.add_argument("--short", action="store_true", help="run two load cases and coarse tests of rings")
+    chosen.add_argument("--pin", action="store_true", help=f"also store the verdicts in paper/{PINNED.name}")
+    text = f"only measure computing times of whole simulations, PASSES times, and store them in paper/{times.STORED.name}"
+    chosen.add_argument("--times", type=int, metavar="PASSES", help=text)
+    options = parser.parse_args(arguments)
+    provenance.begin("paper", arguments, "pushbelt_paper")
+    begin = time.perf_counter()
+    options.output.mkdir(parents=True, exist_ok=True)
+    path = times.STORED if options.times else options.output / "report.html"
+    try:
+        if options.times:
+            times.write(*runs.whole_times(options.fmu, options.times))
+        else:
+            plan = runs.SHORT if options.short else runs.FULL
+            results = runs.run_all(options.fmu, options.rings, options.output, plan)
+            statements = evaluate(results)
+            report.write_tables(results, statements, options.output)
+            report.write_html(results, statements, path)
+            if options.pin:
+                tables.write(PINNED, ["source", "claim", "verdict"], verdicts(statements))
+    except (UnitError, NotFoundError, RingsError, InputFileError) as error:
+        print(f"The simulation failed: {error}", file=sys.stderr)
+        return 1
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(console.run(main))

@@ -1,0 +1,83 @@
+//! Hydraulic cylinder of a pulley: a law without state. Its axial force closes the pulley:
+//!
+//! F = p A + F₀ − k z + c ω² − S ż/√(ż² + v₀²).
+//!
+//! - p, Pa: pressure of the oil above ambient; A, m²: area of the piston, so the flow into the cylinder is A ż,
+//! - F₀ − k z: spring, which closes the pulley; z = 0 at ratio 1. The energy of the spring is −F₀ z + k z²/2,
+//! - c ω²: oil that turns with the pulley. A chamber that compensates for it lowers c; beyond full compensation c < 0,
+//! - S: friction of the seals, with the regularisation of the flanks' friction.
+
+#![forbid(unsafe_code)]
+
+use crate::scalar::Real;
+
+/// Parameters of the cylinder of a pulley.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cylinder {
+    /// Area A of the piston, m².
+    pub area: f64,
+    /// Force F₀ of the spring at ratio 1, N.
+    pub spring_force: f64,
+    /// Stiffness k of the spring, N/m.
+    pub spring_stiffness: f64,
+    /// Axial force c of the rotating oil per square of the angular speed, N·s²/rad².
+    pub centrifugal: f64,
+    /// Friction S of the seals, N.
+    pub seal: f64,
+}
+
+impl Cylinder {
+    /// Force of spring and rotating oil at position `z`, m, and angular speed `omega`, rad/s.
+    #[inline]
+    pub fn push<T: Real>(&self, z: T, omega: T) -> T {
+        -z * self.spring_stiffness + self.spring_force + omega * omega * self.centrifugal
+    }
+
+    /// Friction of the seals along the speed `z_dot`, m/s, which it opposes; `velocity` = v₀, m/s.
+    #[inline]
+    pub fn drag<T: Real>(&self, z_dot: T, velocity: f64) -> T {
+        let (_, inverse) = (z_dot * z_dot + velocity * velocity).root_and_inverse();
+        z_dot * inverse * self.seal
+    }
+
+    /// Energy of the spring, J.
+    #[must_use]
+    pub fn energy(&self, z: f64) -> f64 {
+        (0.5 * self.spring_stiffness * z - self.spring_force) * z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYLINDER: Cylinder = Cylinder {
+        area: 0.012,
+        spring_force: 400.0,
+        spring_stiffness: 1.5e4,
+        centrifugal: 0.02,
+        seal: 150.0,
+    };
+
+    #[test]
+    fn figures() {
+        assert!((CYLINDER.push(0.01, -200.0) - (400.0 - 150.0 + 800.0)).abs() < 1e-9);
+        // Half a millimetre per second is far beyond a regularisation velocity of a micrometre per second.
+        for z_dot in [-5e-4, 5e-4_f64] {
+            assert!((CYLINDER.drag(z_dot, 1e-6) - 150.0 * z_dot.signum()).abs() < 1e-3);
+        }
+        assert_eq!(CYLINDER.drag(0.0, 5e-4), 0.0);
+        let none = Cylinder::default();
+        assert_eq!(
+            [none.push(-0.01, 300.0), none.drag(-0.1, 5e-4), none.energy(-0.01)],
+            [0.0; 3]
+        );
+    }
+
+    #[test]
+    fn the_spring_does_the_work_of_its_energy() {
+        let (z, h) = (-4e-3, 1e-6);
+        let slope = (CYLINDER.energy(z + h) - CYLINDER.energy(z - h)) / (2.0 * h);
+        assert!((slope + CYLINDER.push(z, 0.0)).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,199 @@
+//! A hash of every output bit of a run, for programs that compare two builds bit by bit.
+
+use std::error::Error;
+
+use pushbelt::variator::Variator;
+use pushbelt::variator::settings::{Inputs, Outputs, Profile, PulleyOutputs};
+
+/// Communication step, s.
+pub const STEP: f64 = 1e-3;
+
+/// Outputs of a run, one row per step.
+#[derive(Default)]
+struct Figures(Vec<Vec<f64>>);
+
+impl Figures {
+    /// 64-bit FNV-1a over all bits.
+    fn hash(&self) -> u64 {
+        let bytes = self.0.iter().flatten().flat_map(|value| value.to_bits().to_le_bytes());
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
+    }
+
+    fn add(&mut self, value: f64) {
+        if let Some(row) = self.0.last_mut() {
+            row.push(value);
+        }
+    }
+
+    /// Largest difference from the outputs of another build, as a share of the range of the output in this run.
+    fn difference(&self, other: &[Vec<f64>]) -> f64 {
+        let columns = self.0.first().map_or(0, Vec::len);
+        let of_column = |k: usize| {
+            let values = || self.0.iter().filter_map(move |row| row.get(k));
+            let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(*x), high.max(*x))
+            });
+            // The difference of a constant output is a share of its size.
+            let range = (high - low).max(1e-3 * high.abs().max(low.abs())).max(1e-12);
+            let off = values()
+                .zip(other.iter().filter_map(|row| row.get(k)))
+                .map(|(a, b)| (a - b).abs());
+            off.fold(0.0, f64::max) / range
+        };
+        (0..columns).map(of_column).fold(0.0, f64::max)
+    }
+
+    fn add_outputs(&mut self, o: &Outputs) {
+        self.0.push(Vec::new());
+        for pulley in [&o.primary, &o.secondary] {
+            let PulleyOutputs {
+                speed,
+                radius,
+                position,
+                axial_force,
+                shaft_torque,
+                external_torque,
+                power,
+                spiral,
+                tilt,
+                idle_arc: _,
+                ..
+            } = *pulley;
+            for value in [
+                speed,
+                radius,
+                position,
+                axial_force,
+                shaft_torque,
+                external_torque,
+                power,
+                spiral,
+                tilt,
+            ] {
+                self.add(value);
+            }
+        }
+        for value in [
+            o.thrust_ratio,
+            o.belt_speed,
+            o.ring_speed,
+            o.ratio_speed,
+            o.ratio_geometric,
+            o.reference_theta,
+            o.slip,
+            o.losses.sheaves,
+            o.losses.ring,
+            o.losses.other,
+            o.efficiency,
+            o.torque_utilisation,
+            f64::from(u8::from(o.macro_slip)),
+            o.push_force_max,
+            o.ring_tension_max,
+            o.ring_tension_min,
+            o.misalignment,
+            o.lateral_max,
+            o.skew,
+            o.stored_energy,
+            o.energy_residual,
+            o.belt_efficiency,
+            o.losses.layers,
+            o.losses.shafts,
+            o.losses.spin,
+            o.ring_stress.max,
+            o.ring_stress.amplitude.primary,
+            o.ring_stress.amplitude.secondary,
+            o.ring_stress.mean.primary,
+            o.ring_stress.mean.secondary,
+        ] {
+            self.add(value);
+        }
+    }
+
+    fn add_profile(&mut self, p: &Profile) {
+        self.0.push(Vec::new());
+        for field in [
+            &p.push_force,
+            &p.ring_tension,
+            &p.normal_force,
+            &p.radial_deviation,
+            &p.sliding_speed,
+            &p.lateral_deflection,
+            &p.ring_stress,
+        ] {
+            field.iter().for_each(|&value| self.add(value));
+        }
+    }
+}
+
+/// All cases of a build: name and outputs.
+type Cases = Vec<(String, Vec<Vec<f64>>)>;
+
+/// Destination of the outputs, and the outputs that they are compared with.
+#[derive(Default)]
+pub struct Report {
+    kept: Cases,
+    other: Option<Cases>,
+    write: Option<String>,
+}
+
+impl Report {
+    /// The report according to the program's arguments: none, `--write FILE` or `--compare FILE`.
+    ///
+    /// # Errors
+    /// Other arguments, or a file that can't be read.
+    pub fn of_arguments() -> Result<Self, Box<dyn Error>> {
+        let arguments: Vec<String> = std::env::args().skip(1).collect();
+        let mut report = Self::default();
+        match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+            [] => {}
+            ["--write", file] => report.write = Some(file.to_string()),
+            ["--compare", file] => report.other = Some(serde_json::from_str(&std::fs::read_to_string(file)?)?),
+            _ => return Err("usage: fingerprint [--write FILE | --compare FILE]".into()),
+        }
+        Ok(report)
+    }
+
+    /// Writes the outputs if the arguments request it.
+    ///
+    /// # Errors
+    /// The file can't be written.
+    pub fn finish(self) -> Result<(), Box<dyn Error>> {
+        if let Some(file) = self.write {
+            std::fs::write(file, serde_json::to_string(&self.kept)?)?;
+        }
+        Ok(())
+    }
+
+    /// Runs `steps` of the manoeuvre and prints the line of the case.
+    ///
+    /// # Errors
+    /// The variator does not start, or a step fails.
+    pub fn run(
+        &mut self,
+        name: &str,
+        mut variator: Variator,
+        trace: &[Inputs],
+        steps: usize,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut figures = Figures::default();
+        variator.initialise(0.0, &trace[0])?;
+        figures.add_outputs(variator.outputs());
+        for (k, inputs) in trace.iter().take(steps).enumerate() {
+            variator.advance((k + 1) as f64 * STEP, inputs)?;
+            figures.add_outputs(variator.outputs());
+        }
+        let off = self
+            .other
+            .as_ref()
+            .and_then(|cases| cases.iter().find(|(case, _)| case == name));
+        let off = off.map_or(String::new(), |(_, rows)| {
+            format!("  off by {:.1e} of the range", figures.difference(rows))
+        });
+        figures.add_profile(variator.profile());
+        println!("{name:<34} {:016x}  {:?}{off}", figures.hash(), variator.counts());
+        self.kept.push((name.to_string(), figures.0));
+        Ok(())
+    }
+}
