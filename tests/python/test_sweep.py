@@ -24,7 +24,7 @@ import pytest
 import reports
 from distributed import Client
 
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, chunks
 from pushbelt.study.store import Store
@@ -313,7 +313,7 @@ def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
 
 def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     for point in (study.grid.points()[k] for k in (2, 13)):
-        with Variator(archive, study.start_values(point)) as unit:
+        with Instance(archive, study.start_values(point)) as unit:
             unit.initialise()
             unit.step_to(1e-3)
             outputs = unit.outputs()
@@ -351,7 +351,7 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
 
 def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     first = study.start_values(study.grid.points()[0])
-    with Variator(archive, first) as unit:
+    with Instance(archive, first) as unit:
         unit.initialise()
         with pytest.raises(UnitError):
             unit.step_to(-1.0)

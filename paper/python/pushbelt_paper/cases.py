@@ -21,7 +21,7 @@ from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 from pushbelt.fmu.tilt import RIGID
-from pushbelt.fmu.unit import Archive, Variator, output_names
+from pushbelt.fmu.unit import Archive, Instance, output_names
 
 from .results import CaseRun, Effort, Shift, Window
 
@@ -93,7 +93,7 @@ def shifts(archive: Archive, parameters: Parameters, duration: float) -> dict[st
     found = {}
     for name, changes in (("aligned", {}), ("even", EVEN), ("directions", {"ring.referenceDirections": True})):
         start = {**parameters, **changes, "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
-        with Variator(archive, start) as unit:
+        with Instance(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
             outputs = unit.reals(("ratio.geometric", "energy.residual", "stored.energy"))
@@ -133,7 +133,7 @@ def run(
     load = state.load_torque
     start = effort.settling * turn
     times = start + turn * np.linspace(0.0, effort.looking, round(effort.looking * effort.samples) + 1)
-    with Variator(archive, held(parameters, model, case, load)) as unit:
+    with Instance(archive, held(parameters, model, case, load)) as unit:
         unit.initialise()
         is_steady = unit.not_steady is None
         for before, moment in pairwise((0.0, *moments(start))):

@@ -18,7 +18,7 @@ import pandas as pd
 
 from pushbelt import tables
 from pushbelt.fmu.results import LoadCase, SteadyState
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 from . import cases
 from .cases import Parameters
@@ -75,7 +75,7 @@ def measure(
     if variant.endswith(SHORT_STEPS):
         values["solver.maxStep"] = turn / STEPS_OF_RCM
     clocks = [time.process_time()]
-    with Variator(archive, values) as unit:
+    with Instance(archive, values) as unit:
         unit.initialise()
         clocks.append(time.process_time())
         unit.set({"secondary.torque": state.load_torque})
