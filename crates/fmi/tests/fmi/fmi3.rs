@@ -4,26 +4,18 @@
 
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
+use std::rc::Rc;
 
 use pushbelt_fmi::fmi3::functions::*;
 use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::slave::Version::Three;
-use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{Ended, Handles, TIME, log_of_fmi3, token};
+use crate::importer::{Ended, Handles, TIME, experiment, log_of_fmi3, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-const WATCHES: Handles<'_> = Handles {
-    events: false,
-    early_return: true,
-    required: &[INFLOW, LEVEL],
-};
-const EVENTS: Handles<'_> = Handles {
-    events: true,
-    early_return: true,
-    required: &[],
-};
+const WATCHES: Handles<'_> = Handles::of(false, true, &[INFLOW, LEVEL]);
+const EVENTS: Handles<'_> = Handles::of(true, true, &[]);
 
 fn running_with(handles: Handles<'_>) -> Importer {
     let importer = Importer::handling(Three, handles);
@@ -41,7 +33,7 @@ fn constants_are_those_of_the_standard() {
 #[test]
 fn other_kinds_of_fmu_are_refused_with_a_message() {
     let importer = running(Three);
-    let environment = std::ptr::from_ref(&*importer.record).cast_mut().cast();
+    let environment = Rc::as_ptr(&importer.record).cast_mut().cast();
     let (name, right) = (c"tank".as_ptr(), token::<Tank>(Three));
     let token = right.as_ptr();
     // SAFETY: valid strings, null where it is allowed, and the record of the importer.
@@ -69,11 +61,7 @@ fn start_values_and_the_time_can_be_read_at_once() {
     assert_eq!(importer.real(START), 1.0);
     assert_eq!(importer.reals(&[LEVEL], 1), Err(Error));
     importer.assert_logged("before initialization mode");
-    let experiment = Experiment {
-        start: 1.0,
-        ..Experiment::default()
-    };
-    assert_eq!(importer.enter(experiment), Ok);
+    assert_eq!(importer.enter(experiment(1.0, None)), Ok);
     assert_eq!(importer.real(TIME), 1.0);
     assert_eq!(importer.exit(), Ok);
     assert_eq!(importer.step(1.0, 1.0), ended(false, false, 2.0));
@@ -193,11 +181,7 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.step(0.75, 1.25), ended(false, false, 2.0));
     assert_eq!(importer.real(LEVEL), 3.75);
     for (events, early_return, event) in [(true, false, true), (false, true, false), (false, false, false)] {
-        let importer = running_with(Handles {
-            events,
-            early_return,
-            required: &[],
-        });
+        let importer = running_with(Handles::of(events, early_return, &[]));
         assert_eq!(importer.set(MARK, 2.2), Ok);
         assert_eq!(
             importer.step(0.0, 2.0),
@@ -211,11 +195,7 @@ fn an_event_ends_a_step_that_may_end_early() {
 #[test]
 fn what_a_master_handles_does_not_change_the_bits() {
     let run = |events, required| {
-        let importer = running_with(Handles {
-            events,
-            early_return: true,
-            required,
-        });
+        let importer = running_with(Handles::of(events, true, required));
         for k in 0..10 {
             assert_eq!(importer.set(INFLOW, 0.1 * f64::from(k)), Ok);
             assert_eq!(importer.step(0.7 * f64::from(k), 0.7).status, Ok);
@@ -258,10 +238,7 @@ fn a_master_reads_sets_and_returns_within_a_step() {
         assert_eq!(importer.step(1.0, 1.0), ended(false, end < 2.0, end), "{later}");
         assert_eq!(importer.real(LEVEL), 1.0 + 2.0 * end);
     }
-    let importer = running_with(Handles {
-        early_return: false,
-        ..WATCHES
-    });
+    let importer = running_with(Handles::of(false, false, WATCHES.required));
     importer.answer(|update| Some(update.time));
     assert_eq!(
         importer.step(0.0, 1.0),
@@ -272,10 +249,7 @@ fn a_master_reads_sets_and_returns_within_a_step() {
 
 #[test]
 fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
-    let importer = running_with(Handles {
-        required: &[GAIN, LEVEL, GAIN],
-        ..WATCHES
-    });
+    let importer = running_with(Handles::of(false, true, &[GAIN, LEVEL, GAIN]));
     let warnings = importer
         .record
         .messages
@@ -317,8 +291,7 @@ fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
             Some(i.terminate()),
             Some(i.log(false, &[])),
             Some(i.step(0.0, 1.0).status),
-            // SAFETY: an instance.
-            Some(unsafe { fmi3EnterEventMode::<Tank>(i.c) }),
+            Some(i.enter_event_mode()),
         ] {
             assert_eq!(refused, Some(Error));
         }

@@ -12,6 +12,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
+use std::rc::Rc;
 
 use crate::layer::Unit;
 use crate::layer::fmi2::functions as f2;
@@ -133,6 +134,25 @@ pub struct Handles<'a> {
     pub required: &'a [u32],
 }
 
+impl<'a> Handles<'a> {
+    pub const fn of(events: bool, early_return: bool, required: &'a [u32]) -> Self {
+        Self {
+            events,
+            early_return,
+            required,
+        }
+    }
+}
+
+/// An experiment without tolerance.
+pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
+    Experiment {
+        tolerance: None,
+        start,
+        stop,
+    }
+}
+
 /// The arguments of an `instantiate` function.
 pub struct Arguments<'a> {
     pub name: Option<&'a CStr>,
@@ -198,17 +218,19 @@ pub type Stored = *mut c_void;
 pub struct Importer<U: Unit> {
     pub version: Version,
     pub c: *mut c_void,
-    pub record: Box<Record>,
+    pub record: Rc<Record>,
     /// Whether it goes through event mode.
     events: bool,
+    /// Whether the instance is freed with this.
+    owned: bool,
     unit: PhantomData<U>,
 }
 
 impl<U: Unit> Importer<U> {
     /// An instance, or null, for these arguments.
     pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
-        let record = Box::new(Record::default());
-        let environment = std::ptr::from_ref(&*record).cast_mut().cast();
+        let record = Rc::new(Record::default());
+        let environment = Rc::as_ptr(&record).cast_mut().cast();
         let Arguments {
             name,
             token,
@@ -262,6 +284,7 @@ impl<U: Unit> Importer<U> {
             c,
             record,
             events: handles.events,
+            owned: true,
             unit: PhantomData,
         }
     }
@@ -286,7 +309,11 @@ impl<U: Unit> Importer<U> {
 
     /// From instantiated to step mode, by way of event mode if the importer handles events.
     pub fn start(&self) {
-        assert_eq!(self.enter(Experiment::default()), Done, "{}", self.last());
+        self.start_at(0.0);
+    }
+
+    pub fn start_at(&self, time: f64) {
+        assert_eq!(self.enter(experiment(time, None)), Done, "{}", self.last());
         assert_eq!(self.exit(), Done, "{}", self.last());
         if self.events {
             self.handle_event();
@@ -366,6 +393,7 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn set_reals(&self, references: &[u32], values: &[f64]) -> Status {
+        assert_eq!(references.len(), values.len());
         let (vr, nvr, value, n) = (references.as_ptr(), references.len(), values.as_ptr(), values.len());
         call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
     }
@@ -373,6 +401,7 @@ impl<U: Unit> Importer<U> {
     /// `count` values of real variables.
     pub fn reals(&self, references: &[u32], count: usize) -> Result<Vec<f64>, Status> {
         let (vr, nvr) = (references.as_ptr(), references.len());
+        assert!(self.version == Three || nvr == count);
         let mut values = vec![f64::NAN; count];
         let status = call! {
             self, fmi2GetReal(vr, nvr, values.as_mut_ptr()),
@@ -530,14 +559,20 @@ impl<U: Unit> Importer<U> {
     }
 
     /// Another handle of the instance, for the importer's callback.
-    pub fn alias(&self) -> std::mem::ManuallyDrop<Self> {
-        std::mem::ManuallyDrop::new(Self {
-            version: self.version,
-            c: self.c,
-            record: Box::default(),
-            events: self.events,
+    pub fn alias(&self) -> Self {
+        let (version, c, events) = (self.version, self.c, self.events);
+        Self {
+            version,
+            c,
+            events,
+            record: Rc::clone(&self.record),
+            owned: false,
             unit: PhantomData,
-        })
+        }
+    }
+
+    pub fn enter_event_mode(&self) -> Status {
+        unsafe { f3::fmi3EnterEventMode::<U>(self.c) }
     }
 
     /// Text of the last message.
@@ -553,6 +588,14 @@ impl<U: Unit> Importer<U> {
 
 impl<U: Unit> Drop for Importer<U> {
     fn drop(&mut self) {
-        call! { self, fmi2FreeInstance(), fmi3FreeInstance() }
+        if self.owned {
+            let free: unsafe fn(*mut c_void) = match self.version {
+                Two => f2::fmi2FreeInstance::<U>,
+                Three => f3::fmi3FreeInstance::<U>,
+            };
+            unsafe { free(self.c) };
+            self.record.answer.take();
+            self.record.hears.take();
+        }
     }
 }

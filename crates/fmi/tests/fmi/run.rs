@@ -4,7 +4,7 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::slave::Version::{self, Three, Two};
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Ended, Handles};
+use crate::importer::{BOTH, Ended, Handles, experiment};
 use crate::tank::*;
 
 /// An instance in step mode at 0 s.
@@ -31,12 +31,7 @@ pub fn ended(event: bool, early: bool, time: f64) -> Ended {
 fn a_run_goes_through_its_states() {
     for version in BOTH {
         let importer = Importer::new(version);
-        let experiment = Experiment {
-            tolerance: Some(1e-3),
-            start: 3.0,
-            stop: Some(5.0),
-        };
-        assert_eq!(importer.enter(experiment), Ok);
+        assert_eq!(importer.enter(experiment(3.0, Some(5.0))), Ok);
         assert_eq!(level(&importer), 1.0);
         assert_eq!(importer.set(START, 4.0), Ok);
         assert_eq!(level(&importer), 4.0, "set in initialization mode, it starts again");
@@ -74,18 +69,12 @@ enum State {
 use State::{Discarded, Event, Failed, Initialisation, Instantiated, Step, Terminated};
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(
-        version,
-        Handles {
-            events: state == Event,
-            ..Handles::default()
-        },
-    );
+    let importer = Importer::handling(version, Handles::of(state == Event, false, &[]));
     match state {
         Instantiated => {}
-        Initialisation => assert_eq!(importer.enter(Experiment::default()), Ok),
+        Initialisation => assert_eq!(importer.enter(experiment(0.0, None)), Ok),
         Event => {
-            assert_eq!(importer.enter(Experiment::default()), Ok);
+            assert_eq!(importer.enter(experiment(0.0, None)), Ok);
             assert_eq!(importer.exit(), Ok);
         }
         Step | Discarded | Terminated | Failed => importer.start(),
@@ -115,7 +104,7 @@ fn status<T>(result: Result<T, Status>) -> Status {
 const RULES: [Rule; 12] = [
     (
         "enter initialisation mode",
-        |i| i.enter(Experiment::default()),
+        |i| i.enter(experiment(0.0, None)),
         &[Instantiated],
     ),
     ("exit initialisation mode", |i| i.exit(), &[Initialisation]),
@@ -257,7 +246,7 @@ fn a_start_that_fails_can_be_tried_again_after_reset() {
     for version in BOTH {
         let importer = Importer::new(version);
         assert_eq!(importer.set(GAIN, 0.5), Ok, "checked as a whole later");
-        assert_eq!(importer.enter(Experiment::default()), Ok);
+        assert_eq!(importer.enter(experiment(0.0, None)), Ok);
         assert_eq!(importer.exit(), Error);
         importer.assert_logged("ExitInitializationMode: gain = 0.5 does not fit");
         assert_eq!(importer.reals(&[LEVEL], 1), Err(Error));
@@ -269,20 +258,9 @@ fn a_start_that_fails_can_be_tried_again_after_reset() {
 
 #[test]
 fn invalid_experiments_are_refused() {
-    let good = Experiment {
-        tolerance: Some(1e-4),
-        start: 1.0,
-        stop: Some(2.0),
-    };
-    let with_start = |start| Experiment {
-        start,
-        stop: None,
-        ..good
-    };
-    let with_stop = |stop| Experiment {
-        stop: Some(stop),
-        ..good
-    };
+    let good = experiment(1.0, Some(2.0));
+    let with_start = |start| experiment(start, None);
+    let with_stop = |stop| experiment(1.0, Some(stop));
     let with_tolerance = |tolerance| Experiment {
         tolerance: Some(tolerance),
         ..good
@@ -379,13 +357,7 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(
-            version,
-            Handles {
-                required: &[INFLOW, LEVEL],
-                ..Handles::default()
-            },
-        );
+        let importer = Importer::handling(version, Handles::of(false, false, &[INFLOW, LEVEL]));
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));

@@ -5,9 +5,8 @@ use std::ptr::null_mut;
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 use pushbelt_fmi::slave::Version::{Three, Two};
-use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Handles};
+use crate::importer::{BOTH, Handles, experiment};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -78,14 +77,8 @@ fn a_state_before_the_start_is_one_too() {
 /// A state of event mode is one of step mode in an instance without event mode.
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(
-        Three,
-        Handles {
-            events: true,
-            ..Handles::default()
-        },
-    );
-    assert_eq!(importer.enter(Experiment::default()), Ok);
+    let importer = Importer::handling(Three, Handles::of(true, false, &[]));
+    assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();
     importer.handle_event();
@@ -101,11 +94,7 @@ fn a_state_of_event_mode_fits_every_instance() {
 fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
     let stopping = |version, stop| {
         let importer = Importer::new(version);
-        let experiment = Experiment {
-            stop: Some(stop),
-            ..Experiment::default()
-        };
-        assert_eq!(importer.enter(experiment), Ok);
+        assert_eq!(importer.enter(experiment(0.0, Some(stop))), Ok);
         importer
     };
     for version in BOTH {
@@ -165,12 +154,7 @@ fn wrong_bytes_are_refused_and_change_nothing() {
 #[test]
 fn wild_numbers_in_a_stored_state_are_refused() {
     let importer = Importer::new(Two);
-    let experiment = Experiment {
-        start: 5.0,
-        ..Experiment::default()
-    };
-    assert_eq!(importer.enter(experiment), Ok);
-    assert_eq!(importer.exit(), Ok);
+    importer.start_at(5.0);
     assert_eq!(importer.step(5.0, 1.0).status, Ok);
     let good = importer.bytes();
     let content = good.len() - 16;

@@ -2,7 +2,6 @@
 
 use pushbelt_fmi::log::Status::{Error, Ok};
 use pushbelt_fmi::slave::Version::{self, Three, Two};
-use pushbelt_fmi::unit::Experiment;
 
 use crate::importer::{BOTH, Handles};
 use crate::run::{ended, running};
@@ -13,12 +12,7 @@ const TODAY: f64 = 1.7e9;
 
 fn running_from(version: Version, start: f64) -> Importer {
     let importer = Importer::new(version);
-    let experiment = Experiment {
-        start,
-        ..Experiment::default()
-    };
-    assert_eq!(importer.enter(experiment), Ok);
-    assert_eq!(importer.exit(), Ok);
+    importer.start_at(start);
     importer
 }
 
@@ -118,20 +112,8 @@ fn a_short_step_can_follow_a_long_one() {
 /// A master with callback has its own times in the updates, in an early return and in messages.
 #[test]
 fn intermediate_updates_have_the_masters_times() {
-    let importer = Importer::handling(
-        Three,
-        Handles {
-            early_return: true,
-            required: &[LEVEL],
-            ..Handles::default()
-        },
-    );
-    let experiment = Experiment {
-        start: TODAY,
-        ..Experiment::default()
-    };
-    assert_eq!(importer.enter(experiment), Ok);
-    assert_eq!(importer.exit(), Ok);
+    let importer = Importer::handling(Three, Handles::of(false, true, &[LEVEL]));
+    importer.start_at(TODAY);
     importer.assert_logged("start at 1700000000 s");
     importer.answer(|update| (update.time == TODAY + 0.25).then_some(TODAY + 0.375));
     assert_eq!(importer.step(TODAY, 1.0), ended(false, true, TODAY + 0.375));

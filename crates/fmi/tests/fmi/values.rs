@@ -1,9 +1,8 @@
 //! Reading and writing of variables, in both versions.
 
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
-use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::BOTH;
+use crate::importer::{BOTH, experiment};
 use crate::run::running;
 use crate::tank::*;
 
@@ -15,7 +14,7 @@ fn every_type_is_written_and_read_back() {
         assert_eq!(importer.set_integer(FLOORS, 3), Ok);
         assert_eq!(importer.set_integer(SHAPE, 2), Ok);
         assert_eq!(importer.set_boolean(LOCKED, 5), Ok, "all but 0 is true");
-        assert_eq!(importer.enter(Experiment::default()), Ok);
+        assert_eq!(importer.enter(experiment(0.0, None)), Ok);
         assert_eq!(
             importer.reals(&[START, INFLOW, GAIN], 3),
             Result::Ok(vec![7.0, 8.0, 1.0])
