@@ -55,7 +55,7 @@ FULL = Plan(
 SHORT = Plan(
     Effort(settling=0.02, looking=0.05, samples=480), ("medium-50", CHOSEN_CASE), ("medium-50",), 0.02, (), (), shift=0.1, short=True
 )
-WHOLE = (0.4, 1.0)
+WHOLE = (0.25, 1.0)
 """Revolutions of settling, and least of the evaluated part, of the long form of the computing times."""
 SLOW = ("RCM", "ANCF")
 """Models that a long form runs once a pass; the others take so little time that each pass runs them thrice."""
