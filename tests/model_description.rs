@@ -302,7 +302,7 @@ fn display_units_are_those_of_engineering_practice() {
     for (name, unit, shown) in [
         ("primary.clampingForce", "kN", 13.0),
         ("geometry.centerDistance", "mm", 168.0),
-        ("friction.fall", "%", 10.0),
+        ("friction.fall", "%", 6.0),
         ("primary.speedSetpoint", "rpm", 2000.0),
     ] {
         let variable = table.by_name(name).expect("listed");

@@ -190,7 +190,10 @@ fn losses_rise_with_the_square_of_the_misalignment() {
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
     assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");
-    assert!(large[0].abs() < 8e-3 && large[1].abs() < 1e-3 * aligned.primary.power, "{large:?}");
+    assert!(
+        large[0].abs() < 8e-3 && large[1].abs() < 1e-3 * aligned.primary.power,
+        "{large:?}"
+    );
 }
 
 /// The power of a misaligned belt balances on each mesh.

@@ -347,9 +347,9 @@ class Belt:
                 self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
             ),
             "belt.elementInertia": Entry(
-                mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
+                0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
                 "typical",
-                f"a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
+                f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
             ),
             "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
             **{
