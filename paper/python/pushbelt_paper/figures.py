@@ -22,8 +22,8 @@ from .statements_rings import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
 
-HAND = f"ALE{times.BY_HAND}"
-COLOURS = {HAND: GREEN, "RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
+FORWARD = f"ALE0{times.FORWARD}", f"ALE{times.FORWARD}"
+COLOURS = {FORWARD[0]: RED, FORWARD[1]: GREEN, "RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
 SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"width": 3.2, "opacity": 0.5}, "ANCF": {"dash": "dash"}}
 """Drawing order: the reference model is below the others."""
@@ -218,8 +218,8 @@ def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun
     series = []
     for model in models:
         runs = results.of(model)
-        slipped = [run.slipped for run in runs]
-        labels = [run.case.name + (", slips" if run.slipped else "") for run in runs]
+        slipped = [run.window.slipped for run in runs]
+        labels = [run.case.name + (", slips" if run.window.slipped else "") for run in runs]
         values = [value(run) for run in runs]
         series.append(_bar(model, values, hatched=slipped, labels=labels))
     return series
@@ -300,7 +300,7 @@ def computing_times(measured: pd.DataFrame) -> Chart:
     panels = []
     for load in times.LOADS:
         series = []
-        for model in (*MODELS, HAND):
+        for model in (REFERENCE, "ANCF", *FORWARD, *MODELS[2:]):
             value, low, high = (of[load][model] for of in (ratios, *ends))
             errors = ((value - low).to_numpy(), (high - value).to_numpy())
             series.append(_bar(model, value.to_numpy(), errors=errors, labels=list(value.index)))

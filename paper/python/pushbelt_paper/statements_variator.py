@@ -207,7 +207,7 @@ def _time(models: tuple[str, ...], claim: str, share: float, reason: str) -> Sta
         claim,
         verdict(all(at), any(at) or min(means) < share),
         "; ".join(
-            f"{model}, {load} load: {of['mean']:.2g} of RCM ({of['min']:.2g} to {of['max']:.2g}), from {of['steps']:.2g} × steps, "
+            f"{model.removesuffix(times.FORWARD)}, {load} load: {of['mean']:.2g} of RCM ({of['min']:.2g} to {of['max']:.2g}), from {of['steps']:.2g} × steps, "
             f"{of['residuals a step']:.2g} × residuals a step, {of['time a residual']:.2g} × time a residual"
             for (model, load), of in found.items()
         ),
@@ -217,7 +217,7 @@ def _time(models: tuple[str, ...], claim: str, share: float, reason: str) -> Sta
 
 def _half_the_time(_results: PaperResults) -> Statement:
     return _time(
-        ("ANCF", "ALE0"),
+        ("ANCF", f"ALE0{times.FORWARD}"),
         "ANCF and ALE0 take about half of RCM's computing time",
         0.5,
         "ALE0 has no mesh that passes the arc borders, so its steps are as long as the communication steps. ANCF's mesh passes them as RCM's does, "
@@ -226,9 +226,9 @@ def _half_the_time(_results: PaperResults) -> Statement:
 
 
 def _ale_time(_results: PaperResults) -> Statement:
-    short = times.factors(times.stored()[0]).xs(f"ALE{times.SHORT_STEPS}", level="model")
+    short = times.factors(times.stored()[0]).xs(f"ALE{times.FORWARD}{times.SHORT_STEPS}", level="model")
     return _time(
-        ("ALE",),
+        (f"ALE{times.FORWARD}",),
         "ALE takes about 80 % of RCM's computing time",
         0.8,
         "The belt runs through a fixed mesh, so implicit steps are as long as the loads permit. Steps as short as RCM's take "
