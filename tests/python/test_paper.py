@@ -24,7 +24,7 @@ from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
 from pushbelt_paper import __main__, cases, figures, profiles, report, rings, runs, times
 from pushbelt_paper.results import Window
-from pushbelt_paper.statements_variator import evaluate
+from pushbelt_paper.statements import evaluate
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
@@ -261,8 +261,6 @@ def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path
 
 @pytest.mark.slow
 def test_verdicts_of_a_full_run_are_pinned(paper_fmu: Path, rings_program: Path, tmp_path: Path) -> None:
-    """`cargo fmu paper --pin` renews the file; a change is a reviewed change."""
-    found = __main__.verdicts(evaluate(runs.run_all(paper_fmu, rings_program, tmp_path, runs.FULL)))
-    with __main__.PINNED.open(encoding="utf-8", newline="") as file:
-        _, *pinned = csv.reader(file)
-    assert found == pinned
+    """`cargo fmu paper --store` renews them; a change is a reviewed change."""
+    statements = evaluate(runs.run_all(paper_fmu, rings_program, tmp_path, runs.FULL))
+    assert {s.key: s.verdict.value for s in statements} == {s.key: s.pinned for s in statements}

@@ -8,23 +8,14 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from pushbelt import console, provenance, tables
+from pushbelt import console, provenance
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 
 from . import report, runs, times
 from .rings import RingsError
-from .statement import Statement
-from .statements_variator import evaluate
-
-PINNED = times.STORED.with_name("verdicts.csv")
-"""Verdicts of a full run. A test compares them."""
-
-
-def verdicts(statements: list[Statement]) -> list[list[str]]:
-    """Rows of the pinned file."""
-    return [[s.source, s.claim, s.verdict.value] for s in statements]
+from .statements import PINNED, evaluate, pin
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -54,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
     report.write_tables(results, statements, options.output)
     report.write_html(results, statements, path)
     if options.store:
-        tables.write(PINNED, ["source", "claim", "verdict"], verdicts(statements))
+        pin(statements)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

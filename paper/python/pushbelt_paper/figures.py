@@ -18,7 +18,7 @@ from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 from . import profiles, times
 from .results import MODELS, OTHERS, PULLEYS, REFERENCE, CaseRun, PaperResults
 from .rings import Motion, Rings
-from .statements_rings import REFERENCE_DIRECTIONS
+from .statements import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
 

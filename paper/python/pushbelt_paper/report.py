@@ -11,9 +11,9 @@ import numpy as np
 from pushbelt import page, tables
 from pushbelt.fmu.data import load_case_speed
 
-from . import cases, figures, profiles, statements_variator, times
+from . import cases, figures, profiles, times
 from .results import MODELS, PULLEYS, REFERENCE, PaperResults
-from .statement import Statement, Verdict, signed
+from .statements import Statement, Verdict, signed
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
