@@ -46,6 +46,8 @@ class Window:
     """Radius minus the arc's mean radius at the places, one row per time, m."""
     position: Array
     """Places ξ, m."""
+    slipped: bool = False
+    """Whether the belt was in macro-slip at any time."""
 
     def mean(self, name: str) -> float:
         """Mean of an output over time."""
@@ -101,10 +103,11 @@ class CaseRun:
     load_torque: float
     """Secondary torque, the same for all models, N·m."""
     window: Window
-    slipped: bool
-    """Whether the belt was in macro-slip at any time of the evaluated part."""
+    """Sampled under a constant load only."""
     steady: bool
     """Whether the run started from the requested steady state."""
+    times: Mapping[str, str | float]
+    """Processor times and work, a row of `times`."""
 
 
 @dataclass(frozen=True)
@@ -146,8 +149,8 @@ class PaperResults:
     """The same shift of ALE, by mesh, and with A_i = [t, n] (`directions`)."""
     misaligned: SteadyState
     """The steady state of ALE in space, with pulleys that are out of line."""
-    short_times: pd.DataFrame
-    """Computing times of a short form; the long form's are stored."""
+    times: pd.DataFrame
+    """Computing times of this run."""
     failures: tuple[Failure, ...]
     """Failures. `runs` does not contain these cases for any model."""
     effort: Effort
