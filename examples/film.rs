@@ -1,5 +1,5 @@
-//! Gaps, slip and traction over the oil between the elements: suction, thickness, roughness and damping. Prints the
-//! Markdown table of `docs/sensitivity.md`:
+//! Gaps, slip and traction over the oil between the elements: suction, thickness, roughness and damping. Prints the Markdown
+//! table:
 //!
 //! `cargo run --release --example film`
 //!

@@ -1,6 +1,6 @@
 //! Sensitivity of thrust ratio and slip to uncertain parameters, around the laboratory variator at 50 N·m, 2000 rpm and three
 //! ratios; then to the roughness of the elements' faces and the film between them; then that of the thrust ratio without torque
-//! and of the peak of traction. Prints the Markdown tables of `docs/sensitivity.md`:
+//! and of the peak of traction. Prints Markdown tables; `docs/notebook/figures.md` has what decides:
 //!
 //! `cargo run --release --example sensitivity`
 

@@ -1,190 +1,184 @@
-//! TEMP
+//! The law of the stack over loads and states, and `ALE0` beside `ALE`: figures of `docs/notebook/experiments.md`.
+//!
+//! `cargo run --release --example stack -- WHAT [--ale0] [--finer]`, WHAT being
+//! - `manoeuvre`, `loads=bceg`: counts of the solver and the least push force,
+//! - `states`: the least push force over ratios, torques and forces up to 7000 rpm,
+//! - `levels`: 75 states of `ALE0` against `ALE`, or with `--finer` of twice the elements against the default mesh,
+//! - `mirror`: thrust ratios without torque at i and 1/i, which multiply to 1 between pulleys alike and without a stack.
+
+use std::error::Error;
+
+use clap::Parser;
+use pushbelt::pulley::PerPulley;
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::film::{Film, FilmBench, Load, RATIOS, SHARES};
+use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
+use pushbelt_lab::film::{Film, FilmBench, Load, RATIOS};
+use pushbelt_lab::fingerprint::STEP;
 use pushbelt_lab::inside::stations;
 use pushbelt_lab::loads::{Driven, LOADS};
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::variators::variator;
 
-fn counts(v: &Variator) -> String {
-    let c = v.counts();
-    format!("{c:?}")
+/// Span of a load, s.
+const SPAN: f64 = 0.5;
+/// Least slip that is compared, and least idle arc, rad.
+const LEAST: [f64; 2] = [0.003, 0.05];
+/// Differences that are counted: of slips, relative, and of idle arcs, rad.
+const BEYOND: [f64; 3] = [0.2, 0.3, 0.35];
+
+#[derive(Parser)]
+struct Options {
+    what: String,
+    #[arg(long)]
+    ale0: bool,
+    #[arg(long)]
+    finer: bool,
 }
 
-fn least(v: &Variator) -> f64 {
-    stations(v, v.state())
-        .iter()
-        .map(|s| s.push)
-        .fold(f64::INFINITY, f64::min)
+type Outcome = Result<(), Box<dyn Error>>;
+
+/// The least push force anywhere, N.
+fn least(variator: &Variator) -> f64 {
+    let stations = stations(variator, variator.state());
+    stations.iter().map(|s| s.push).fold(f64::INFINITY, f64::min)
 }
 
-fn main() {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let what = args[0].as_str();
-    let ring = if args.get(1).is_some_and(|a| a == "ALE0") {
-        RingModel::Ale0
-    } else {
-        RingModel::Ale
+fn bench(ring: RingModel, finer: bool) -> FilmBench {
+    let mut bench = FilmBench::new(Film::of(&Parameters::default()), ring);
+    if finer {
+        bench.parameters.mesh = bench.parameters.mesh.refined(2);
+    }
+    bench
+}
+
+fn manoeuvre(ring: RingModel) -> Outcome {
+    let trace = Manoeuvre::read().trace(STEP);
+    let mut variator = Variator::new(Manoeuvre::variator(variator(ring)))?;
+    variator.initialise(0.0, &trace[0])?;
+    let mut low = f64::INFINITY;
+    for (k, inputs) in trace.iter().enumerate() {
+        variator.advance((k + 1) as f64 * STEP, inputs)?;
+        low = low.min(least(&variator));
+    }
+    println!("{ring:?}: {:?}, least push force {low:.1} N", variator.counts());
+    Ok(())
+}
+
+fn loads(ring: RingModel, letters: &str) -> Outcome {
+    for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
+        for &ratio in load.ratios() {
+            let mut driven = Driven::new(load, variator(ring), ratio);
+            let (start, mut low) = (driven.variator.counts(), f64::INFINITY);
+            while driven.until() < SPAN + 0.5 * load.step() {
+                let inputs = driven.inputs();
+                driven.variator.advance(driven.until(), &inputs)?;
+                low = low.min(least(&driven.variator));
+            }
+            let counts = driven.variator.counts() - start;
+            println!(
+                "{} {ratio} {ring:?}: {counts:?}, least push force {low:.1} N",
+                load.letter()
+            );
+        }
+    }
+    Ok(())
+}
+
+fn states(bench: &FilmBench) -> Outcome {
+    for speed in [52.36, 209.44, 400.0, 733.0] {
+        let (mut low, mut none) = (f64::INFINITY, 0);
+        for (_, ratio) in RATIOS {
+            for share in [-0.6, 0.0, 0.4, 0.8] {
+                for force in [2e3, 12e3] {
+                    let found = bench.steady(ratio, speed, force, Load::Share(share))?;
+                    low = low.min(found.as_ref().map_or(f64::INFINITY, least));
+                    none += i32::from(found.is_none());
+                }
+            }
+        }
+        println!("{speed} rad/s: least push force {low:.1} N; {none} of 24 not steady");
+    }
+    Ok(())
+}
+
+/// Differences of states: relative ones of thrust ratio and slip, and of both idle arcs, rad.
+fn differences(a: &Outputs, b: &Outputs) -> (f64, Option<f64>, Vec<f64>) {
+    let slip = (a.slip.abs() > LEAST[0]).then(|| b.slip / a.slip - 1.0);
+    let arcs = |o: &Outputs| PerPulley {
+        primary: o.primary.idle_arc,
+        secondary: o.secondary.idle_arc,
     };
-    match what {
-        "man" => {
-            let trace = Manoeuvre::read().trace(pushbelt_lab::fingerprint::STEP);
-            let mut v = Variator::new(Manoeuvre::variator(Parameters {
-                ring_model: ring,
-                ..Parameters::default()
-            }))
-            .unwrap();
-            v.initialise(0.0, &trace[0]).unwrap();
-            let mut low = f64::INFINITY;
-            for (k, i) in trace.iter().enumerate() {
-                v.advance((k + 1) as f64 * pushbelt_lab::fingerprint::STEP, i).unwrap();
-                let l = least(&v);
-                if l < low - 2.0 && low < -15.0 {
-                    if low < -15.0 {
-                        println!(
-                            "t {:.3}: {l:.1} ω {:?}",
-                            (k + 1) as f64 * pushbelt_lab::fingerprint::STEP,
-                            v.outputs().primary.speed
-                        );
-                    }
-                }
-                low = low.min(l);
-            }
-            println!("man {ring:?}: {} least {low:.1} N", counts(&v));
-        }
-        "loads" => {
-            let letters = args[2].clone();
-            for load in LOADS.into_iter().filter(|l| letters.contains(l.letter())) {
-                for &ratio in load.ratios() {
-                    let mut driven = Driven::new(load, variator(ring), ratio);
-                    let start = driven.variator.counts();
-                    let seconds: f64 = args.get(3).map_or(0.5, |s| s.parse().unwrap());
-                    let steps = (seconds / load.step()).round() as usize;
-                    let mut low = f64::INFINITY;
-                    for _ in 0..steps {
-                        let inputs = driven.inputs();
-                        let t = driven.until();
-                        if let Err(e) = driven.variator.advance(t, &inputs) {
-                            println!("FAIL {e:?}");
-                            break;
-                        }
-                        low = low.min(least(&driven.variator));
-                    }
-                    let c = driven.variator.counts() - start;
-                    println!("load {} {ratio} {ring:?}: {c:?} least {low:.1}", load.letter());
-                }
+    let (x, y) = (arcs(a), arcs(b));
+    let idle = [[x.primary, y.primary], [x.secondary, y.secondary]];
+    let idle = idle.iter().filter(|pair| pair.iter().any(|arc| *arc > LEAST[1]));
+    let idle = idle.map(|[x, y]| y - x).collect();
+    (b.thrust_ratio / a.thrust_ratio - 1.0, slip, idle)
+}
+
+fn levels(pair: &[FilmBench; 2]) -> Outcome {
+    let (mut thrust, mut slips, mut arcs) = (Vec::new(), Vec::new(), Vec::new());
+    for ratio in [2.25, 1.5, 1.0, 1.0 / 1.5, 1.0 / 2.25] {
+        for force in [6e3, 15e3, 30e3] {
+            for share in [-0.5, 0.0, 0.3, 0.6, 0.8] {
+                let found = [
+                    pair[0].outputs(ratio, force, Load::Share(share))?,
+                    pair[1].outputs(ratio, force, Load::Share(share))?,
+                ];
+                let [Some(a), Some(b)] = &found else {
+                    println!("{ratio:.3} {force} N {share}: not steady");
+                    continue;
+                };
+                let (off, slip, idle) = differences(a, b);
+                println!(
+                    "{ratio:.3} {force} N {share}: thrust ratio {:+.2} %, slip {slip:+.2?}, idle arcs {idle:+.2?}",
+                    1e2 * off
+                );
+                thrust.push(off);
+                slips.extend(slip);
+                arcs.extend(idle);
             }
         }
-        "play" => {
-            let mut film = Film::of(&Parameters::default());
-            film.damping = args[2].parse().unwrap();
-            film.squeeze = args[3].parse().unwrap();
-            film.thickness = args[4].parse().unwrap();
-            film.suction = args[5].parse().unwrap();
-            let bench = FilmBench::new(film, ring);
-            let slips = [2e-4, 4e-4].map(|p| bench.slip(p).unwrap());
-            println!(
-                "{ring:?} {film:?} slip {:.2} play {:.3}",
-                1e2 * slips[0],
-                1e2 * (slips[1] - slips[0])
-            );
+    }
+    let rms = |of: &[f64]| (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
+    let worst = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let beyond = |of: &[f64], bound: f64| of.iter().filter(|x| x.abs() > bound).count();
+    println!(
+        "thrust ratio rms {:.2} %, worst {:.1} % of {}; slip rms {:.1} %, beyond 20 and 30 %: {} and {} of {}; idle arcs beyond 0.35 rad: {} of {}",
+        1e2 * rms(&thrust),
+        1e2 * worst(&thrust),
+        thrust.len(),
+        1e2 * rms(&slips),
+        beyond(&slips, BEYOND[0]),
+        beyond(&slips, BEYOND[1]),
+        slips.len(),
+        beyond(&arcs, BEYOND[2]),
+        arcs.len()
+    );
+    Ok(())
+}
+
+fn mirror(bench: &FilmBench) -> Outcome {
+    for ratio in [2.25, 1.5] {
+        let mut product = 1.0;
+        for ratio in [ratio, 1.0 / ratio] {
+            let outputs = bench.outputs(ratio, 15e3, Load::Share(0.0))?;
+            product *= outputs.map_or(f64::NAN, |o| o.thrust_ratio);
         }
-        "film" => {
-            let bench = FilmBench::new(Film::of(&Parameters::default()), ring);
-            print!("film {ring:?}: onset");
-            for s in SHARES {
-                print!(" {:.2}", bench.onset(s).unwrap());
-            }
-            let slips = [2e-4, 4e-4].map(|p| bench.slip(p).unwrap());
-            print!(" slip {:.2} play {:.3}", 1e2 * slips[0], 1e2 * (slips[1] - slips[0]));
-            print!(" peak");
-            if args.get(2).is_none() {
-                for (_, r) in RATIOS {
-                    let [s, _] = bench.near_peak(r).unwrap();
-                    print!(" {:.2}", 1e2 * s);
-                }
-            }
-            println!();
-            for speed in [52.36, 209.44, 400.0, 733.0] {
-                let mut low = f64::INFINITY;
-                let mut none = 0;
-                for (_, r) in RATIOS {
-                    for share in [-0.6, 0.0, 0.4, 0.8] {
-                        for f in [2e3, 12e3] {
-                            match bench.steady(r, speed, f, Load::Share(share)).unwrap() {
-                                Some(v) => {
-                                    let l = least(&v);
-                                    if l < -12.0 {
-                                        print!("[{r:.2} {share} {f}: {l:.0}]");
-                                    }
-                                    low = low.min(l)
-                                }
-                                None => none += 1,
-                            }
-                        }
-                    }
-                }
-                println!("least at {speed}: {low:.1} none {none}");
-            }
-        }
-        "cmp" => {
-            let benches =
-                [RingModel::Ale, RingModel::Ale0].map(|r| FilmBench::new(Film::of(&Parameters::default()), r));
-            let (mut sum, mut worst, mut n, mut slips, mut beyond, mut beyond30, mut idle, mut idles) =
-                (0.0, 0.0_f64, 0, 0, 0, 0, 0, 0);
-            for ratio in [2.25, 1.5, 1.0, 1.0 / 1.5, 1.0 / 2.25] {
-                for force in [6e3, 15e3, 30e3] {
-                    for r in [-0.5, 0.0, 0.3, 0.6, 0.8] {
-                        let [a, b] = benches
-                            .each_ref()
-                            .map(|x| x.outputs(ratio, force, Load::Share(r)).unwrap());
-                        let (Some(a), Some(b)) = (a, b) else {
-                            println!("none {ratio:.2} {force} {r}");
-                            continue;
-                        };
-                        let off = b.thrust_ratio / a.thrust_ratio - 1.0;
-                        sum += off * off;
-                        n += 1;
-                        worst = worst.max(off.abs());
-                        let mut text = String::new();
-                        if a.slip.abs() > 0.003 {
-                            slips += 1;
-                            let d = b.slip / a.slip - 1.0;
-                            if d.abs() > 0.2 {
-                                beyond += 1;
-                            }
-                            if d.abs() > 0.3 {
-                                beyond30 += 1;
-                            }
-                            text = format!(" slip {:+.0} %", 1e2 * d);
-                        }
-                        for p in 0..2 {
-                            let [x, y] = [&a, &b].map(|o| {
-                                if p == 0 {
-                                    o.primary.idle_arc
-                                } else {
-                                    o.secondary.idle_arc
-                                }
-                            });
-                            if x > 0.05 || y > 0.05 {
-                                idles += 1;
-                                if (x - y).abs() > 0.35 {
-                                    idle += 1;
-                                    text += &format!(" idle {p} {x:.2} {y:.2}");
-                                }
-                            }
-                        }
-                        println!("{ratio:.2} {force} {r}: {:+.1} %{text}", 1e2 * off);
-                    }
-                }
-            }
-            println!(
-                "rms {:.1} % worst {:.1} % of {n}; slip beyond 20 %: {beyond}, 30 %: {beyond30} of {slips}; idle beyond .35: {idle} of {idles}",
-                1e2 * (sum / n as f64).sqrt(),
-                1e2 * worst
-            );
-        }
-        _ => {}
+        println!("{ratio}: z(i) z(1/i) - 1 = {:+.1} %", 1e2 * (product - 1.0));
+    }
+    Ok(())
+}
+
+fn main() -> Outcome {
+    let Options { what, ale0, finer } = Options::parse();
+    let ring = if ale0 { RingModel::Ale0 } else { RingModel::Ale };
+    match what.split_once('=').unwrap_or((&what, "")) {
+        ("manoeuvre", _) => manoeuvre(ring),
+        ("loads", letters) => loads(ring, letters),
+        ("states", _) => states(&bench(ring, finer)),
+        ("levels", _) if finer => levels(&[bench(ring, false), bench(ring, true)]),
+        ("levels", _) => levels(&[RingModel::Ale, RingModel::Ale0].map(|ring| bench(ring, false))),
+        ("mirror", _) => mirror(&bench(ring, finer)),
+        _ => Err(format!("{what}: manoeuvre, loads=LETTERS, states, levels or mirror").into()),
     }
 }

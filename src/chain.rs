@@ -33,9 +33,11 @@
 //!   Oil between two faces has at most the suction F_c of their area under the pressure of the atmosphere, 8 × 24 mm × 1 bar =
 //!   19 N.
 //!
-//! Every part of F has the sign of D, so it dissipates, and rises with D: a law that falls somewhere, such as D times a switch, makes
-//! Newton fail. So the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N where elements separate at any gap. Nothing else acts between free elements: convection of V is
-//! central there, with the viscosity 2c where they approach.
+//! Every part of F has the sign of D, so it dissipates, and rises with D: Newton's method fails with a law that falls, such as D times
+//! a switch. Nothing else acts between free elements: convection of V is central there, with the viscosity 2c where they approach.
+//!
+//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N across every gap that opens. Oil between the elements has neither
+//! inertia nor history: a gap that opened is full again when it closes. Below some 1 rad/s of the pulleys no oil acts.
 //!
 //! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this shortening. The ring is thus
 //! loaded by Qκ̂ outward and the chain by −∂Q/∂ξ, and the power of Q is balanced.

@@ -28,11 +28,20 @@
 //! assert!(out.belt_speed > 10.0 && out.efficiency > 0.95);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! A clone is a snapshot. There is no global state and no thread: any number of variators can run, each in one thread.
+//!
+//! **Build it fast.** The crate is generic, so it is compiled with your profile. Without optimisation a second of belt motion takes minutes:
+//! set `opt-level = 3` in `[profile.dev]` and `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml`
+//! (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register. A Rust program does not need
+//! the feature `exports`, the C functions of FMI.
+//!
+//! **A ring of your own.** [`variator::Variator::with_ring`] takes any [`variator::belt_ring::BeltRing`]; `examples/own_ring.rs` is one that
+//! stiffens as it stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model as an FMU use the
+//! crate `pushbelt-fmi` alone; its README has a complete one.
 #![warn(missing_docs)]
-// The programs of the page for users of the library are tests.
-#![cfg_attr(doctest, doc = include_str!("../docs/rust-api.md"))]
 
-// A wrong number is worse than a slow one: docs/lab/experiments.md, "eight lanes with AVX-512".
+// A wrong number is worse than a slow one: docs/notebook/experiments.md, "eight lanes with AVX-512".
 #[cfg(target_feature = "avx512f")]
 compile_error!(
     "rustc 1.95, the pinned toolchain, miscompiles loops for AVX-512: compile for a processor without it, for example \

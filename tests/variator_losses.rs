@@ -36,12 +36,12 @@ fn pull(state: &Steady, segment: usize) -> f64 {
 }
 
 /// The torque of a rig that turns the variator without load at ratio 1 under 10 kN: the loss of the belt, and on each shaft
-/// seals, oil, and bearings under the pull of both strands. Without turning elements, which add 0.087 N·m at 2000 rpm and grow
+/// seals, oil, and bearings under the pull of both strands. Without turning elements, which add 0.043 N·m at 2000 rpm and grow
 /// with the square of the speed, the torque hardly depends on it, since the clamping force is constant.
 #[test]
 fn torque_that_turns_the_variator_without_load() {
-    for (rpm, still) in [(500.0, 1.15), (2000.0, 1.30), (5000.0, 1.60)] {
-        let expected = still + 0.087 * f64::powi(rpm / 2000.0, 2);
+    for (rpm, still) in [(500.0, 1.14), (2000.0, 1.26), (5000.0, 1.50)] {
+        let expected = still + 0.0435 * f64::powi(rpm / 2000.0, 2);
         let speed = rpm * std::f64::consts::TAU / 60.0;
         let state = idling(&variator(RingModel::Ale), 1.0, 10e3, speed);
         let o = &state.outputs;
@@ -51,7 +51,7 @@ fn torque_that_turns_the_variator_without_load() {
         println!(
             "{rpm} rpm: {torque:.3} N·m, of it the belt {belt:.3} and the shafts {shafts:.3} N·m; the strands pull {load:.0} N"
         );
-        assert_close(shafts, 2.0 * (0.15 + 5e-4 * speed + 1.8e-3 * 0.02 * load), 0.01, "drag");
+        assert_close(shafts, 2.0 * (0.15 + 4e-4 * speed + 1.8e-3 * 0.02 * load), 0.01, "drag");
         assert_close(torque, expected, 0.05, "torque without load");
         assert_close(torque * speed, o.losses.total(), 5e-3, "the power supplied is the loss");
     }

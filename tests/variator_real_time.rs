@@ -351,7 +351,7 @@ fn few_steps_are_begun_again() {
         }
         let rollbacks = variator.outputs().work.rollbacks;
         println!("{rollbacks} steps begun again in 500 ms");
-        assert!(rollbacks <= 3, "{rollbacks}");
+        assert!(rollbacks <= 5, "{rollbacks}");
     }
 }
 

@@ -204,7 +204,7 @@ fn the_mesh_is_fine_enough_in_medium() {
     doubling_the_mesh(1);
 }
 
-/// Here the release of elements at the small pulley determines the error (`docs/sensitivity.md`).
+/// Here the release of elements at the small pulley determines the error (`docs/notebook/figures.md`).
 #[test]
 fn the_mesh_is_fine_enough_in_overdrive() {
     doubling_the_mesh(2);

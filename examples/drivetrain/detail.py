@@ -1,4 +1,4 @@
-"""Levels of detail on the same 20 s of the WLTC: the table of docs/drivetrain-detail.md."""
+"""Levels of detail on the same 20 s of the WLTC: for docs/levels.md."""
 
 from pathlib import Path
 

@@ -1,7 +1,7 @@
 """Growth rates of small oscillations of the ratio: the linear belt with the controllers of `cargo fmu drive`.
 
 The belt is the linear model of `pushbelt.Variator.linearize`; flywheel, clutch, controllers and hydraulics are those of the drive. A small
-change of the target ratio excites the oscillation. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
+change of the target ratio excites the oscillation. Prints growth rates (docs/controllers.md): `stability.py coarse`, the mesh of the drive, and
 `stability.py default`.
 """
 

@@ -3,7 +3,7 @@
  *   cc -O2 -Iinclude -o hil hil.c -ldl -lm && ./hil LIBRARY GUID [--seconds S] [--ring 1|2] [--cells N] [--effort N]
  *     [--ratio R] [--load NAME] [--free]
  *
- * docs/real-time.md has the whole of it. --free runs without waiting for the clock. The program asks for SCHED_FIFO and says
+ * docs/levels.md has the whole of it. --free runs without waiting for the clock. The program asks for SCHED_FIFO and says
  * whether it got it. It prints the histogram of step times, the misses (steps that ended after their millisecond), the
  * largest defect that the unit reports, how many steps were begun again, and how far it was behind. Needs Linux and a C11
  * compiler; it has its own declarations of the few fmi2 functions it calls.
@@ -109,7 +109,7 @@ typedef struct {
     double torque, speed;
 } Load;
 
-/* The loads of docs/performance.md, in the order of their letters. */
+/* The loads of `cargo fmu bench --loads`, in the order of their letters. */
 static const Load LOADS[] = {{"smooth", 50, 210},  {"firing", 80, 210}, {"ripple", 50, 210}, {"noise", 50, 210},
                              {"slam", 50, 210},    {"launch", 0, 0},    {"flips", 0, 210},   {"stairs", 50, 210},
                              {"firing-and-noise", 20, 210}, {"hunting", 0, 20}};

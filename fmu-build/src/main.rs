@@ -66,7 +66,8 @@ enum Command {
     Test(commands::test::Arguments),
     /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside
     Wheel(commands::wheel::Arguments),
-    /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
+    /// Write what is generated: from the variable table the model descriptions, terminalsAndIcons.xml, docs/variables.md and the version
+    /// of the Python package; from the Python package docs/commands.md and docs/python-interface.md
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
@@ -143,5 +144,36 @@ mod tests {
             assert_eq!(words, expected.split(' ').collect::<Vec<_>>(), "{line}");
         }
         assert!(command_line().try_get_matches_from(["fmu", "compare"]).is_err());
+    }
+
+    /// Options of the programs are checked beside their parsers, in `tests/python/test_docs_commands.py`.
+    #[test]
+    fn command_lines_of_the_book_are_those_of_this_tool() {
+        let root = Workspace::find().unwrap().root().to_owned();
+        let pages = std::fs::read_dir(root.join("docs"))
+            .unwrap()
+            .map(|entry| entry.unwrap().path());
+        let pages = pages.chain(["README.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
+        let mut seen = 0;
+        for page in pages.filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+            let text = std::fs::read_to_string(&page).unwrap();
+            let code = text
+                .split(['`', '\n'])
+                .map(|line| line.split('#').next().unwrap_or(line).trim());
+            for line in code.filter(|line| {
+                line.starts_with("cargo fmu ") && !line.contains(['…', 'X']) && !line.contains("COMMAND")
+            }) {
+                let result = command_line().try_get_matches_from(line.split_whitespace().skip(1));
+                let shown = result.err().map(|error| error.kind());
+                let fine = [
+                    None,
+                    Some(clap::error::ErrorKind::DisplayHelp),
+                    Some(clap::error::ErrorKind::DisplayVersion),
+                ];
+                assert!(fine.contains(&shown), "{}: {line}: {shown:?}", page.display());
+                seen += 1;
+            }
+        }
+        assert!(seen > 40, "{seen} command lines");
     }
 }

@@ -1,6 +1,6 @@
 //! Python: finding an interpreter, and a virtual environment with the packages of a lock file.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,6 +49,9 @@ pub const PACKING: Packages = Packages {
     within: None,
     folder: "venv-wheel",
 };
+
+/// Folders of the source tree with Python packages.
+const SOURCES: [&str; 5] = ["python", "validation", "paper/python", "examples/cosim", "benches"];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.
@@ -115,13 +118,15 @@ impl Environment {
             .with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// A Python command in this environment, at the top level of the workspace. It can import the packages below `python/`
-    /// and finds the FMU by the variable `PUSHBELT_FMU`.
+    /// A Python command in this environment, at the top level of the workspace. It can import the packages of `SOURCES` and finds the
+    /// FMU by the variable `PUSHBELT_FMU`.
     pub fn command(&self) -> Command {
+        let sources = SOURCES.map(|folder| self.root.join(folder).into_os_string());
+        let separator = OsStr::new(if cfg!(windows) { ";" } else { ":" });
         let mut command = Command::new(&self.interpreter);
         command
             .current_dir(&self.root)
-            .env("PYTHONPATH", self.root.join("python"))
+            .env("PYTHONPATH", sources.join(separator))
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PUSHBELT_FMU", &self.fmu);
         cargo::clear_own(&mut command);

@@ -97,14 +97,14 @@ impl Workspace {
         self.root.join("modelDescription.xml")
     }
 
-    /// The model description of FMI 3.0, checked in at the top level.
+    /// The model description of FMI 3.0, checked in.
     pub fn model_description3(&self) -> PathBuf {
-        self.root.join("modelDescription3.xml")
+        self.root.join("resources").join("modelDescription3.xml")
     }
 
-    /// The connections and their places on the icon, checked in at the top level.
+    /// The connections and their places on the icon, checked in.
     pub fn terminals(&self) -> PathBuf {
-        self.root.join("terminalsAndIcons.xml")
+        self.root.join("resources").join("terminalsAndIcons.xml")
     }
 
     /// The names that the FMU's library exports, for linkers, checked in with this tool.

@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
     Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, deflecting_equations,
-    eulerian_equations, guided_equations,
+    deflecting_forward, eulerian_equations, guided_equations, guided_forward,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -22,25 +22,58 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub struct Even<R>(pub R);
 
-/// A ring with equations on evenly spaced elements.
-pub trait OnEvenMesh: BeltRing {
-    /// Equations of a belt with this ring on such a mesh.
+/// `ALE0` or `ALE` with derivatives by forward differentiation, as those of `RCM` and `ANCF`.
+#[derive(Clone, Copy, Debug)]
+pub struct Forward<R>(pub R);
+
+/// A ring with other equations than those of the FMU.
+pub trait OtherEquations: BeltRing {
+    /// Equations of a belt with this ring on evenly spaced elements.
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly>;
+
+    /// Its equations, differentiated by forward differentiation.
+    fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly>;
 }
 
-impl OnEvenMesh for Ale0 {
+impl OtherEquations for Ale0 {
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
         guided_equations::<Unaligned<Displaced>>(belt)
     }
-}
 
-impl<const D: usize> OnEvenMesh for Ale<D> {
-    fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_equations::<D, Unaligned<TwoPulley>>(belt)
+    fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        guided_forward::<Displaced>(belt)
     }
 }
 
-impl<R: OnEvenMesh> BeltRing for Even<R> {
+impl<const D: usize> OtherEquations for Ale<D> {
+    fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        deflecting_equations::<D, Unaligned<TwoPulley>>(belt)
+    }
+
+    fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        deflecting_forward::<D, TwoPulley>(belt)
+    }
+}
+
+impl<R: OtherEquations> BeltRing for Forward<R> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        self.0.cells(mesh)
+    }
+
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        self.0.unknowns(parameters, mesh, curve)
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        self.0.forward_equations(belt)
+    }
+}
+
+impl<R: OtherEquations> BeltRing for Even<R> {
     fn name(&self) -> &'static str {
         self.0.name()
     }
@@ -248,7 +281,11 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     }
 }
 
-/// A ring on the aligned or on the even mesh.
-pub(crate) fn on_mesh<R: OnEvenMesh + 'static>(ring: R, aligned: bool) -> Arc<dyn BeltRing> {
-    if aligned { Arc::new(ring) } else { Arc::new(Even(ring)) }
+/// A ring on the aligned or on the even mesh, with the FMU's derivatives or those by forward differentiation.
+pub(crate) fn variant<R: OtherEquations + 'static>(ring: R, aligned: bool, forward: bool) -> Arc<dyn BeltRing> {
+    match (aligned, forward) {
+        (true, false) => Arc::new(ring),
+        (true, true) => Arc::new(Forward(ring)),
+        (false, _) => Arc::new(Even(ring)),
+    }
 }

@@ -1,6 +1,6 @@
 //! `PushbeltPaper.fmu`: the variator with the belts of the paper's comparison, and the variables that select one.
 
-use crate::belts::{Rotated, Travels, on_mesh};
+use crate::belts::{Rotated, Travels, variant};
 use crate::centred::Centred;
 use crate::ring::ancf::AncfElement;
 use crate::ring::rcm::RcmElement;
@@ -61,6 +61,8 @@ pub struct PaperRings {
     pub aligned: bool,
     /// Whether the deflection is along the directions of the reference curve.
     pub reference_directions: bool,
+    /// Whether derivatives are computed by forward differentiation.
+    pub forward: bool,
     /// Number of elements of a travelling ring; 0 for the default.
     pub elements: i32,
 }
@@ -71,6 +73,7 @@ impl Default for PaperRings {
             model: RingModel::Ale as i32,
             aligned: true,
             reference_directions: false,
+            forward: false,
             elements: 0,
         }
     }
@@ -119,6 +122,13 @@ impl Rings for PaperRings {
         let text = "Whether element borders follow the arc borders; if not, as many elements are spaced evenly along the belt \
                     and arc borders move through them. ring.model ALE0 and ALE";
         rows.switch("mesh.aligned", 1075, text, aligned);
+        let forward = Access::Setting {
+            get: |settings: &Settings<Self>| settings.rings.forward,
+            set: |settings: &mut Settings<Self>, value| settings.rings.forward = value,
+        };
+        let text = "Whether ALE0 and ALE have derivatives by forward differentiation, as RCM, ANCF and ring.referenceDirections \
+                    have them, instead of derivatives by hand; mesh.aligned only";
+        rows.switch("solver.forward", 1999, text, forward);
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -130,6 +140,10 @@ impl Rings for PaperRings {
         if self.reference_directions && !(is_ale && self.aligned) {
             let range = "false, unless ring.model is ALE and mesh.aligned is true";
             return Err(ParameterError::of_flag("ring.referenceDirections", true, range));
+        }
+        if self.forward && (!self.aligned || self.model == CENTRED) {
+            let range = "false, unless mesh.aligned is true and ring.model is another than ALE0Centred";
+            return Err(ParameterError::of_flag("solver.forward", true, range));
         }
         if self.elements < 0 {
             let range = "0 for the ring model's usual number, or 16 to 400";
@@ -144,11 +158,11 @@ impl Rings for PaperRings {
             (RCM, _) => Arc::new(Travels::<RcmElement>::new(elements)),
             (ANCF, _) => Arc::new(Travels::<AncfElement>::new(elements)),
             (CENTRED, _) => Arc::new(Centred),
-            (number, _) if number == RingModel::Ale0 as i32 => on_mesh(Ale0, self.aligned),
+            (number, _) if number == RingModel::Ale0 as i32 => variant(Ale0, self.aligned, self.forward),
             (_, false) if self.reference_directions => Arc::new(Rotated::<2>),
             (_, true) if self.reference_directions => Arc::new(Rotated::<3>),
-            (_, false) => on_mesh(Ale::<2>, self.aligned),
-            (_, true) => on_mesh(Ale::<3>, self.aligned),
+            (_, false) => variant(Ale::<2>, self.aligned, self.forward),
+            (_, true) => variant(Ale::<3>, self.aligned, self.forward),
         }
     }
 }

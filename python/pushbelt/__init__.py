@@ -1,13 +1,10 @@
 """Python around the pushbelt FMU.
 
-- `Variator`: a variator over time (`input_table`, `recording`), its steady states (`points`) and linear models (`linear_points`, `linear`,
-  `linear_grid`); `errors`: the base class of all errors; `cli`: the command `pushbelt`.
-- `fmu`: the FMU call by call, published data, geometry, load cases, results.
-- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports; `cluster`: tasks on a
-  cluster; `map_data`: data sets of maps; `map_unit`, `map_variator`: variators from maps, as an FMU and in numpy.
-- `theory`: results of theories, independent of the FMU.
-- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `maps`, `paper`, `sweep`, `validate`: programs, each run
-  by `python -m pushbelt.…`. They do not import each other.
+- `variator`: a variator over time (`input_table`, `recording`) and its steady states (`points`); `linear`: linear models;
+  `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors.
+- `fmu`: the FMU call by call, published data, geometry, load cases, results. `rig`, `tables`: tables of rigs and of programs.
+- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports.
+- `cli`: the command `pushbelt` and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """
 
 from __future__ import annotations
@@ -31,11 +28,11 @@ if TYPE_CHECKING:
     from .fmu.start_values import StartValueError
     from .fmu.unit import UnitError
     from .fmu.untrusted import InputFileError
-    from .linear import LinearModel, LinearPointError
-    from .linear_grid import LinearGrid, load_linear
-    from .linear_physical import NotPhysicalError
-    from .map_data import MapError, Maps
-    from .map_variator import MapVariator
+    from .linear.model import LinearModel, LinearPointError
+    from .linear.grid import LinearGrid, load_linear
+    from .linear.physical import NotPhysicalError
+    from .maps.data import MapError, Maps
+    from .maps.variator import MapVariator
     from .points import SteadyStateError
     from .recording import Record
     from .variator import Snapshot, Variator
@@ -70,15 +67,15 @@ __all__ = [
 _MODULES = {
     "ArgumentError": "errors",
     "InputFileError": "fmu.untrusted",
-    "LinearGrid": "linear_grid",
-    "LinearModel": "linear",
-    "LinearPointError": "linear",
-    "MapError": "map_data",
-    "MapVariator": "map_variator",
-    "Maps": "map_data",
+    "LinearGrid": "linear.grid",
+    "LinearModel": "linear.model",
+    "LinearPointError": "linear.model",
+    "MapError": "maps.data",
+    "MapVariator": "maps.variator",
+    "Maps": "maps.data",
     "MissingFileError": "errors",
     "MissingPackageError": "errors",
-    "NotPhysicalError": "linear_physical",
+    "NotPhysicalError": "linear.physical",
     "PushbeltError": "errors",
     "Record": "recording",
     "Snapshot": "variator",
@@ -89,7 +86,7 @@ _MODULES = {
     "Variator": "variator",
     "VariatorWarning": "errors",
     "default_fmu": "fmu.files",
-    "load_linear": "linear_grid",
+    "load_linear": "linear.grid",
     "parameter_set": "fmu.data",
 }
 """Names that are imported on first use, so that the processes of the programs start quickly."""

@@ -1,14 +1,19 @@
-"""A program as a process: characters that its output can't encode, and Ctrl-C."""
+"""A program as a process: its errors, characters that its output can't encode, and Ctrl-C."""
 
 from __future__ import annotations
 
+import functools
 import io
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+import traceback
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
+from pathlib import Path
+
+from .errors import PushbeltError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -23,6 +28,41 @@ def run(main: Callable[[], int | None]) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+
+
+def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
+    """The main function of a program, with the words of its command line. Its errors are one line each; packages that are missing are
+    those of an extra."""
+
+    def made(main: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
+        @functools.wraps(main)
+        def started(arguments: Sequence[str] | None = None) -> int:
+            try:
+                return run(lambda: main(arguments))
+            except ModuleNotFoundError as error:
+                if not error.name or error.name.startswith("pushbelt"):
+                    raise
+                said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
+            except (OSError, ValueError, RuntimeError, KeyError) as error:
+                if not (isinstance(error, (OSError, PushbeltError)) or raised_here(error)):
+                    raise
+                said = f"{name}: {error.args[0] if isinstance(error, KeyError) else error}"
+            print(f"pushbelt {said}", file=sys.stderr)
+            return 1
+
+        return started
+
+    return made
+
+
+def raised_here(error: BaseException) -> bool:
+    """Whether a statement of this package raised an error, so that its message is complete without a traceback."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return (
+        bool(frames)
+        and Path(__file__).parent in Path(frames[-1].filename).parents
+        and bool(frames[-1].line and frames[-1].line.startswith("raise"))
+    )
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import base64
 import functools
 import gzip
 import platform
+import re
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -30,9 +31,10 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
-def _environment(**filters: Any) -> jinja2.Environment:
+def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environment:
+    own = jinja2.PackageLoader(__package__, ".")
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(__package__, "."),
+        loader=own if folder is None else jinja2.ChoiceLoader([jinja2.FileSystemLoader(folder), own]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -42,11 +44,11 @@ def _environment(**filters: Any) -> jinja2.Environment:
     return environment
 
 
-def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
-    """Writes a page from a template. `template` is its path inside this package."""
+def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Path | None = None, **filters: Any) -> None:
+    """Writes a page from a template. `template` is its path inside this package, or inside `folder`, and begins with the program's name."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    origin = provenance.current(template.split("/")[0])
-    text = _environment(**filters).get_template(template).render(context, machine=machine, origin=origin)
+    origin = provenance.current(re.split("[/.]", template)[0])
+    text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)
     path.write_text(with_scripts(text), encoding="utf-8")
 
 

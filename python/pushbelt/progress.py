@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from tqdm import tqdm
-
 
 def progress_bar(total: float, description: str, done: int = 0) -> Any:
     """A bar with the remaining time, on a terminal only. `done` of `total` were finished before."""
+    # Only what shows a bar needs the package.
+    from tqdm import tqdm
+
     return tqdm(
         total=total,
         initial=done,

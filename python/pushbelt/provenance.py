@@ -50,12 +50,12 @@ _current: Provenance | None = None
 def begin(program: str, arguments: Sequence[str] | None, module: str | None = None) -> Provenance:
     """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the inputs.
 
-    `module` is its module inside this package if the command `pushbelt` does not start it.
+    `module` is its module if the command `pushbelt` does not start it.
     """
     global _current
     words = list(sys.argv[1:] if arguments is None else arguments)
     started = os.environ.get(COMMAND) if arguments is None else None
-    as_module = ["python", "-m", f"pushbelt.{module or program}"]
+    as_module = ["python", "-m", module or f"pushbelt.{program}"]
     as_command = ["pushbelt", program]
     command = started or shlex.join([*(as_module if arguments is None or module else as_command), *words])
     date = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")

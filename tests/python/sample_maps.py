@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 
-from pushbelt import map_unit
-from pushbelt.map_data import TABLES, Maps
+from pushbelt.maps import unit as map_unit
+from pushbelt.maps.data import TABLES, Maps
 
 
 def default_maps() -> Maps:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pushbelt_benchmarks import forces
 
-from pushbelt import cli, force_benchmark
+from pushbelt import cli
 from pushbelt.errors import VariatorWarning
 from pushbelt.fmu import unit
 from pushbelt.fmu.start_values import StartValueError
@@ -29,8 +30,8 @@ def belt(fmu: Path) -> Iterator[Variator]:
 @pytest.fixture
 def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """One entry for each initial state that an FMU solves."""
-    calls, original = [], unit.Variator.initialise
-    monkeypatch.setattr(unit.Variator, "initialise", lambda self: (calls.append(self), original(self))[1])
+    calls, original = [], unit.Instance.initialise
+    monkeypatch.setattr(unit.Instance, "initialise", lambda self: (calls.append(self), original(self))[1])
     return calls
 
 
@@ -146,7 +147,7 @@ def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initi
 
 
 def test_the_benchmark_counts_what_is_solved(fmu: Path, initialised: list[object]) -> None:
-    found, failed = force_benchmark.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
+    found, failed = forces.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
     assert failed == 0
     assert found["least_force"].states + found["steady"].states == len(initialised)
     assert 4 <= found["least_force"].states <= 4 * MOST_STATES

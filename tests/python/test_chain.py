@@ -11,9 +11,9 @@ from pushbelt.demo.__main__ import main as demo
 from pushbelt.durability.__main__ import main as durability
 from pushbelt.fmu.data import is_chain, parameter_set
 from pushbelt.fmu.unit import Archive
-from pushbelt.validate.bench import Bench, Plan
-from pushbelt.validate.outcome import Verdict
-from pushbelt.validate.sections import chain
+from pushbelt_validation.bench import Bench, Plan
+from pushbelt_validation.outcome import Verdict
+from pushbelt_validation.sections import chain
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
@@ -43,9 +43,9 @@ def test_the_chain_agrees_with_the_continuum_theory(archive: Archive) -> None:
     with Bench(archive) as bench:
         section = chain.run(bench, Plan(short=True))
         assert not bench.failures
-    missed = [check for check in section.checks if check.verdict is Verdict.MISSES]
+    missed = [check for check in section.checks if check.verdict is Verdict.MISSED]
     assert not missed
-    assert sum(check.verdict is Verdict.MEETS for check in section.checks) == 5
+    assert sum(check.verdict is Verdict.MET for check in section.checks) == 5
 
 
 def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:

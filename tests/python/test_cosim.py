@@ -25,10 +25,10 @@ pythonfmu = pytest.importorskip("pythonfmu")
 if not pythonfmu.FmuBuilder.has_binary():
     pytest.skip("pythonfmu has no binary for this machine", allow_module_level=True)
 
-from pushbelt.drive.cosim import __main__ as program
-from pushbelt.drive.cosim import fmus, package, report, study
-from pushbelt.drive.cosim.masters import MASTERS
-from pushbelt.drive.cosim.unit import MAP_FILE
+from pushbelt_cosim import __main__ as program
+from pushbelt_cosim import fmus, package, report, study
+from pushbelt_cosim.masters import MASTERS
+from pushbelt_cosim.unit import MAP_FILE
 
 ROOT = Path(__file__).parents[2]
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
@@ -137,7 +137,7 @@ def test_refusal_is_one_line(
 
     monkeypatch.setattr(study, "run", fail)
     assert program.main(["--fmu", str(fmu), "--output", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == "The co-simulation failed: this Python can't run FMUs of pythonfmu\n"
+    assert capsys.readouterr().err == "pushbelt drive --cosim: this Python can't run FMUs of pythonfmu\n"
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""The demo: its pure functions (geometry, load cases, the closed-form theory, event detection), then a short run of all of it."""
+"""The demo: its pure functions (geometry, load cases, event detection), then a short run of all of it."""
 
 from __future__ import annotations
 
@@ -14,15 +14,11 @@ import tables_of_runs
 
 from pushbelt import page, tables
 from pushbelt.demo import __main__, events
-from pushbelt.demo.results import StrandForces
-from pushbelt.demo.spiral import SHAPE_TOLERANCE, TILT_TOLERANCE, TOLERANCE, spiral_running
-from pushbelt.demo.theory import ContinuousBelt
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.load_cases import NotFoundError, find_load
-from pushbelt.fmu.results import BeltState, Profile, Trace
-from pushbelt.fmu.tilt import moment_of, tilt_under
+from pushbelt.fmu.results import Trace
 
 BENCH = data.parameter_set("bench168")
 
@@ -144,118 +140,6 @@ def test_load_beyond_capacity_is_reported() -> None:
         find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
 
 
-# Theory of the published reference case
-
-
-def test_theory_gives_the_published_reference_case() -> None:
-    published = data.reference_case()
-    belt = data.parameter_set("belt155") | {"belt.pitchOffset": 0.0}
-    curve = data.curve_of(belt, theta_of(published["geometricRatio"]))
-    theory = ContinuousBelt(
-        wrap_primary=2 * (math.pi - curve.phi),
-        wrap_secondary=2 * curve.phi,
-        wedge_angle=belt["geometry.wedgeAngle"],
-        friction=belt["friction.pulley"],
-        centrifugal=(belt["belt.massPerLength"] + belt["ring.massPerLength"]) * published["beltSpeed"] ** 2,
-    )
-    strands = StrandForces(published["strandForces"]["upper"], published["strandForces"]["lower"])
-    primary, secondary = theory.axial_forces(strands)
-    assert primary / secondary == pytest.approx(published["thrustRatio"], rel=1e-3)
-    assert secondary == pytest.approx(published["secondaryClampingForce"], rel=1e-3)
-    assert math.degrees(theory.slip_arc(strands)) == pytest.approx(published["slipArcDeg"], abs=0.1)
-    found = theory.strand_forces(secondary, strands.upper - strands.lower)
-    assert found.lower == pytest.approx(strands.lower)
-
-
-# Spiral running
-
-
-def belt_on_tilted_sheaves(
-    stiffness: float, clearance: float = BENCH["primary.tiltClearance"], turned: float = 0.0, skewed: float = 0.0
-) -> BeltState:
-    """Fields by the law of tilt and contact, integrated on a fine grid, at points 10 mm apart; the pressure rises.
-
-    The tilt is turned from its moment by an angle, rad; the groove is skewed by a second harmonic, relative.
-    """
-    curve, force = data.curve_of(BENCH, 0.2), {"primary": 12e3, "secondary": 8e3}
-    beta = BENCH["geometry.wedgeAngle"]
-    fine = curve.length * (np.arange(7200) + 0.5) / 7200
-    pressure, deviation = np.zeros(7200), np.zeros(7200)
-    outputs = {"reference.theta": 0.2}
-    for pulley in ("primary", "secondary"):
-        radius = curve.radius(pulley) - BENCH["belt.pitchOffset"]
-        angle = curve.from_middle(pulley, fine) / curve.radius(pulley)
-        arc = np.abs(angle) < 0.5 * curve.arc_length(pulley) / curve.radius(pulley)
-        rising = np.where(arc, np.exp(0.4 * angle), 0.0)
-        share = rising / rising.sum()
-        pressure += force[pulley] * share / (np.cos(beta) * curve.length / 7200 * radius / curve.radius(pulley))
-        moment = force[pulley] * radius * np.array([share @ np.cos(angle), share @ np.sin(angle)])
-        softness = tilt_under(float(np.hypot(*moment)), stiffness, clearance) / np.hypot(*moment)
-        psi = softness * np.hypot(*moment)
-        ahead = angle - math.atan2(moment[1], moment[0]) - turned
-        opening = radius * psi * (np.cos(ahead) + skewed * np.cos(2.0 * ahead))
-        deviation -= np.where(arc, opening, 0.0) / np.tan(beta)
-        outputs |= {f"{pulley}.axialForce": force[pulley], f"{pulley}.radius": radius, f"{pulley}.tilt": psi}
-    deviation -= pressure / (BENCH["contact.stiffness"] * np.cos(beta) * np.tan(beta))
-    points = slice(None, None, 100)
-    none = np.zeros(72)
-    profile = Profile(fine[points], none, none, pressure[points], deviation[points], none, none)
-    return BeltState(outputs, profile)
-
-
-def test_spiral_running_follows_from_tilt_and_contact() -> None:
-    state = belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"])
-    for pulley in ("primary", "secondary"):
-        found = spiral_running(state, BENCH, pulley)
-        assert found.follows
-        assert abs(found.error) < 0.02
-        assert found.left_out < 0.05
-
-
-@pytest.mark.parametrize("share", [0.9, 1.1])
-def test_spiral_running_shows_sheaves_that_tilt_otherwise(share: float) -> None:
-    state = belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"] / share, share * BENCH["primary.tiltClearance"])
-    found = spiral_running(state, BENCH, "primary")
-    assert abs(found.error) > TOLERANCE
-    assert abs(found.tilt / found.tilt_reported - 1.0) > TILT_TOLERANCE
-    assert not found.follows
-
-
-def test_spiral_running_shows_a_tilt_that_is_not_the_reported_one() -> None:
-    state = belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"])
-    wrong = BeltState({**state.outputs, "primary.tilt": 1.05 * state["primary.tilt"]}, state.profile)
-    assert not spiral_running(wrong, BENCH, "primary").follows
-
-
-@pytest.mark.parametrize("degrees", [-10.0, 10.0])
-def test_spiral_running_shows_a_tilt_that_is_turned(degrees: float) -> None:
-    state = belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"], turned=math.radians(degrees))
-    for pulley in ("primary", "secondary"):
-        found = spiral_running(state, BENCH, pulley)
-        assert math.degrees(found.turn) == pytest.approx(degrees, abs=2.0)
-        assert not found.follows
-
-
-def test_spiral_running_shows_a_groove_that_no_tilt_opens() -> None:
-    found = spiral_running(belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"], skewed=0.05), BENCH, "primary")
-    assert found.shape > SHAPE_TOLERANCE * found.found
-    assert not found.follows
-
-
-def test_the_tilt_is_the_inverse_of_its_moment() -> None:
-    for clearance in (0.0, 6e-4):
-        for psi in (1e-6, 1e-4, 5.9e-4, 6.1e-4, 2e-3):
-            assert tilt_under(moment_of(psi, 1.8e6, clearance), 1.8e6, clearance) == pytest.approx(psi, rel=1e-9)
-
-
-def test_rigid_sheaves_leave_contact_alone() -> None:
-    rigid = BENCH | {"primary.tiltStiffness": 1e12}
-    found = spiral_running(belt_on_tilted_sheaves(1e12), rigid, "primary")
-    assert found.tilt < 1e-9
-    assert not found.tilts
-    assert found.follows
-
-
 # Events
 
 
@@ -334,18 +218,15 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short"]) == 0
     report = reports.stands_alone(tmp_path / "report.html")
     # Results come first; reference sections are collapsed, unless a check fails.
-    sections = ["manoeuvre", "cases", "belt", "checks", "reference", "sources", "limits"]
+    sections = ["manoeuvre", "cases", "belt", "checks", "sources", "limits"]
     assert re.findall(r'<h2 id="(\w+)">', report) == sections
     assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
     folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
-    assert folded == [
-        ("checks", " open", "9 of 10 hold"),
-        ("reference", "", "Published, theory and FMU, and why they differ"),
-    ]
-    section = report[report.index('id="checks"') : report.index('id="reference"')]
+    assert folded == [("checks", " open", "8 of 9 hold")]
+    section = report[report.index('id="checks"') : report.index('id="sources"')]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', section)
-    assert len(verdicts) == 10
+    assert len(verdicts) == 9
     # Most events come after the first second.
     assert [statement for mark, statement in verdicts if mark == "✗"] == ["Every event of the manoeuvre occurs"]
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.
@@ -355,7 +236,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert times == pytest.approx(np.arange(1001) * 1e-3)
     cases = {row["case"]: row for row in tables.by_name(tmp_path / "cases.csv")}
     tables_of_runs.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
-    assert list(cases) == ["overdrive-100", "medium-100", "underdrive-100", "belt155-reference"]
+    assert list(cases) == ["overdrive-100", "medium-100", "underdrive-100"]
     assert float(cases["medium-100"]["primary.shaftTorque"]) == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")
 

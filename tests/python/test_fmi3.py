@@ -83,7 +83,7 @@ def test_everything_has_its_place(fmu3: Path) -> None:
 def test_the_description_inside_is_the_one_checked_in_with_a_date(unpacked: Path) -> None:
     inside = (unpacked / "modelDescription.xml").read_text(encoding="utf-8")
     undated, dates = re.subn(r'generationDateAndTime="[-0-9T:]+Z" ', "", inside)
-    assert undated == (ROOT / "modelDescription3.xml").read_text(encoding="utf-8")
+    assert undated == (ROOT / "resources" / "modelDescription3.xml").read_text(encoding="utf-8")
     assert dates <= 1
 
 

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from scipy.io import loadmat
 from scipy.linalg import expm
 
-from pushbelt import linear_interpolation, linear_physical
+from pushbelt.linear import interpolation as linear_interpolation
+from pushbelt.linear import physical as linear_physical
 from pushbelt.errors import ArgumentError
-from pushbelt.linear import LinearModel, LinearPointError
-from pushbelt.linear_grid import LinearGrid, load_linear
-from pushbelt.linear_physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
+from pushbelt.linear.model import LinearModel, LinearPointError
+from pushbelt.linear.grid import LinearGrid, load_linear
+from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.variator import Variator
 
@@ -36,7 +35,7 @@ def belt(fmu: Path) -> Iterator[Variator]:
 
 @pytest.fixture(scope="module")
 def grid(belt: Variator) -> LinearGrid:
-    return belt.linear_grid([0.7, 0.8, 1.5], [35.0, 700.0], force=11e3, states="physical", sample_time=0.004)
+    return belt.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
 
 
 def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3) -> LinearModel:
@@ -137,7 +136,7 @@ def test_what_has_no_physical_coordinates_is_refused() -> None:
 
 
 def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
-    modal, found = belt.linearize(0.8, 35.0, force=11e3, frequency=120.0), grid[1, 0]
+    modal, found = belt.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
     assert found.coordinates == "physical" and len(found.states) == 3
     w, loads = np.array([0.3, 2.0]), ["primary.clampingForce", "secondary.torque"]
     expected = modal.select(["ratio.geometric", "primary.speed"], loads).response(w)
@@ -145,7 +144,7 @@ def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
     assert np.abs(near - expected).max(axis=0) == pytest.approx(0.0, abs=0.02 * np.abs(expected).max())
     assert found.poles[:2] == pytest.approx(modal.poles[:2], rel=1e-5)
     with pytest.raises(ValueError, match="states = 'physic' is not one of modal, physical"):
-        belt.linearize(0.8, 35.0, force=11e3, states="physic")
+        belt.linearize(0.8, 30.0, force=11e3, states="physic")
 
 
 def test_more_modes_are_searched_until_they_are_enough() -> None:
@@ -232,7 +231,7 @@ def test_poles_at_zero_integrate() -> None:
 
 def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> None:
     for k, ratio in enumerate((0.7, 0.8, 1.5)):
-        found = grid.interpolate(ratio=ratio, torque=35.0)
+        found = grid.interpolate(ratio=ratio, torque=30.0)
         for name in "abcd":
             expected = getattr(grid[k, 0], name)
             assert np.abs(getattr(found, name) - expected).max() < 1e-8 * np.abs(expected).max()
@@ -241,13 +240,13 @@ def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> Non
 
 def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variator) -> None:
     """The elements of A by themselves do not have this property."""
-    found, ends = grid.interpolate(ratio=0.75, torque=35.0), (grid[0, 0], grid[1, 0])
+    found, ends = grid.interpolate(ratio=0.75, torque=30.0), (grid[0, 0], grid[1, 0])
     for k in range(2):
         low, high = sorted(end.poles[k].real for end in ends)
         assert low - 0.15 < found.poles[k].real < high + 0.15
     elements = 0.5 * ends[0].a + 0.5 * ends[1].a
     assert abs(np.sort(np.linalg.eigvals(elements).real)[-2] - found.poles[1].real) > 0.5
-    there = belt.linearize(0.75, 35.0, force=11e3)
+    there = belt.linearize(0.75, 30.0, force=11e3)
     assert found.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
 
 
@@ -263,8 +262,8 @@ def test_interpolation_is_linear_in_its_parts() -> None:
     ("point", "why"),
     [
         ({"ratio": 0.75}, "a value of torque is missing: the grid has 2 values"),
-        ({"ratio": 0.6, "torque": 35.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
-        ({"ratio": 0.75, "torque": 35.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
+        ({"ratio": 0.6, "torque": 30.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
+        ({"ratio": 0.75, "torque": 30.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
         ({"ratio": 0.75, "torque": 300.0}, "no linear model next to .*700 N·m.*the capacity is"),
     ],
 )
@@ -306,19 +305,3 @@ def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
         belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
-
-
-# The page
-
-
-def test_the_loop_of_the_page_prints_what_stands_there(
-    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    page = (ROOT / "docs" / "linear.md").read_text(encoding="utf-8").split("## Between the points")[1]
-    program, printed = re.search(r"```python\n(.*?)```\n\nprints\n\n```\n(.*?)```", page, re.DOTALL).groups()
-    names: dict[str, object] = {}
-    exec(compile(program, "linear.md", "exec"), names)
-    assert capsys.readouterr().out == printed
-    # The loop ends at its set point.
-    assert names["state"]["ratio.geometric"] == pytest.approx(0.7, rel=0.05)

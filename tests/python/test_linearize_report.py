@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pushbelt.linear_grid import LinearGrid
+from pushbelt.linear.grid import LinearGrid
 from pushbelt.linearize.report import COLOURS, DASHES, chosen, phases
 
 

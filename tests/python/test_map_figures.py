@@ -7,7 +7,7 @@ import pytest
 import sample_maps
 
 from pushbelt import charts, style
-from pushbelt.map_figures import Border, levels_of, middle_of, panel
+from pushbelt.maps.panels import Border, levels_of, middle_of, panel
 from pushbelt.maps import figures
 from pushbelt.sweep.maps import carried
 

@@ -17,15 +17,19 @@ import reports
 import xarray
 from scipy.io import loadmat, whosmat
 
-from pushbelt import map_lines
+from pushbelt.maps import lines as map_lines
 from pushbelt.fmu.data import curve_of, pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import theta_of
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
-from pushbelt.map_data import LOSSES, TABLES, MapError, Maps
-from pushbelt.map_plan import COARSE, stops, variator
-from pushbelt.maps import Grid, Plan, __main__, files, report, run, worker
+from pushbelt.maps.data import LOSSES, TABLES, MapError, Maps
+from pushbelt.maps import __main__, files, report
+from pushbelt.maps.plan import COARSE, Grid, Plan, stops
+from pushbelt.study import run
+from pushbelt.study.store import Store
+from pushbelt.study.tasks import variator
+from pushbelt.study.worker import Solver
 
 MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 PARAMETERS = variator("bench168", changes=MESH)
@@ -53,8 +57,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def maps(plan: Plan, folder: Path) -> Maps:
     """The maps of all lines, after a run that was interrupted by losing half of the finished lines."""
-    found, _ = run.solve(plan, folder, workers=2)
-    return found
+    return map_lines.collect(plan, run.solve(plan, folder, workers=2))
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +82,7 @@ def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
     assert min(0.082 - radii[low][0], radii[low][1] - 0.03) == pytest.approx(0.0, abs=1e-9)
     assert min(radii[high][0] - 0.03, 0.082 - radii[high][1]) == pytest.approx(0.0, abs=1e-9)
     default = dataclasses.replace(plan, grid=COARSE)
-    assert len(default.lines) == 84
+    assert len(default.tasks()) == 84
     assert low < default.ratios[0] < default.ratios[-1] < high
 
 
@@ -167,13 +170,15 @@ def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
     """A vehicle may be part of `secondary.inertia`."""
-    along = Along((0.3,), (-1.0, 0.0, 1.0), (0.3,), (-0.25, 0.25))
+    short = dataclasses.replace(plan.grid, utilisation=(0.3,), slip_share=(-1.0, 0.0, 1.0), shift_utilisation=(0.3,), excess=(-0.25, 0.0, 0.25))
     found = []
     for inertia in (0.03, 80.0):
-        solver = worker.Solver(archive, {**plan.full, "secondary.inertia": inertia}, along)
-        (row,) = solver.solve([(0, Line(12e3, 100.0, 1.0))])
+        heavy = dataclasses.replace(plan, parameters={**PARAMETERS, "secondary.inertia": inertia}, grid=short)
+        solver = Solver(archive, heavy.common, heavy.measure)
+        ((_, row),) = solver.solve([(0, Line(12e3, 100.0, 1.0))])
         solver.close()
-        found.append(row["found"])
+        del row["time"]
+        found.append(row)
     assert found[0] == found[1]
     ((down, up),) = found[0]["shiftRate"]
     assert down < 0.0 < up
@@ -217,11 +222,11 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
 def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, maps: Maps) -> None:
     """`loss.shafts` and `efficiency` of the FMU with its own drag, at the torque of a point."""
     from pushbelt.fmu.starts import driven_by_torque
-    from pushbelt.fmu.unit import Variator
+    from pushbelt.fmu.unit import Instance
 
     place = (1, 1, 2, 3)
     torque = maps["primaryTorque"][place]
-    with Variator(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+    with Instance(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
         unit.initialise()
         drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
         unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))
@@ -247,20 +252,20 @@ def test_traction_is_the_inverse_of_the_slip(maps: Maps) -> None:
 
 
 def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> None:
-    store = map_lines.Store(folder, plan)
+    store = Store(folder, plan)
     assert len(store.rows()) == 12
-    (store.folder / "3.json").unlink()
-    (store.folder / "4.json").write_text("{", encoding="utf-8")
+    (store.folder / "tasks-3-3.json.gz").unlink()
+    (store.folder / "tasks-4-4.json.gz").write_text("{", encoding="utf-8")
     seen: list[run.Progress] = []
-    again, _ = run.solve(plan, folder, workers=1, progress=seen.append)
+    again = map_lines.collect(plan, run.solve(plan, folder, workers=1, progress=seen.append))
     assert (seen[0].done, seen[-1].done, seen[-1].failed) == (10, 12, 0)
     for name in TABLES:
         np.testing.assert_allclose(again[name], maps[name], rtol=1e-9, atol=1e-12)
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
-    rows = map_lines.Store(folder, plan).rows()
-    rows[4] = {"line": 4, "reason": "no belt", "time": 0.1}
+    rows = Store(folder, plan).rows()
+    rows[4] = {"reason": "no belt", "time": 0.1}
     found = map_lines.collect(plan, rows)
     f, s, r = np.unravel_index(4, (2, 2, 3))
     assert found["thrustRatio"][f, s, r].tolist() in (
@@ -389,7 +394,7 @@ def test_the_program_writes_what_it_names(
     text = reports.stands_alone(output / "report.html")
     assert "side by side" in text
     assert reports.figures(text) == 4 * 2 + 3
-    assert not list((output / "lines").rglob("*.partial"))
+    assert not list((output / "studies").rglob("*.partial"))
 
 
 def test_the_program_says_why_it_failed(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -402,7 +407,7 @@ def test_the_program_says_why_it_failed(fmu: Path, tmp_path: Path, capsys: pytes
 
 @pytest.mark.slow
 def test_the_report_can_be_used(maps: Maps, tmp_path: Path) -> None:
-    path = report.write(maps, tmp_path, report.Effort(12, 10.0))
+    path = report.write(maps, tmp_path, run.Effort(12, 10.0, 20.0))
     text = reports.stands_alone(path)
     assert reports.figures(text) == 4 * 4 + 3
     reports.look_at(path)

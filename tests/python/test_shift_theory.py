@@ -7,8 +7,8 @@ from math import exp, log, pi, radians
 import numpy as np
 import pytest
 
-from pushbelt.theory import cmm
-from pushbelt.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
+from pushbelt_validation.theory import cmm
+from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
 
 BETA, MU = radians(11.0), 0.09
 BENCH = Belt(BETA, MU, 0.168, 0.703)

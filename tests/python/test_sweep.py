@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import errno
+import gzip
 import json
 import math
 import os
@@ -23,13 +24,15 @@ import pytest
 import reports
 from distributed import Client
 
-from pushbelt.fmu.unit import Archive, UnitError, Variator
-from pushbelt.sweep import Grid, Progress, Study, checks, cluster, maps, report, sweep
-from pushbelt.sweep.point import Point, Row, failure, start_values
-from pushbelt.sweep.run import chunks
-from pushbelt.sweep.store import METADATA, Store, table, with_metadata, write_parquet
+from pushbelt.fmu.unit import Archive, Instance, UnitError
+from pushbelt.study import cluster
+from pushbelt.study.run import Effort, chunks
+from pushbelt.study.store import Store
+from pushbelt.study.worker import Solver
+from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
+from pushbelt.sweep.point import Point, Row, solve, start_values
+from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, DEFAULT, rpm, spread, variator
-from pushbelt.sweep.worker import Solver
 
 ROOT = Path(__file__).parents[2]
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -117,11 +120,11 @@ def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
 @pytest.mark.parametrize("size", [None, 1, 5])
 def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
     finished = {0, 7, 23}
-    found = chunks(study, finished, size)
+    found = chunks(study, finished, size or 8)
     indices = [index for chunk in found for index, _ in chunk]
     assert sorted(indices) == sorted(set(range(24)) - finished)
     assert max(map(len, found)) <= (size or 24)
-    assert chunks(study, set(range(24))) == []
+    assert chunks(study, set(range(24)), 8) == []
     index, values = found[0][0]
     assert values == study.start_values(study.grid.points()[index])
 
@@ -129,19 +132,18 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
 # Store
 
 
-def made_up(study: Study) -> list[Row]:
+def made_up(study: Study) -> dict[int, Row]:
     """Ideal steady states; the largest utilisation has none."""
-    rows = []
+    rows = {}
     for point in study.grid.points():
         if point.utilisation > 1.0:
-            rows.append(failure(point.index, "beyond the capacity", 0.5))
+            rows[point.index] = {"reason": "beyond the capacity", "time": 0.5}
             continue
         lost = 0.02 + 0.05 * (point.utilisation - 0.6) ** 2
-        row = {name: 1.0 for name in table(study, []).column_names}
+        row = {name: 1.0 for name in table(study, {}).column_names if name != "point"}
         for axis in AXES.values():
             row.pop(axis.column)
         row |= {
-            "point": point.index,
             "primary.torque": study.start_values(point)["primary.torque"],
             "thrustRatio": 1.5 - 0.8 * math.log(point.ratio) + 0.1 * point.utilisation,
             "efficiency": 1.0 - lost,
@@ -156,47 +158,50 @@ def made_up(study: Study) -> list[Row]:
             "reason": None,
             "time": 0.1,
         }
-        rows.append(row)
+        rows[point.index] = row
     return rows
+
+
+def some(rows: dict[int, Row], numbers: range) -> dict[int, Row]:
+    return {number: rows[number] for number in numbers}
 
 
 def test_store_keeps_whole_files_only(study: Study, tmp_path: Path) -> None:
     rows = made_up(study)
     store = Store(tmp_path, study)
-    store.add(rows[:5])
-    store.add(rows[5:8])
-    (store.folder / "points-8-9.parquet.77.partial").write_bytes(b"PAR1 and no more")
-    assert sorted(row["point"] for row in store.rows()) == list(range(8))
-    broken = store.folder / "points-5-7.parquet"
-    broken.write_bytes(broken.read_bytes()[:100])
-    again = Store(tmp_path, study)
-    assert sorted(row["point"] for row in again.rows()) == list(range(5))
-    again.add(rows[3:9])
-    assert sorted(row["point"] for row in again.rows()) == list(range(9))
-    assert table(study, again.rows()).equals(table(study, rows[:9]))
+    store.add(some(rows, range(5)))
+    store.add(some(rows, range(5, 8)))
+    (store.folder / "tasks-8-9.json.gz.77.partial").write_bytes(b"no more than this")
+    assert store.rows() == some(rows, range(8))
+    for content in (b"", (store.folder / "tasks-5-7.json.gz").read_bytes()[:100], gzip.compress(b"[[1,")):
+        (store.folder / "tasks-5-7.json.gz").write_bytes(content)
+        assert sorted(Store(tmp_path, study).rows()) == list(range(5))
+    store.add(some(rows, range(3, 9)))
+    assert store.rows() == some(rows, range(9))
+    assert table(study, store.rows()).equals(table(study, some(rows, range(9))))
     other = Store(tmp_path, dataclasses.replace(study, grid=dataclasses.replace(GRID, force=(1e4,))))
-    assert other.count() == 0
-    again.clear()
-    assert again.count() == 0
+    assert not other.rows()
+    store.clear()
+    assert not store.rows()
 
 
 def test_store_keeps_what_a_failing_disk_hides(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store = Store(tmp_path, study)
-    store.add(made_up(study)[:5])
+    store.add(some(made_up(study), range(5)))
 
-    def failing(_path: Path) -> None:
+    def failing(_path: Path) -> bytes:
         raise OSError(errno.EIO, "Input/output error")
 
     with monkeypatch.context() as patch:
-        patch.setattr(pq, "read_table", failing)
+        patch.setattr(Path, "read_bytes", failing)
         with pytest.raises(OSError, match="Input/output"):
             store.rows()
-    assert sorted(row["point"] for row in store.rows()) == list(range(5))
+    assert sorted(store.rows()) == list(range(5))
 
 
 def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
     path = tmp_path / "results.parquet"
-    write_parquet(with_metadata(study, table(study, made_up(study))), path)
+    write_parquet(table(study, made_up(study)), path)
     found = pq.read_table(path)
     assert found.num_rows == 24
     units = {field.name: field.metadata[b"unit"].decode() for field in found.schema}
@@ -255,7 +260,7 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
 
 def test_checks_find_a_hole(study: Study) -> None:
     rows = made_up(study)
-    rows[4] = failure(4, "none found")
+    rows[4] = {"reason": "none found"}
     results = maps.Results(study.grid, table(study, rows))
     failed = [check for check in checks.evaluate(results) if not check.passed]
     assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
@@ -284,18 +289,17 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: P
 
 
 @pytest.fixture(scope="module")
-def solved(study: Study, archive: Archive) -> list[Row]:
+def solved(study: Study, archive: Archive) -> dict[int, Row]:
     """The whole study, solved by one instance, last point first."""
-    solver = Solver(archive)
-    found = [row for chunk in chunks(study, set())[::-1] for row in solver.solve(chunk)]
+    solver = Solver(archive, {}, solve)
+    found = {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
     assert solver.pool.instances == 1
     solver.close()
     return found
 
 
-def without_times(rows: list[Row]) -> dict[int, Row]:
-    """Rows by point, without what differs from run to run."""
-    return {row["point"]: {name: row[name] for name in row if name != "time"} for row in rows}
+def without_time(row: Row) -> Row:
+    return {name: row[name] for name in row if name != "time"}
 
 
 def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
@@ -307,55 +311,54 @@ def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
     return lost / (1.0 - outputs["efficiency"]) / outputs["primary.speed"]
 
 
-def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: list[Row]) -> None:
-    rows = without_times(solved)
+def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     for point in (study.grid.points()[k] for k in (2, 13)):
-        with Variator(archive, study.start_values(point)) as unit:
+        with Instance(archive, study.start_values(point)) as unit:
             unit.initialise()
             unit.step_to(1e-3)
             outputs = unit.outputs()
-        assert {name: rows[point.index][name] for name in outputs} == outputs
+        assert {name: solved[point.index][name] for name in outputs} == outputs
         assert torque_of_the_shaft(outputs) == pytest.approx(study.start_values(point)["primary.torque"], rel=1e-4)
         assert -outputs["primary.shaftTorque"] < study.start_values(point)["primary.torque"]
         assert outputs["torqueUtilisation"] == pytest.approx(point.utilisation, rel=0.02)
         assert outputs["ratio.geometric"] == pytest.approx(point.ratio, rel=1e-4)
 
 
-def test_beyond_capacity_is_a_reason(study: Study, solved: list[Row]) -> None:
-    reasons = {row["point"]: row["reason"] for row in solved if row["reason"]}
+def test_beyond_capacity_is_a_reason(study: Study, solved: dict[int, Row]) -> None:
+    reasons = {number: row["reason"] for number, row in solved.items() if row["reason"]}
     assert set(reasons) == {point.index for point in study.grid.points() if point.utilisation == 1.2}
     assert all("beyond the capacity of the clamping forces" in reason for reason in reasons.values())
 
 
-def test_states_make_sense(study: Study, solved: list[Row]) -> None:
+def test_states_make_sense(study: Study, solved: dict[int, Row]) -> None:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
     results = maps.Results(study.grid, table(study, solved))
     failed = [check.statement for check in checks.evaluate(results) if not check.passed]
     assert [statement for statement in failed if not statement.startswith("Losses of the belt sum")] == []
 
 
-def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: list[Row]) -> None:
-    solver, values = Solver(archive), [study.start_values(point) for point in study.grid.points()]
+def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
+    solver, values = Solver(archive, {}, solve), [study.start_values(point) for point in study.grid.points()]
     refused = {**values[1], "belt.play": -1.0}
     unknown = {**values[1], "belt.colour": 1.0}
     found = solver.solve([(0, values[0]), (1, refused), (100, unknown), (2, values[2])])
     solver.close()
-    assert "belt.play" in found[1]["reason"]
-    assert "belt.colour" in found[2]["reason"]
-    expected = without_times(solved)
-    assert without_times([found[0], found[3]]) == {k: expected[k] for k in (0, 2)}
+    assert "belt.play" in found[1][1]["reason"]
+    assert "belt.colour" in found[2][1]["reason"]
+    for number, row in (found[0], found[3]):
+        assert without_time(row) == without_time(solved[number])
 
 
-def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: list[Row]) -> None:
+def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     first = study.start_values(study.grid.points()[0])
-    with Variator(archive, first) as unit:
+    with Instance(archive, first) as unit:
         unit.initialise()
         with pytest.raises(UnitError):
             unit.step_to(-1.0)
         unit.restart(first)
         unit.initialise()
         unit.step_to(1e-3)
-        assert unit.outputs()["thrustRatio"] == without_times(solved)[0]["thrustRatio"]
+        assert unit.outputs()["thrustRatio"] == solved[0]["thrustRatio"]
 
 
 # On clusters
@@ -402,9 +405,8 @@ def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Po
         yield address, workers
 
 
-def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: list[Row], tmp_path: Path) -> None:
-    results = with_metadata(study, table(study, solved))
-    path = report.write(study, results, tmp_path, report.Effort(len(solved), 1.0))
+def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
+    path = report.write(study, table(study, solved), tmp_path, Effort(len(solved), 1.0, 2.0))
     text = reports.stands_alone(path)
     # A map for each friction of three quantities, and three cuts.
     assert reports.figures(text) == 2 * 3 + 3
@@ -415,7 +417,7 @@ def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: list[R
 
 
 @pytest.mark.slow
-def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path: Path) -> None:
+def test_a_killed_worker_loses_nothing(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
     reports: list[Progress] = []
     with cluster_of_processes(tmp_path) as (address, workers):
 
@@ -428,15 +430,14 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path
         found = sweep(study, tmp_path / "out", scheduler=address, chunk=2, progress=listen)
         assert workers[0].poll() == -signal.SIGKILL
         assert workers[1].poll() is None
-    assert reports[-1] == Progress(points=24, done=24, failed=6, workers=1)
+    assert reports[-1] == Progress(tasks=24, done=24, failed=6, workers=1)
     assert found["point"].to_pylist() == list(range(24))
-    kept = [row for path in (tmp_path / "out").rglob("points-*") for row in pq.read_table(path)["point"].to_pylist()]
-    assert sorted(kept) == list(range(24))
+    assert sorted(Store(tmp_path / "out", study).rows()) == list(range(24))
     assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
 
 
 @pytest.mark.slow
-def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path: Path) -> None:
+def test_an_interrupted_study_goes_on(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
     """Client and workers of a local cluster are killed; the same command continues the study and completes it."""
     settings = [f"--set={name}={value}" for name, value in COARSE.items()]
     axes = [f"--{name}={','.join(map(str, getattr(GRID, name)))}" for name in AXES]
@@ -448,11 +449,11 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
         command, env=environment, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     try:
-        wait_until(lambda: len(list(folder.glob("points-*.parquet"))) >= 3)
+        wait_until(lambda: len(list(folder.glob("tasks-*.json.gz"))) >= 3)
     finally:
         os.killpg(first.pid, signal.SIGKILL)
         first.wait()
-    kept = {path: path.stat().st_mtime_ns for path in folder.glob("points-*.parquet")}
+    kept = {path: path.stat().st_mtime_ns for path in folder.glob("tasks-*.json.gz")}
     assert 3 <= len(kept) < 24
     second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert second.returncode == 0, second.stderr
@@ -466,20 +467,19 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
 
 
 def test_a_point_that_crashes_its_worker_is_identified() -> None:
-    def solve(chunk: list) -> list[Row]:
-        for index, _ in chunk:
-            if index == 3:
-                os._exit(1)
-        return [{"point": index, "reason": None} for index, _ in chunk]
+    def solve(chunk: list) -> list[tuple[int, Row]]:
+        if any(index == 3 for index, _ in chunk):
+            os._exit(1)
+        return [(index, {"reason": None}) for index, _ in chunk]
 
     work = [[(index, {}) for index in range(start, start + 2)] for start in range(0, 8, 2)]
     with dask.config.set({"distributed.scheduler.allowed-failures": 0}), cluster.connect(None, 1) as client:
-        found = [row for rows in cluster.rows(client, solve, work, lambda: None) for row in rows]
-    assert sorted(row["point"] for row in found) == list(range(8))
-    assert {row["point"]: row["reason"] for row in found if row["reason"]} == {3: cluster.WORKER_LOST}
+        found = dict(row for rows in cluster.rows(client, solve, work, lambda: None) for row in rows)
+    assert sorted(found) == list(range(8))
+    assert {index: row["reason"] for index, row in found.items() if row["reason"]} == {3: cluster.WORKER_LOST}
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("pushbelt.cluster.CONNECT_TIMEOUT", 0.5)
+    monkeypatch.setattr("pushbelt.study.cluster.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(cluster.ClusterError, match="127.0.0.1:9"), cluster.connect("tcp://127.0.0.1:9", None):
         pass

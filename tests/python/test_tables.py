@@ -10,7 +10,7 @@ import pytest
 import pushbelt
 from pushbelt import tables
 from pushbelt.rig import sheet, units
-from pushbelt.validate.outcome import SPELLED, UNSCALED
+from pushbelt_validation.outcome import SPELLED, UNSCALED
 
 PACKAGE = Path(pushbelt.__file__).parent
 WRITERS = re.compile(r"csv\.writer\(|DictWriter\(|\.to_csv\(|savetxt\(")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pushbelt.theory import cmm
+from pushbelt_validation.theory import cmm
 
 BETA = radians(11.0)
 MU = 0.09

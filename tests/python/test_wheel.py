@@ -26,16 +26,12 @@ EXTRA_OF = {
     "durability": "durability",
     "linearize": "reports",
     "maps": "sweep",
-    "paper": "reports",
     "sweep": "sweep",
-    "validate": "reports",
 }
 OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
 """Modules that an option of a program imports: their packages, and the extras that install them."""
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
-"""Packages that docs/wheel.md describes separately: the WLTC's table, and the co-simulation of the source tree."""
-CLUSTER = ("map_figures.py", "cluster.py", "slurm.py")
-"""Shared modules of the programs that run on a cluster."""
+"""Packages that the book describes separately: the WLTC's table, and the co-simulation of the source tree."""
 ON_DEMAND = {"pandas"}
 """Packages that `to_dataframe` imports when it is called. Without them its error names the extra."""
 
@@ -151,10 +147,10 @@ def with_source() -> dict[str, str]:
 
 @pytest.mark.parametrize("program", EXTRA_OF)
 def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
-    shared = [path for path in PACKAGE.glob("*.py") if path.name not in ("points.py", "linear.py", "cli.py", *CLUSTER)]
+    shared = [path for path in PACKAGE.glob("*.py") if path.name != "points.py"]
     if EXTRA_OF[program] == "sweep":
-        shared += [PACKAGE / name for name in CLUSTER]
-    needed = imported([*shared, *(PACKAGE / "fmu").rglob("*.py")]) - ON_DEMAND
+        shared += [*(PACKAGE / "study").glob("*.py"), *(PACKAGE / "maps").glob("*.py")]
+    needed = imported([*shared, *(PACKAGE / "cli").glob("*.py"), *(PACKAGE / "fmu").rglob("*.py")]) - ON_DEMAND
     needed |= imported((PACKAGE / program).rglob("*.py"))
     assert {OPTIONAL[name][0] for name in needed & OPTIONAL.keys()} <= {
         package for extra in {extra for _, extra in OPTIONAL.values()} for package in declared[extra]

@@ -1,160 +1,69 @@
 //! Calls with random arguments, good and bad.
 
-use std::ffi::c_int;
-use std::ptr::{null, null_mut};
-
 use proptest::collection::vec;
 use proptest::prelude::*;
-use pushbelt_lab::shared_library::reference;
+use pushbelt::fmi::unit::Experiment;
 
 /// The flaw of an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flaw {
     None,
-    NullReferences,
-    NullValues,
     UnknownReference,
     OtherType,
     NotFinite,
 }
 
-/// A value reference that no variable has.
-pub const UNKNOWN: u32 = 77;
-
-impl Flaw {
-    /// Both pointers, or null for the one that is flawed.
-    pub fn pointers<V>(self, references: *const u32, values: *mut V) -> (*const u32, *mut V) {
-        match self {
-            Self::NullReferences => (null(), values),
-            Self::NullValues => (references, null_mut()),
-            _ => (references, values),
-        }
-    }
-
-    /// The reference of a variable, or a flawed one. No integer or boolean is called `thrustRatio`.
-    pub fn reference(self, name: &str) -> u32 {
-        match self {
-            Self::UnknownReference => UNKNOWN,
-            Self::OtherType => reference("thrustRatio"),
-            _ => reference(name),
-        }
-    }
-
-    /// Whether calls with integers and Booleans remain valid.
-    pub fn harmless(self) -> bool {
-        matches!(self, Self::None | Self::NotFinite)
-    }
-}
-
 /// A call.
 #[derive(Clone, Debug)]
 pub enum Call {
-    Setup {
-        tolerance: Option<f64>,
-        start: f64,
-        stop: Option<f64>,
-    },
-    EnterInitialization,
-    ExitInitialization,
+    /// Sets up the experiment and enters initialisation mode.
+    Enter(Experiment),
+    Exit,
+    /// In FMI 3.0 only, as the next one.
+    EnterEvent,
+    EnterStep,
     Terminate,
     Reset,
-    Step {
-        late: f64,
-        size: f64,
-    },
-    SetInput {
-        which: usize,
-        value: f64,
-        flaw: Flaw,
-    },
-    SetParameter {
-        which: usize,
-        share: f64,
-        flaw: Flaw,
-    },
+    /// By how much a step begins late, its size, and the master's action in its intermediate updates.
+    Step(f64, f64, Answer),
+    /// Sets one of [`REALS`] to a share of its range.
+    SetReal(usize, f64, Flaw),
     SetOutput,
-    GetReals {
-        which: Vec<usize>,
-        flaw: Flaw,
-    },
-    GetIntegers {
-        flaw: Flaw,
-    },
-    SetInteger {
-        which: usize,
-        value: c_int,
-    },
-    Boolean {
-        set: bool,
-        flaw: Flaw,
-    },
-    String {
-        set: bool,
-        length: usize,
-    },
-    Derivative {
-        which: usize,
-        order: c_int,
-        value: f64,
-    },
-    OutputDerivative {
-        which: usize,
-        order: c_int,
-        null: bool,
-    },
-    Directional,
-    Logging {
-        on: bool,
-        name: Option<&'static str>,
-    },
-    Keep(Keeping),
-    Status {
-        function: usize,
-        kind: c_int,
-        null: bool,
-    },
-    Cancel,
-    Linearize {
-        frequency: f64,
-        null: bool,
-    },
-    NullInstance,
+    /// Reads some of all real variables.
+    GetReals(Vec<usize>, Flaw),
+    /// Sets one of [`INTEGERS`].
+    SetInteger(usize, i32),
+    GetInteger,
+    SetBoolean(Flaw),
+    GetBoolean(Flaw),
+    /// Sets a derivative of one of [`REALS`], in FMI 2.0.
+    InputDerivative(usize, i32, f64),
+    OutputDerivative(usize, i32),
+    Log(bool, Option<bool>),
+    Store(usize),
+    Restore(usize),
+    Free(usize),
+    /// A slot, what is damaged (where, by which bits) and what is left.
+    ThroughBytes(usize, Option<(f64, u8)>, f64),
+    /// Below this frequency, Hz.
+    Linearize(f64),
 }
 
-/// A call with stored states.
-#[derive(Clone, Copy, Debug)]
-pub enum Keeping {
-    Store {
-        slot: usize,
-    },
-    Restore {
-        slot: usize,
-    },
-    Drop {
-        slot: usize,
-    },
-    ThroughBytes {
-        slot: usize,
-        damage: Option<(f64, u8)>,
-        cut: f64,
-    },
+/// Action of the master in intermediate update mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    Nothing,
+    /// Sets the announced torque.
+    Set(f64),
+    /// Requests an early return at this time after the present, s.
+    Return(f64),
+    /// Makes calls that are not allowed there.
+    Meddle,
 }
 
-/// Calls with stored states, each with its weight.
-pub fn keeping() -> impl Strategy<Value = Keeping> {
-    prop_oneof![
-        3 => slot().prop_map(|slot| Keeping::Store { slot }),
-        3 => slot().prop_map(|slot| Keeping::Restore { slot }),
-        1 => slot().prop_map(|slot| Keeping::Drop { slot }),
-        2 => through_bytes().prop_map(|(slot, damage, cut)| Keeping::ThroughBytes { slot, damage, cut }),
-    ]
-}
-
-pub fn flaws() -> impl Strategy<Value = Flaw> {
+fn flaws() -> impl Strategy<Value = Flaw> {
     prop_oneof![
         6 => Just(Flaw::None),
-        1 => Just(Flaw::NullReferences),
-        1 => Just(Flaw::NullValues),
         1 => Just(Flaw::UnknownReference),
         1 => Just(Flaw::OtherType),
         1 => Just(Flaw::NotFinite),
@@ -171,104 +80,96 @@ fn bad_number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Calls of all kinds, each with its weight.
-pub fn calls() -> impl Strategy<Value = Call> {
+fn experiment() -> impl Strategy<Value = Experiment> {
+    let tolerance = prop_oneof![4 => Just(None), 2 => Just(Some(1e-3)), 1 => bad_number().prop_map(Some)];
+    let start = prop_oneof![4 => Just(0.0), 1 => Just(1e6), 1 => Just(1.7e9), 1 => bad_number()];
+    let stop =
+        prop_oneof![4 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)];
+    (tolerance, start, stop).prop_map(|(tolerance, start, stop)| Experiment { tolerance, start, stop })
+}
+
+fn answer() -> impl Strategy<Value = Answer> {
     prop_oneof![
-        2 => setup().prop_map(|(tolerance, start, stop)| Call::Setup { tolerance, start, stop }),
-        3 => Just(Call::EnterInitialization),
-        5 => Just(Call::ExitInitialization),
-        1 => Just(Call::Terminate),
-        1 => Just(Call::Reset),
-        12 => step().prop_map(|(late, size)| Call::Step { late, size }),
-        6 => (0..6_usize, -1.0..1.0, flaws()).prop_map(|(which, value, flaw)| Call::SetInput { which, value, flaw }),
-        3 => (0..PARAMETERS.len(), 0.0..1.0, flaws())
-            .prop_map(|(which, share, flaw)| Call::SetParameter { which, share, flaw }),
-        1 => Just(Call::SetOutput),
-        4 => (vec(0..500_usize, 0..9), flaws()).prop_map(|(which, flaw)| Call::GetReals { which, flaw }),
-        1 => flaws().prop_map(|flaw| Call::GetIntegers { flaw }),
-        2 => set_integer(),
-        1 => (any::<bool>(), flaws()).prop_map(|(set, flaw)| Call::Boolean { set, flaw }),
-        1 => (any::<bool>(), 0..2_usize).prop_map(|(set, length)| Call::String { set, length }),
-        3 => derivative(),
-        2 => output_derivative().prop_map(|(which, order, null)| Call::OutputDerivative { which, order, null }),
-        1 => Just(Call::Directional),
-        1 => logging().prop_map(|(on, name)| Call::Logging { on, name }),
-        9 => keeping().prop_map(Call::Keep),
-        2 => (0..5_usize, -1..5, prop::bool::weighted(0.1))
-            .prop_map(|(function, kind, null)| Call::Status { function, kind, null }),
-        1 => Just(Call::Cancel),
-        1 => (prop_oneof![3 => Just(50.0), 1 => bad_number()], prop::bool::weighted(0.1))
-            .prop_map(|(frequency, null)| Call::Linearize { frequency, null }),
-        1 => Just(Call::NullInstance),
+        4 => Just(Answer::Nothing),
+        2 => (-100.0..100.0).prop_map(Answer::Set),
+        1 => Just(Answer::Set(f64::NAN)),
+        2 => prop_oneof![Just(0.0), Just(1e-4), Just(1.0), Just(f64::NAN), Just(-1.0)].prop_map(Answer::Return),
+        1 => Just(Answer::Meddle),
     ]
 }
 
-fn slot() -> impl Strategy<Value = usize> {
-    0..3_usize
+fn step() -> impl Strategy<Value = Call> {
+    let late = prop_oneof![9 => Just(0.0), 1 => prop_oneof![Just(1e-3), Just(-1e-3), bad_number()]];
+    let bad = prop_oneof![bad_number(), Just(1e30)];
+    let size = prop_oneof![9 => 1e-5..2e-3, 1 => Just(5e-3), 1 => Just(1e-300), 1 => Just(1e-17), 1 => bad];
+    (late, size, answer()).prop_map(|(late, size, answer)| Call::Step(late, size, answer))
 }
 
-/// Tolerance, start and stop time.
-pub fn setup() -> impl Strategy<Value = (Option<f64>, f64, Option<f64>)> {
-    (
-        prop_oneof![Just(None), Just(Some(1e-3)), bad_number().prop_map(Some)],
-        prop_oneof![3 => Just(0.0), 1 => Just(1e6), 1 => Just(1.7e9), 1 => bad_number()],
-        prop_oneof![2 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)],
-    )
+fn number() -> impl Strategy<Value = i32> {
+    prop_oneof![Just(1), Just(2), Just(0), Just(-1), Just(i32::MAX), Just(i32::MIN)]
 }
 
-/// By how much a step begins late, and its size.
-pub fn step() -> impl Strategy<Value = (f64, f64)> {
-    (
-        prop_oneof![9 => Just(0.0), 1 => prop_oneof![Just(1e-3), Just(-1e-3), bad_number()]],
-        prop_oneof![9 => 1e-5..2e-3, 1 => Just(5e-3), 2 => prop_oneof![bad_number(), Just(1e30), Just(1e-300)]],
-    )
+fn order() -> impl Strategy<Value = i32> {
+    prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)]
 }
 
-fn set_integer() -> impl Strategy<Value = Call> {
-    (
-        0..INTEGERS.len(),
-        prop_oneof![Just(1), Just(2), Just(0), Just(-1), Just(c_int::MAX), Just(c_int::MIN)],
-    )
-        .prop_map(|(which, value)| Call::SetInteger { which, value })
+fn through_bytes() -> impl Strategy<Value = Call> {
+    let damage = prop::option::weighted(0.4, (0.0..1.0, 1..=u8::MAX));
+    let left = prop_oneof![3 => Just(1.0), 1 => 0.0..1.1];
+    (0..SLOTS, damage, left).prop_map(|(slot, damage, left)| Call::ThroughBytes(slot, damage, left))
 }
 
-fn derivative() -> impl Strategy<Value = Call> {
-    (
-        0..7_usize,
-        prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2), 1 => Just(-1)],
-        prop_oneof![9 => -1e4..1e4, 1 => bad_number()],
-    )
-        .prop_map(|(which, order, value)| Call::Derivative { which, order, value })
+/// Calls of all kinds, each with its weight.
+pub fn calls() -> impl Strategy<Value = Call> {
+    let derivative = (0..REALS.len(), order(), prop_oneof![9 => -1e4..1e4, 1 => bad_number()]);
+    let frequency = prop_oneof![3 => Just(50.0), 1 => bad_number()];
+    let lifecycle = prop_oneof![
+        4 => experiment().prop_map(Call::Enter),
+        5 => Just(Call::Exit),
+        3 => Just(Call::EnterEvent),
+        5 => Just(Call::EnterStep),
+        1 => Just(Call::Terminate),
+        1 => Just(Call::Reset),
+    ];
+    let values = prop_oneof![
+        9 => (0..REALS.len(), 0.0..1.0, flaws()).prop_map(|(which, share, flaw)| Call::SetReal(which, share, flaw)),
+        1 => Just(Call::SetOutput),
+        4 => (vec(0..500_usize, 0..9), flaws()).prop_map(|(which, flaw)| Call::GetReals(which, flaw)),
+        2 => (0..INTEGERS.len(), number()).prop_map(|(which, value)| Call::SetInteger(which, value)),
+        1 => Just(Call::GetInteger),
+        1 => flaws().prop_map(Call::SetBoolean),
+        1 => flaws().prop_map(Call::GetBoolean),
+        3 => derivative.prop_map(|(which, order, value)| Call::InputDerivative(which, order, value)),
+        2 => (0..50_usize, order()).prop_map(|(which, order)| Call::OutputDerivative(which, order)),
+    ];
+    let states = prop_oneof![
+        3 => (0..SLOTS).prop_map(Call::Store),
+        3 => (0..SLOTS).prop_map(Call::Restore),
+        1 => (0..SLOTS).prop_map(Call::Free),
+        2 => through_bytes(),
+    ];
+    prop_oneof![
+        18 => lifecycle,
+        14 => step(),
+        24 => values,
+        9 => states,
+        1 => (any::<bool>(), any::<Option<bool>>()).prop_map(|(on, known)| Call::Log(on, known)),
+        1 => frequency.prop_map(Call::Linearize),
+    ]
 }
 
-/// Which output, order, and whether the place for the value is null.
-pub fn output_derivative() -> impl Strategy<Value = (usize, c_int, bool)> {
-    (
-        0..50_usize,
-        prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)],
-        prop::bool::weighted(0.1),
-    )
-}
+/// Number of stored states.
+pub const SLOTS: usize = 3;
 
-/// Whether on, and a category.
-pub fn logging() -> impl Strategy<Value = (bool, Option<&'static str>)> {
-    (
-        any::<bool>(),
-        prop_oneof![Just(None), Just(Some("logEvents")), Just(Some("noise"))],
-    )
-}
-
-/// A slot, what is damaged (where, by which bits) and what is left.
-fn through_bytes() -> impl Strategy<Value = (usize, Option<(f64, u8)>, f64)> {
-    (
-        slot(),
-        prop::option::weighted(0.4, (0.0..1.0, 1..=u8::MAX)),
-        prop_oneof![3 => Just(1.0), 1 => 0.0..1.1],
-    )
-}
-
-/// Real parameters, with values that fit all others; other tests cover values that don't fit.
-pub const PARAMETERS: &[(&str, f64, f64)] = &[
+/// Real settings, and limits between which they fit all others; other tests cover values that don't fit. First inputs, then tunable
+/// parameters.
+pub const REALS: [(&str, f64, f64); 12] = [
+    ("primary.torque", -300.0, 300.0),
+    ("secondary.torque", -300.0, 300.0),
+    ("primary.clampingForce", 0.0, 4e4),
+    ("secondary.clampingForce", 0.0, 4e4),
+    ("primary.speedSetpoint", 0.0, 400.0),
+    ("secondary.speedSetpoint", 0.0, 400.0),
     ("friction.pulley", 0.05, 0.1),
     ("friction.ring", 0.0, 0.1),
     ("primary.inertia", 0.005, 0.2),
@@ -276,17 +177,10 @@ pub const PARAMETERS: &[(&str, f64, f64)] = &[
     ("initial.primarySpeed", 0.0, 300.0),
     ("initial.ratio", 0.7, 1.5),
 ];
-pub const TUNABLE: usize = 2;
+pub const INPUTS: usize = 6;
+pub const TUNABLE: usize = 8;
 
-pub const INPUTS: [(&str, f64, f64); 6] = [
-    ("primary.torque", 0.0, 300.0),
-    ("secondary.torque", 0.0, 300.0),
-    ("primary.clampingForce", 2e4, 2e4),
-    ("secondary.clampingForce", 2e4, 2e4),
-    ("primary.speedSetpoint", 200.0, 200.0),
-    ("secondary.speedSetpoint", 200.0, 200.0),
-];
-
+/// Integers and enumerations, and a real variable.
 pub const INTEGERS: [&str; 8] = [
     "primary.drive",
     "secondary.drive",

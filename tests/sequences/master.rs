@@ -1,367 +1,490 @@
-//! A master that makes calls and compares the instance with a model of the standard's state machine.
+//! A master that makes calls and compares the instance with a model of the standard's state machine: that of FMI 2.0 (its table 4.2.4, for
+//! a slave whose steps are synchronous) or of FMI 3.0 (its sections 2.3 and 4.2; a refused call leaves the instance unchanged).
 
-use std::ffi::{c_char, c_int};
+use std::cell::Cell;
+use std::ffi::CStr;
 use std::ptr::null_mut;
+use std::rc::Rc;
 
-use pushbelt::fmi::fmi2::Component;
-use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, OK, WARNING, reference};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::log::Status;
+use pushbelt::fmi::slave::Version::{self, Three, Two};
+use pushbelt::fmi::table::Kind;
+use pushbelt::fmi::unit::Experiment;
+use pushbelt::unit::VariatorUnit;
+use pushbelt::unit::exports::linear_c::{pushbeltFreeText, pushbeltLinearize};
 
-use crate::calls::{Call, Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};
-use crate::machine::*;
-use crate::slots::Slots;
+use crate::calls::{Answer, Call, Flaw, INPUTS, INTEGERS, REALS, SLOTS, TUNABLE};
+use crate::importer::{Handles, Stored, Update};
+use crate::variator::{Importer, real_outputs, reference};
+
+/// States of the standard's state machine that last between calls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Instantiated,
+    Initialisation,
+    Step,
+    Event,
+    Terminated,
+    Error,
+}
+
+use State::{Error, Event, Initialisation, Instantiated, Step, Terminated};
+
+const BEFORE: &[State] = &[Instantiated, Initialisation];
+const SET: &[State] = &[Instantiated, Initialisation, Step, Event];
+const GET: &[State] = &[Initialisation, Step, Event, Terminated, Error];
+const RUNNING: &[State] = &[Step, Event];
+const DERIVATIVES: &[State] = &[Step, Event, Terminated, Error];
+const ANY: &[State] = &[Instantiated, Initialisation, Step, Event, Terminated, Error];
+
+/// A value reference that no variable has.
+const UNKNOWN: u32 = 77;
+
+/// The master's model of the instance.
+#[derive(Clone, Copy, Debug)]
+struct Model {
+    state: State,
+    time: f64,
+    stop: Option<f64>,
+}
+
+const FRESH: Model = Model {
+    state: Instantiated,
+    time: 0.0,
+    stop: None,
+};
+
+/// The status of a call where the state allows it.
+fn done_if(good: bool) -> Status {
+    if good { Status::Ok } else { Status::Error }
+}
+
+/// A real variable or array: its reference, its number of values, whether it is a setting.
+#[derive(Clone, Copy, Debug)]
+struct Real {
+    reference: u32,
+    size: usize,
+    setting: bool,
+}
+
+fn reals(version: Version) -> Vec<Real> {
+    let table = VariatorUnit::table();
+    let variables = table.variables().iter();
+    let real = variables.filter(|variable| matches!(variable.kind, Kind::Real { .. }));
+    real.filter_map(|variable| {
+        let size = match table.array_of(variable.reference) {
+            Some(array) if version == Three && array.first == variable.reference => array.size,
+            Some(_) if version == Three => return None,
+            _ => 1,
+        };
+        Some(Real {
+            reference: variable.reference,
+            size: size.try_into().expect("72"),
+            setting: variable.causality.is_setting(),
+        })
+    })
+    .collect()
+}
+
+/// Counts of situations in the sequences, so that a test can require each of them.
+#[derive(Debug, Default)]
+pub struct Seen {
+    pub events: Cell<u32>,
+    pub asked: Cell<u32>,
+    pub declined: Cell<u32>,
+    pub discarded: Cell<u32>,
+}
+
+fn count(seen: &Cell<u32>, when: bool) {
+    seen.set(seen.get() + u32::from(when));
+}
 
 pub struct Master<'a> {
-    f: &'a Functions,
-    c: Component,
-    cheap: bool,
-    model: Model<State>,
-    slots: Slots<Model<State>>,
-    outputs: &'a [u32],
-    readings: &'a [u32],
+    importer: Importer,
+    seen: &'a Seen,
+    coarse: bool,
+    events: bool,
+    early_return: bool,
+    model: Model,
+    slots: [Option<(Stored, Model)>; SLOTS],
+    outputs: Vec<u32>,
+    reals: Vec<Real>,
 }
 
 impl Drop for Master<'_> {
     fn drop(&mut self) {
-        // SAFETY: the instance is not used any more.
-        unsafe {
-            self.slots.free_all(self.f, self.c);
-            (self.f.fmi2FreeInstance)(self.c);
-        }
+        (0..SLOTS).for_each(|slot| self.free(slot));
     }
 }
 
 impl<'a> Master<'a> {
-    /// A master of a new instance; with `cheap` it has a coarse reference ring. `outputs` and `readings` are references that
-    /// the calls use.
-    pub fn new(f: &'a Functions, cheap: bool, outputs: &'a [u32], readings: &'a [u32]) -> Self {
+    /// A master of a new instance; `modes`: whether it handles events, early returns and updates, in FMI 3.0.
+    pub fn new(version: Version, seen: &'a Seen, coarse: bool, modes: [bool; 3]) -> Self {
+        let [events, early_return, updates] = modes.map(|mode| mode && version == Three);
+        let required = ["primary.torque", "primary.speed"].map(reference);
+        let handles = Handles::of(events, early_return, if updates { &required } else { &[] });
         let mut master = Self {
-            f,
-            c: f.instantiate(),
-            cheap,
-            model: Model::FRESH,
-            slots: Slots::empty(),
-            outputs,
-            readings,
+            importer: Importer::handling(version, handles),
+            seen,
+            coarse,
+            events,
+            early_return,
+            model: FRESH,
+            slots: [None; SLOTS],
+            outputs: real_outputs(),
+            reals: reals(version),
         };
         master.after_reset();
         master
     }
 
     fn after_reset(&mut self) {
-        self.model = Model::FRESH;
-        if self.cheap {
-            // SAFETY: an instance.
-            unsafe { self.f.make_cheap(self.c) };
+        self.model = FRESH;
+        if self.coarse {
+            self.importer.make_coarse();
+        }
+    }
+
+    /// Compares the status of a call with the expected one.
+    fn expect(&self, call: &Call, status: Status, allowed: &[State], legal: Status) {
+        // In the error state there are values only if the run had started.
+        let values = allowed.contains(&Error) && !allowed.contains(&Instantiated);
+        if self.model.state == Error && values && status == Status::Error {
+            return;
+        }
+        let is_allowed = allowed.contains(&self.model.state);
+        let wanted = if is_allowed { legal } else { Status::Error };
+        assert_eq!(
+            status,
+            wanted,
+            "{call:?} with {:?}: {}",
+            self.model,
+            self.importer.last()
+        );
+    }
+
+    /// Checks a call that leads to another state.
+    fn moves(&mut self, call: &Call, status: Status, from: &[State], to: State) {
+        self.expect(call, status, from, Status::Ok);
+        if status == Status::Ok {
+            self.model.state = to;
         }
     }
 
     /// Makes a call and compares its result with the model.
     pub fn make(&mut self, call: &Call) {
+        self.importer.record.messages.borrow_mut().clear();
+        let (i, version) = (&self.importer, self.importer.version);
         match *call {
-            Call::Setup { tolerance, start, stop } => self.setup(call, tolerance, start, stop),
-            Call::EnterInitialization => self.enter_initialization(call),
-            Call::ExitInitialization => self.exit_initialization(call),
-            Call::Terminate => self.terminate(call),
-            Call::Reset => self.reset(),
-            Call::Step { late, size } => self.step(call, late, size),
-            Call::SetInput { which, value, flaw } => self.set_input(call, which, value, flaw),
-            Call::SetParameter { which, share, flaw } => self.set_parameter(call, which, share, flaw),
-            Call::SetOutput => self.set_output(call),
-            Call::GetReals { ref which, flaw } => self.get_reals(call, which, flaw),
-            Call::GetIntegers { flaw } => self.get_integers(call, flaw),
-            Call::SetInteger { which, value } => self.set_integer(call, INTEGERS[which], value),
-            Call::Boolean { set: true, flaw } => self.set_boolean(call, flaw),
-            Call::Boolean { set: false, flaw } => self.get_boolean(call, flaw),
-            Call::String { set, length } => self.string(call, set, length),
-            Call::Derivative { which, order, value } => self.derivative(call, which, order, value),
-            Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
-            Call::Directional => self.directional(call),
-            Call::Logging { on, name } => self.logging(call, on, name),
-            Call::Keep(keeping) => {
-                // SAFETY: an instance.
-                let kept = unsafe { self.slots.keep(self.f, self.c, keeping, self.model) };
-                self.model = kept.in_instance_of(&self.model);
+            Call::Enter(experiment) => self.enter(call, experiment),
+            Call::Exit => {
+                let to = if self.events { Event } else { Step };
+                self.moves(call, i.exit(), &[Initialisation], to);
             }
-            Call::Status { function, kind, null } => self.status(call, function, kind, null),
-            Call::Cancel => self.cancel(),
-            Call::Linearize { frequency, null } => self.linearize(call, frequency, null),
-            Call::NullInstance => self.null_instance(),
+            Call::EnterEvent if version == Three => {
+                let from: &[State] = if self.events { &[Step] } else { &[] };
+                self.moves(call, i.enter_event_mode(), from, Event);
+            }
+            Call::EnterStep if self.model.state == Event => {
+                i.handle_event();
+                self.model.state = Step;
+            }
+            Call::Terminate => self.moves(call, i.terminate(), RUNNING, Terminated),
+            Call::Reset => {
+                assert_eq!(i.reset(), Status::Ok);
+                self.after_reset();
+            }
+            Call::Step(late, size, answer) => self.step(call, late, size, answer),
+            Call::SetReal(which, share, flaw) => self.set_real(call, which, share, flaw),
+            Call::SetOutput => self.expect(call, i.set(reference("thrustRatio"), 1.0), ANY, Status::Error),
+            Call::GetReals(ref which, flaw) => self.get_reals(call, which, flaw),
+            Call::SetInteger(which, value) => self.set_integer(call, INTEGERS[which], value),
+            Call::GetInteger => {
+                let status = i.integer(reference("primary.drive")).err().unwrap_or(Status::Ok);
+                self.expect(call, status, self.get_setting(), Status::Ok);
+            }
+            Call::SetBoolean(flaw) => {
+                let status = i.set_boolean(flawed(flaw, "initial.equilibrium"), 0);
+                self.expect(call, status, BEFORE, done_if(is_harmless(flaw)));
+            }
+            Call::GetBoolean(flaw) => {
+                let status = i.boolean(flawed(flaw, "macroSlip")).err().unwrap_or(Status::Ok);
+                self.expect(call, status, GET, done_if(is_harmless(flaw)));
+            }
+            Call::InputDerivative(which, order, value) if version == Two => {
+                let status = i.set_derivative(reference(REALS[which].0), order, value);
+                let good = which < INPUTS && order == 1 && value.is_finite();
+                self.expect(call, status, SET, done_if(good));
+            }
+            Call::OutputDerivative(which, order) => {
+                let output = self.outputs.get(which).copied();
+                let found = i.derivatives(&[output.unwrap_or(UNKNOWN)], order);
+                let good = done_if(output.is_some() && order == 1);
+                self.expect(
+                    call,
+                    found.as_ref().err().copied().unwrap_or(Status::Ok),
+                    DERIVATIVES,
+                    good,
+                );
+                assert!(
+                    found.iter().flatten().all(|value| value.is_finite()),
+                    "{call:?}: {found:?}"
+                );
+            }
+            Call::Log(on, known) => {
+                let names: &[&CStr] = match known {
+                    None => &[],
+                    Some(true) => &[c"logEvents"],
+                    Some(false) => &[c"noise"],
+                };
+                self.expect(call, i.log(on, names), ANY, done_if(known != Some(false)));
+            }
+            Call::Store(slot) => self.store(slot),
+            Call::Restore(slot) => match self.slots[slot] {
+                Some((state, model)) => {
+                    assert_eq!(i.restore(state), Status::Ok);
+                    self.go_back(model);
+                }
+                None => assert_eq!(i.restore(null_mut()), Status::Error),
+            },
+            Call::Free(slot) => self.free(slot),
+            Call::ThroughBytes(slot, damage, left) => self.through_bytes(slot, damage, left),
+            Call::Linearize(frequency) if version == Two => self.linearize(call, frequency),
+            // Of the other version, or not to be told from an allowed call.
+            Call::EnterEvent | Call::EnterStep | Call::InputDerivative(..) | Call::Linearize(_) => {}
         }
     }
 
-    fn setup(&mut self, call: &Call, tolerance: Option<f64>, start: f64, stop: Option<f64>) {
-        // SAFETY: an instance.
-        let status = unsafe {
-            (self.f.fmi2SetupExperiment)(
-                self.c,
-                tolerance.is_some().into(),
-                tolerance.unwrap_or(f64::NAN),
-                start,
-                stop.is_some().into(),
-                stop.unwrap_or(f64::NAN),
-            )
-        };
-        let good = is_experiment(tolerance, start, stop);
-        self.model
-            .expect(call, status, &[Instantiated], Expected::done_if(good));
-        if status == OK {
-            (self.model.time, self.model.stop) = (start, stop);
+    fn enter(&mut self, call: &Call, experiment: Experiment) {
+        let Experiment { tolerance, start, stop } = experiment;
+        let good = start.abs() <= 1e11
+            && tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
+            && stop.is_none_or(|stop| stop >= start);
+        let status = self.importer.enter(experiment);
+        self.expect(call, status, &[Instantiated], done_if(good));
+        if status == Status::Ok {
+            self.model = Model {
+                state: Initialisation,
+                time: start,
+                stop,
+            };
         }
     }
 
-    fn enter_initialization(&mut self, call: &Call) {
-        // SAFETY: an instance.
-        let status = unsafe { (self.f.fmi2EnterInitializationMode)(self.c) };
-        self.model.moves(call, status, &[Instantiated], Initialisation);
-    }
-
-    fn exit_initialization(&mut self, call: &Call) {
-        // SAFETY: an instance.
-        let status = unsafe { (self.f.fmi2ExitInitializationMode)(self.c) };
-        self.model.moves(call, status, &[Initialisation], StepComplete);
-    }
-
-    fn terminate(&mut self, call: &Call) {
-        // SAFETY: an instance.
-        let status = unsafe { (self.f.fmi2Terminate)(self.c) };
-        self.model.moves(call, status, RUNNING, Terminated);
-    }
-
-    fn reset(&mut self) {
-        // SAFETY: an instance.
-        assert_eq!(unsafe { (self.f.fmi2Reset)(self.c) }, OK);
-        self.after_reset();
-    }
-
-    fn step(&mut self, call: &Call, late: f64, size: f64) {
-        let from = self.model.time + late;
+    fn step(&mut self, call: &Call, late: f64, size: f64, answer: Answer) {
+        let (from, asked, declined) = (self.model.time + late, Rc::default(), Rc::default());
         let to = from + size;
-        // SAFETY: an instance.
-        let status = unsafe { (self.f.fmi2DoStep)(self.c, from, size, 1) };
-        let good = late == 0.0
-            && (0.0..1e3).contains(&size)
-            && to > from
-            && self.model.stop.is_none_or(|stop| to <= stop + 1e-6 * size);
-        if good && status == DISCARD && RUNNING.contains(&self.model.state) {
-            self.model.state = StepFailed;
-            let mut reached = f64::NAN;
-            // SAFETY: an instance and a place for the value.
-            assert_eq!(unsafe { (self.f.fmi2GetRealStatus)(self.c, 2, &mut reached) }, OK);
-            assert_eq!(reached, self.model.time, "after {call:?}");
+        let alias = self.importer.alias();
+        let (asks, declines, mut last) = (Rc::clone(&asked), Rc::clone(&declined), f64::NEG_INFINITY);
+        self.importer.answer(move |update| {
+            assert!(update.time >= last);
+            last = update.time;
+            assert!(alias.get("primary.speed").is_finite());
+            update_by(&alias, update, answer, (&asks, &declines))
+        });
+        let ended = self.importer.step(from, size);
+        self.importer.record.answer.take();
+        let good =
+            late == 0.0 && size > 0.0 && size < 1e3 && self.model.stop.is_none_or(|stop| to <= stop + 1e-6 * size);
+        if good && ended.status == Status::Discard && self.model.state == Step {
+            assert_eq!(ended.time, self.model.time, "{ended:?} after {call:?}");
+            count(&self.seen.discarded, true);
             return;
         }
-        self.model.expect(call, status, RUNNING, Expected::done_if(good));
-        if status == OK {
-            (self.model.state, self.model.time) = (StepComplete, to);
+        count(&self.seen.declined, declined.get());
+        self.expect(call, ended.status, &[Step], done_if(good));
+        if ended.status != Status::Ok {
+            return;
         }
+        let (event, early) = (ended.event, ended.early);
+        assert!(!event || self.events, "{ended:?}");
+        assert!(
+            !early || self.early_return && (event || asked.get()),
+            "{ended:?} after {call:?}"
+        );
+        if early {
+            assert!(ended.time > from && ended.time < to, "{ended:?} after {call:?}");
+        } else {
+            assert_eq!(ended.time, to);
+        }
+        count(&self.seen.events, event);
+        count(&self.seen.asked, early && asked.get());
+        self.model.time = ended.time;
     }
 
-    fn set_input(&mut self, call: &Call, which: usize, value: f64, flaw: Flaw) {
-        let (name, middle, width) = INPUTS[which];
-        self.set_real(call, reference(name), middle + value * width, flaw, SET);
-    }
-
-    fn set_parameter(&mut self, call: &Call, which: usize, share: f64, flaw: Flaw) {
-        let (name, low, high) = PARAMETERS[which];
+    fn set_real(&mut self, call: &Call, which: usize, share: f64, flaw: Flaw) {
+        let (name, low, high) = REALS[which];
+        let (mut references, mut values) = (vec![reference(name)], vec![low + share * (high - low)]);
+        let (legal, more) = match flaw {
+            Flaw::None => (Status::Ok, None),
+            Flaw::UnknownReference => (Status::Error, Some(UNKNOWN)),
+            Flaw::OtherType => (Status::Error, Some(reference("primary.drive"))),
+            Flaw::NotFinite => (Status::Discard, Some(reference("primary.torque"))),
+        };
+        references.extend(more);
+        values.resize(references.len(), f64::NAN);
         let states = if which < TUNABLE { SET } else { BEFORE };
-        self.set_real(call, reference(name), low + share * (high - low), flaw, states);
-    }
-
-    fn set_output(&mut self, call: &Call) {
-        // SAFETY: an instance, one reference, one value.
-        let status = unsafe { (self.f.fmi2SetReal)(self.c, &reference("thrustRatio"), 1, &1.0) };
-        self.model.expect(call, status, ANY, Expected::Refused);
+        self.expect(call, self.importer.set_reals(&references, &values), states, legal);
     }
 
     fn get_reals(&mut self, call: &Call, which: &[usize], flaw: Flaw) {
-        let mut references: Vec<u32> = which
-            .iter()
-            .map(|which| self.readings[which % self.readings.len()])
-            .collect();
+        let wanted: Vec<Real> = which.iter().map(|which| self.reals[which % self.reals.len()]).collect();
+        let mut references: Vec<u32> = wanted.iter().map(|real| real.reference).collect();
         match flaw {
             Flaw::UnknownReference => references.push(UNKNOWN),
             Flaw::OtherType => references.push(reference("macroSlip")),
             _ => {}
         }
-        let nulls = matches!(flaw, Flaw::NullReferences | Flaw::NullValues);
-        let good = matches!(flaw, Flaw::None | Flaw::NotFinite) || nulls && references.is_empty();
-        let mut values = vec![f64::NAN; references.len()];
-        let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays have the given lengths, or are null.
-        let status = unsafe { (self.f.fmi2GetReal)(self.c, from, references.len(), to) };
-        self.model.expect(call, status, GET, Expected::done_if(good));
-        if status == OK {
-            assert!(values.iter().all(|value| value.is_finite()), "{call:?}: {values:?}");
+        let size = wanted.iter().map(|real| real.size).sum::<usize>() + references.len() - wanted.len();
+        let found = self.importer.reals(&references, size);
+        let states = match wanted.iter().all(|real| real.setting) {
+            true => self.get_setting(),
+            false => GET,
+        };
+        let status = found.as_ref().err().copied().unwrap_or(Status::Ok);
+        self.expect(call, status, states, done_if(is_harmless(flaw)));
+        assert!(
+            found.iter().flatten().all(|value| value.is_finite()),
+            "{call:?}: {found:?}"
+        );
+    }
+
+    /// States in which settings can be read.
+    fn get_setting(&self) -> &'static [State] {
+        match self.importer.version {
+            Two => GET,
+            Three => ANY,
         }
     }
 
-    fn get_integers(&mut self, call: &Call, flaw: Flaw) {
-        let wanted = flaw.reference("primary.drive");
-        let mut value = -1;
-        let (from, to) = flaw.pointers(&wanted, &mut value);
-        // SAFETY: an instance, one reference and one value, or null.
-        let status = unsafe { (self.f.fmi2GetInteger)(self.c, from, 1, to) };
-        self.model.expect(call, status, GET, Expected::done_if(flaw.harmless()));
-    }
-
-    fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
-        // Meshes and ring models that would make a cheap instance expensive are not set.
+    fn set_integer(&mut self, call: &Call, name: &str, value: i32) {
+        // Meshes and ring models that would make a coarse instance expensive are not set.
         let expensive = matches!(name, "mesh.primaryArc" | "mesh.strand" | "ring.model") && value > 0;
-        if expensive && value < c_int::MAX {
+        if expensive && value < i32::MAX {
             return;
         }
-        // SAFETY: an instance, one reference, one value.
-        let status = unsafe { (self.f.fmi2SetInteger)(self.c, &reference(name), 1, &value) };
         let legal = match name {
-            "friction.pulley" => Expected::Refused,
-            _ if (1..3).contains(&value) => Expected::Done,
-            _ => Expected::Discarded,
+            "friction.pulley" => Status::Error,
+            _ if (1..3).contains(&value) => Status::Ok,
+            _ => Status::Discard,
         };
-        self.model.expect(call, status, BEFORE, legal);
+        self.expect(call, self.importer.set_integer(reference(name), value), BEFORE, legal);
     }
 
-    fn set_boolean(&mut self, call: &Call, flaw: Flaw) {
-        let wanted = flaw.reference("initial.equilibrium");
-        let mut value = 0;
-        let (from, values) = flaw.pointers(&wanted, &mut value);
-        // SAFETY: an instance, one reference and one value, or null.
-        let status = unsafe { (self.f.fmi2SetBoolean)(self.c, from, 1, values) };
-        self.model
-            .expect(call, status, BEFORE, Expected::done_if(flaw.harmless()));
+    fn store(&mut self, slot: usize) {
+        let (kept, i) = (&mut self.slots[slot], &self.importer);
+        let mut state = kept.map_or(null_mut(), |(state, _)| state);
+        let before = state;
+        assert_eq!(i.store(&mut state), Status::Ok);
+        assert!(
+            before.is_null() || state == before,
+            "a state that is not null is used again"
+        );
+        *kept = Some((state, self.model));
     }
 
-    fn get_boolean(&mut self, call: &Call, flaw: Flaw) {
-        let wanted = flaw.reference("macroSlip");
-        let mut value = 0;
-        let (from, to) = flaw.pointers(&wanted, &mut value);
-        // SAFETY: an instance, one reference and one value, or null.
-        let status = unsafe { (self.f.fmi2GetBoolean)(self.c, from, 1, to) };
-        self.model.expect(call, status, GET, Expected::done_if(flaw.harmless()));
-    }
-
-    fn string(&mut self, call: &Call, set: bool, length: usize) {
-        let mut value: *const c_char = c"text".as_ptr();
-        // SAFETY: an instance, at most one reference and one value.
-        let (status, states) = unsafe {
-            if set {
-                ((self.f.fmi2SetString)(self.c, &1, length, &value), SET)
-            } else {
-                ((self.f.fmi2GetString)(self.c, &1, length, &mut value), GET)
-            }
+    /// To the state of a model; the stop time is that of the instance.
+    fn go_back(&mut self, model: Model) {
+        self.model = Model {
+            stop: self.model.stop,
+            ..model
         };
-        self.model.expect(call, status, states, Expected::done_if(length == 0));
     }
 
-    fn derivative(&mut self, call: &Call, which: usize, order: c_int, value: f64) {
-        let known = INPUTS.get(which);
-        let wanted = known.map_or(UNKNOWN, |(name, ..)| reference(name));
-        // SAFETY: an instance, one reference, one order, one value.
-        let status = unsafe { (self.f.fmi2SetRealInputDerivatives)(self.c, &wanted, 1, &order, &value) };
-        let legal = Expected::done_if(known.is_some() && order == 1 && value.is_finite());
-        self.model.expect(call, status, SET, legal);
+    fn free(&mut self, slot: usize) {
+        if let Some((mut state, _)) = self.slots[slot].take() {
+            assert_eq!(self.importer.free(&mut state), Status::Ok);
+            assert!(state.is_null());
+        }
     }
 
-    fn output_derivative(&mut self, call: &Call, which: usize, order: c_int, null: bool) {
-        let wanted = self.outputs.get(which).copied();
-        let mut value = f64::NAN;
-        let to: *mut f64 = if null { null_mut() } else { &mut value };
-        // SAFETY: an instance, one reference and one order, one value or null.
-        let status =
-            unsafe { (self.f.fmi2GetRealOutputDerivatives)(self.c, &wanted.unwrap_or(UNKNOWN), 1, &order, to) };
-        let legal = Expected::done_if(wanted.is_some() && order == 1 && !null);
-        self.model
-            .expect(call, status, &[StepComplete, StepFailed, Terminated, Error], legal);
-        assert!(status != OK || value.is_finite(), "{call:?}: {value}");
-    }
-
-    fn directional(&mut self, call: &Call) {
-        // SAFETY: an instance, one reference each, one value each.
-        let status = unsafe { (self.f.fmi2GetDirectionalDerivative)(self.c, &1, 1, &101, 1, &1.0, &mut 0.0) };
-        self.model.expect(call, status, ANY, Expected::Refused);
-    }
-
-    fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
-        let text: Vec<u8> = name.iter().flat_map(|name| name.bytes()).chain([0]).collect();
-        let pointer: *const c_char = text.as_ptr().cast();
-        // SAFETY: an instance, and the given number of strings, each with its end.
-        let status = unsafe { (self.f.fmi2SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
-        self.model
-            .expect(call, status, ANY, Expected::done_if(name != Some("noise")));
-    }
-
-    fn status(&mut self, call: &Call, function: usize, kind: c_int, null: bool) {
-        let (f, c) = (self.f, self.c);
-        let (mut real, mut integer, mut text) = (0.0, 0, null_mut::<c_char>().cast_const());
-        let number: *mut c_int = if null { null_mut() } else { &mut integer };
-        let value: *mut f64 = if null { null_mut() } else { &mut real };
-        // SAFETY: an instance, and a place for the value or null.
-        let (status, known) = unsafe {
-            match function {
-                0 => ((f.fmi2GetStatus)(c, kind, number), kind == 0),
-                1 => ((f.fmi2GetRealStatus)(c, kind, value), kind == 2),
-                2 => ((f.fmi2GetBooleanStatus)(c, kind, number), kind == 3),
-                3 => ((f.fmi2GetIntegerStatus)(c, kind, number), false),
-                _ => ((f.fmi2GetStringStatus)(c, kind, &mut text), false),
-            }
-        };
-        let null = null && function < 3;
-        let wanted = match STATUS.contains(&self.model.state) {
-            true if (0..4).contains(&kind) && !null => [DISCARD, OK][usize::from(known)],
-            _ => ERROR,
-        };
-        assert_eq!(status, wanted, "{call:?} with {:?}", self.model);
-    }
-
-    fn cancel(&self) {
-        // SAFETY: an instance.
-        assert_eq!(unsafe { (self.f.fmi2CancelStep)(self.c) }, ERROR);
+    /// Serializes the present state and deserializes it; damaged or cut bytes must be refused. Whole ones are restored, and stored.
+    fn through_bytes(&mut self, slot: usize, damage: Option<(f64, u8)>, left: f64) {
+        let i = &self.importer;
+        let mut bytes = i.bytes();
+        let size = bytes.len();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss
+        )]
+        let place = |share: f64| (share * size as f64) as usize;
+        if let Some((at, mask)) = damage {
+            bytes[place(at)] ^= mask;
+        }
+        bytes.resize(place(left), 0);
+        let whole = damage.is_none_or(|(at, _)| place(at) >= bytes.len()) && bytes.len() == size;
+        let status = i.continue_from(&bytes);
+        assert_eq!(status, done_if(whole));
+        self.store(slot);
     }
 
     /// Whether there is a model depends on the belt; the instance continues in both cases.
-    fn linearize(&self, call: &Call, frequency: f64, null: bool) {
+    fn linearize(&self, call: &Call, frequency: f64) {
         let mut text = null_mut();
-        let place: *mut *mut c_char = if null { null_mut() } else { &mut text };
-        // SAFETY: an instance, a place for the text or null, and a text of this call or null.
+        // SAFETY: an instance, a place for the text, and a text of this call or null.
         unsafe {
-            let status = (self.f.pushbeltLinearize)(self.c, frequency, place);
-            let possible = GET.contains(&self.model.state) && !null && (0.01..=1e5).contains(&frequency);
-            assert!(
-                status == ERROR || possible && (status == OK || status == WARNING),
-                "{call:?}: {status}"
-            );
-            assert_eq!(text.is_null(), status == ERROR, "{call:?}");
-            (self.f.pushbeltFreeText)(text);
+            let status = pushbeltLinearize(self.importer.c, frequency, &raw mut text);
+            let possible = GET.contains(&self.model.state) && (0.01..=1e5).contains(&frequency);
+            let done = matches!(status, Status::Ok | Status::Warning);
+            assert!(status == Status::Error || possible && done, "{call:?}: {status:?}");
+            assert_eq!(text.is_null(), !done, "{call:?}");
+            pushbeltFreeText(text);
         }
     }
+}
 
-    fn null_instance(&self) {
-        // SAFETY: the functions accept null.
-        unsafe {
-            (self.f.fmi2FreeInstance)(null_mut());
-            assert_eq!((self.f.fmi2DoStep)(null_mut(), 0.0, 1e-3, 1), ERROR);
-            assert_eq!((self.f.fmi2GetReal)(null_mut(), &1, 1, &mut 0.0), ERROR);
-            assert_eq!((self.f.pushbeltLinearize)(null_mut(), 50.0, &mut null_mut()), ERROR);
-            (self.f.pushbeltFreeText)(null_mut());
-        }
-    }
+/// Whether calls with integers and Booleans remain valid.
+fn is_harmless(flaw: Flaw) -> bool {
+    matches!(flaw, Flaw::None | Flaw::NotFinite)
+}
 
-    fn set_real(&mut self, call: &Call, wanted: u32, value: f64, flaw: Flaw, states: &[State]) {
-        let (mut references, mut values) = (vec![wanted], vec![value]);
-        match flaw {
-            Flaw::UnknownReference => references.push(UNKNOWN),
-            Flaw::OtherType => references.push(reference("primary.drive")),
-            Flaw::NotFinite => references.push(reference("primary.torque")),
-            _ => {}
-        }
-        values.resize(references.len(), f64::NAN);
-        let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays have the given lengths, or are null.
-        let status = unsafe { (self.f.fmi2SetReal)(self.c, from, references.len(), to) };
-        let legal = match flaw {
-            Flaw::None => Expected::Done,
-            Flaw::NotFinite => Expected::Discarded,
-            _ => Expected::Refused,
-        };
-        self.model.expect(call, status, states, legal);
+/// The reference of a variable, or a flawed one. No Boolean is called `thrustRatio`.
+fn flawed(flaw: Flaw, name: &str) -> u32 {
+    match flaw {
+        Flaw::UnknownReference => UNKNOWN,
+        Flaw::OtherType => reference("thrustRatio"),
+        _ => reference(name),
     }
+}
+
+/// The master's action in an update: whether an early return may be requested and was, whether a value was discarded.
+fn update_by(
+    i: &Importer,
+    update: Update,
+    answer: Answer,
+    (asks, declines): (&Cell<bool>, &Cell<bool>),
+) -> Option<f64> {
+    match answer {
+        Answer::Nothing => {}
+        Answer::Set(input) => {
+            let status = i.set(reference("primary.torque"), input);
+            let wanted = match (update.set, input.is_finite()) {
+                (true, true) => Status::Ok,
+                (true, false) => Status::Discard,
+                _ => Status::Error,
+            };
+            assert_eq!(status, wanted);
+            declines.set(declines.get() || status == Status::Discard);
+        }
+        Answer::Return(later) => {
+            asks.set(asks.get() || update.can_return);
+            return Some(update.time + later);
+        }
+        Answer::Meddle => {
+            let mut state = null_mut();
+            let refused = [
+                i.reals(&[reference("belt.speed")], 1).err(),
+                Some(i.set(reference("secondary.torque"), 1.0)),
+                Some(i.reset()),
+                Some(i.enter_event_mode()),
+                Some(i.terminate()),
+                Some(i.store(&mut state)),
+                Some(i.step(update.time, 1e-3).status),
+            ];
+            assert_eq!(refused, [Some(Status::Error); 7]);
+        }
+    }
+    None
 }

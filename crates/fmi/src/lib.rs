@@ -16,11 +16,11 @@
 //! | [`hash`] | a hash of bytes: texts, stored states, data of a unit |
 //! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
 //! | [`log`] | messages to the importer |
-//! | `common_description`, `xml` | common parts of the model descriptions of both versions; elements and numbers of XML |
+//! | `description`, `xml` | the model descriptions of both versions; elements and numbers of XML |
 //! | `resources` | places that a resource location may mean |
 //! | [`start_values`] | start values of a user, from a file in the resources |
 //! | `processor` | whether the processor has the instructions that the binary is compiled for |
-//! | [`fmi2`], [`fmi3`] | the C functions and the model description of a version |
+//! | [`fmi2`], [`fmi3`] | the C functions of a version |
 //! | `c` | common parts of the C functions of both versions; with the two above the only modules with `unsafe` |
 //!
 //! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
@@ -35,7 +35,7 @@ mod bytes;
 #[allow(unsafe_code)]
 mod c;
 #[forbid(unsafe_code)]
-mod common_description;
+mod description;
 #[allow(unsafe_code)]
 pub mod fmi2;
 #[allow(unsafe_code)]

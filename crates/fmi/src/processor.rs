@@ -3,27 +3,10 @@
 
 use std::ffi::CStr;
 
-/// The error of a function if the processor lacks them.
-macro_rules! no_avx2 {
-    ($function:literal) => {
-        match CStr::from_bytes_with_nul(
-            concat!(
-                $function,
-                ": this processor lacks AVX2, for which the binary of the FMU was compiled; use an FMU built by \
-                 `cargo fmu build --portable`\0"
-            )
-            .as_bytes(),
-        ) {
-            Ok(text) => text,
-            Err(_) => c"",
-        }
-    };
-}
-
-/// The error of FMI 2.0 if the processor lacks them.
-pub const NO_AVX2: &CStr = no_avx2!("fmi2Instantiate");
-/// The error of FMI 3.0.
-pub const NO_AVX2_FMI3: &CStr = no_avx2!("fmi3InstantiateCoSimulation");
+/// The error of an `instantiate` function if the processor lacks them.
+pub const NO_AVX2: &CStr =
+    c"this processor lacks AVX2, for which the binary of the FMU was compiled; use an FMU built by `cargo fmu \
+    build --portable`";
 
 /// Whether the processor has what the code is compiled for.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
@@ -39,23 +22,4 @@ pub fn suffices() -> bool {
 #[must_use]
 pub fn suffices() -> bool {
     true
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{NO_AVX2, NO_AVX2_FMI3};
-
-    #[test]
-    fn the_messages_name_their_function_and_the_remedy() {
-        for (message, function) in [
-            (NO_AVX2, "fmi2Instantiate: "),
-            (NO_AVX2_FMI3, "fmi3InstantiateCoSimulation: "),
-        ] {
-            let text = message.to_str().expect("UTF-8");
-            assert!(
-                text.starts_with(function) && text.contains("use an FMU built by `cargo fmu build --portable`"),
-                "{text}"
-            );
-        }
-    }
 }

@@ -329,6 +329,11 @@ impl<S, R> Variable<S, R> {
         }
     }
 
+    /// Whether it can be set or read in intermediate update mode: real inputs and outputs can.
+    pub(crate) fn is_intermediate(&self) -> bool {
+        matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
+    }
+
     /// Whether it is an element of an array of the readings.
     pub(crate) fn is_element(&self) -> bool {
         match &self.kind {
@@ -360,69 +365,43 @@ impl<S, R> Variable<S, R> {
     /// Checks a value against the limits; the value to be set.
     ///
     /// # Errors
-    /// The value is not admissible.
+    /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input.
     pub fn admit(&self, value: Value) -> Result<Value, Inadmissible> {
-        match value {
-            Value::Real(value) => self.admit_real(value).map(Value::Real),
-            Value::Integer(value) => self.admit_integer(value).map(Value::Integer),
-            Value::Boolean(_) => Ok(value),
-        }
-    }
-
-    /// Checks a real value against the limits; the value to be set.
-    ///
-    /// # Errors
-    /// The value is not finite or outside `min` and `max`, by more than rounding where it is an input.
-    pub fn admit_real(&self, value: f64) -> Result<f64, Inadmissible> {
-        let Kind::Real { unit, range, .. } = &self.kind else {
-            return Ok(value);
-        };
-        if !value.is_finite() {
-            return Err(Inadmissible::not_finite(&self.name, value));
-        }
-        let exceeded = match (range.min, range.max) {
-            (Some(min), _) if value < min => min,
-            (_, Some(max)) if value > max => max,
-            _ => return Ok(value),
-        };
-        if self.causality == Causality::Input && (value - exceeded).abs() < ROUNDING {
-            return Ok(exceeded);
-        }
-        Err(self.out_of_range(Value::Real(value), &range.text(unit)))
-    }
-
-    /// Checks an integer or an enumeration value against the limits; the value to be set.
-    ///
-    /// # Errors
-    /// The value is outside the range or not an item of the enumeration.
-    pub fn admit_integer(&self, value: impl Into<i64>) -> Result<i64, Inadmissible> {
-        let value = value.into();
-        let range = match &self.kind {
-            Kind::Integer { range, .. } => {
+        let range = match (&self.kind, value) {
+            (Kind::Real { unit, range, .. }, Value::Real(number)) => {
+                if !number.is_finite() {
+                    return Err(Inadmissible::not_finite(&self.name, number));
+                }
+                let exceeded = match (range.min, range.max) {
+                    (Some(min), _) if number < min => min,
+                    (_, Some(max)) if number > max => max,
+                    _ => return Ok(value),
+                };
+                if self.causality == Causality::Input && (number - exceeded).abs() < ROUNDING {
+                    return Ok(Value::Real(exceeded));
+                }
+                range.text(unit)
+            }
+            (Kind::Integer { range, .. }, Value::Integer(number)) => {
                 let (min, max) = range.unwrap_or((i32::MIN, i32::MAX));
-                if (i64::from(min)..=i64::from(max)).contains(&value) {
+                if (i64::from(min)..=i64::from(max)).contains(&number) {
                     return Ok(value);
                 }
                 format!("{min} to {max}")
             }
-            Kind::Enumeration { of, .. } => {
-                if of.items.iter().any(|item| i64::from(item.value) == value) {
+            (Kind::Enumeration { of, .. }, Value::Integer(number)) => {
+                if of.items.iter().any(|item| i64::from(item.value) == number) {
                     return Ok(value);
                 }
-                let items: Vec<_> = of
-                    .items
-                    .iter()
-                    .map(|item| format!("{} {}", item.value, item.name))
-                    .collect();
-                items.join(", ")
+                let items = of.items.iter().map(|item| format!("{} {}", item.value, item.name));
+                items.collect::<Vec<_>>().join(", ")
             }
             _ => return Ok(value),
         };
-        Err(self.out_of_range(Value::Integer(value), &range))
-    }
-
-    fn out_of_range(&self, value: Value, range: &str) -> Inadmissible {
-        Inadmissible(format!("{} = {value} is out of range: {range}", self.name))
+        Err(Inadmissible(format!(
+            "{} = {value} is out of range: {range}",
+            self.name
+        )))
     }
 }
 

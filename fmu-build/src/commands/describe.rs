@@ -8,15 +8,17 @@ use anyhow::Context;
 use crate::cargo;
 use crate::description::Description;
 use crate::progress;
+use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
 
 /// Version of crate, FMU and Python package, from the workspace's manifest.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, and the files generated from the first.
+/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, the files generated from the first, and the
+/// book's pages about commands and Python. Whether these pages are up to date is a test of the Python package.
 ///
 /// # Errors
-/// The model doesn't compile, or a file can't be written.
+/// The model doesn't compile, a file can't be written, or Python's packages can't be installed.
 pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     progress::headline("Reading the variable table");
     let mut written = Vec::new();
@@ -42,7 +44,9 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
         fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;
         println!("{}", path.display());
     }
-    Ok(())
+    progress::headline("Reading the Python package");
+    let mut reference = Environment::prepare(workspace, &RUNNING)?.command();
+    cargo::run(reference.arg(workspace.root().join("python").join("reference.py")))
 }
 
 /// Files that are out of date with respect to `modelDescription.xml` and the version. Whether `modelDescription.xml` is that of

@@ -65,7 +65,7 @@ pub const PROGRAMS: [Program; 12] = [
         name: "drive",
         about: "Drive a car with the FMU on the WLTC and write target/drive/report.html; with --cosim by FMUs in ecos and libcosim",
         module: "pushbelt.drive",
-        others: &[("--cosim", &["pushbelt.drive.cosim"])],
+        others: &[("--cosim", &["pushbelt_cosim"])],
         ..COMMON
     },
     Program {
@@ -79,7 +79,7 @@ pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "paper",
         about: "Run the paper's examples with every ring model and write target/paper/report.html",
-        module: "pushbelt.paper",
+        module: "pushbelt_paper",
         fmu: Fmu::OfPaper,
         ..COMMON
     },
@@ -112,7 +112,7 @@ pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "validate",
         about: "Compare the FMU with theory and measurements and write target/validate/report.html",
-        module: "pushbelt.validate",
+        module: "pushbelt_validation",
         ..COMMON
     },
     Program {
@@ -134,8 +134,8 @@ pub const PROGRAMS: [Program; 12] = [
         about: "Measure the speed of the model, with --maps of the maps, with --calibrate of a calibration, with --forces of clamping forces",
         others: &[
             ("--maps", &["pushbelt.maps", "--measure"]),
-            ("--calibrate", &["pushbelt.calibrate.benchmark"]),
-            ("--forces", &["pushbelt.force_benchmark"]),
+            ("--calibrate", &["pushbelt_benchmarks.calibration"]),
+            ("--forces", &["pushbelt_benchmarks.forces"]),
         ],
         ..COMMON
     },
@@ -264,15 +264,11 @@ mod tests {
                 Some("pushbelt.sweep"),
                 "--short --set a=1",
             ),
-            ("drive --cosim --short", Some("pushbelt.drive.cosim"), "--short"),
+            ("drive --cosim --short", Some("pushbelt_cosim"), "--short"),
             ("drive -- --until 400", Some("pushbelt.drive"), "--until 400"),
             ("bench -- --quick --only begj", None, "--quick --only begj"),
             ("bench --maps", Some("pushbelt.maps"), "--measure"),
-            (
-                "bench -- --calibrate --short",
-                Some("pushbelt.calibrate.benchmark"),
-                "--short",
-            ),
+            ("bench -- --calibrate", Some("pushbelt_benchmarks.calibration"), ""),
         ] {
             let (name, rest) = command.split_once(' ').unwrap_or((command, ""));
             let program = Program::of(name).expect(name);

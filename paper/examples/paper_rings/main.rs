@@ -12,7 +12,14 @@ use cpu_time::ProcessTime;
 use nalgebra::SymmetricEigen;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
+use pushbelt::variator::Variator;
+use pushbelt::variator::belt_ring::{self, BeltRing};
+use pushbelt::variator::settings::RingModel;
+use pushbelt_lab::bench::{STEP, manoeuvre};
 use pushbelt_lab::checks::orders;
+use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_lab::variators::variator;
+use pushbelt_paper::belts::Rotated;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
@@ -23,6 +30,7 @@ use std::fmt::Debug;
 use std::fs;
 use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 use tables::Table;
 
 /// Elements of the paper's fig. 7.
@@ -382,6 +390,24 @@ fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
     });
 }
 
+/// Computing effort of the manoeuvre of the FMU with A_i = identity and [t, n].
+fn manoeuvres(jobs: &mut Vec<Job>) {
+    let rings: [(&str, Arc<dyn BeltRing>); 2] = [
+        (Ale::NAME, Arc::new(belt_ring::Ale::<2>)),
+        (AleTurning::NAME, Arc::new(Rotated::<2>)),
+    ];
+    for (name, ring) in rings {
+        job(jobs, format!("{name}: manoeuvre"), move |tables| {
+            let parameters = Manoeuvre::variator(variator(RingModel::Ale));
+            let mesh = &parameters.mesh;
+            let elements = (mesh.primary_arc + mesh.secondary_arc + 2 * mesh.strand) as usize;
+            let build = || Variator::with_ring(parameters, ring).expect("valid parameters");
+            let (cpu, counts) = manoeuvre(build, &Manoeuvre::read().trace(STEP), |advance| advance());
+            tables.work("manoeuvre, 10 s", name, elements, 0, cpu, &counts);
+        });
+    }
+}
+
 /// Checks of every model.
 fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, format!("{}: derivatives", S::NAME), |tables| {
@@ -509,6 +535,7 @@ fn main() -> io::Result<()> {
     reference_motion(&mut jobs, plan);
     eulerian_rings(&mut jobs, plan);
     belt_rings(&mut jobs, plan);
+    manoeuvres(&mut jobs);
     model::<Ale>(&mut jobs, plan);
     model::<AleTurning>(&mut jobs, plan);
     model::<AbsoluteNodal>(&mut jobs, plan);

@@ -1,4 +1,4 @@
-"""Writes a parameter set for a belt of your own: `python -m pushbelt.belt --fmu … --output … --width 30 --layers 12 …`.
+"""Writes a parameter set for a belt of your own, with checks of the ratio and of the ring's stress.
 
 Cross-section dimensions are in mm, length, center distance and radii in m; a unit may follow any of them: 0.70, 700mm, 30mm.
 The other programs read the set by `--variator FILE`.
@@ -9,17 +9,14 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import re
 import sys
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from pushbelt import console
-from pushbelt.arguments import stress
+from pushbelt.cli.options import add_material, add_set, add_variator, material, program, quantity
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import described
 from pushbelt.steel import Material
 
@@ -28,37 +25,13 @@ from .geometry import Belt, BeltError, Dimensions
 
 OUT_OF_LIMITS = 3
 """Exit code if the set is written, but the ring's stress is beyond its limits, or a load case has no steady state."""
-METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
-
-
-def length(default: str) -> Callable[[str], float]:
-    """Reads a length in m: a number in the default unit, or a number with its unit."""
-
-    def read(text: str) -> float:
-        found = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*(mm|cm|m)?\s*", text)
-        if not found:
-            raise argparse.ArgumentTypeError(f"{text} is not a length such as 30, 30mm or 0.7m")
-        return float(found[1]) * METRES[found[2] or default]
-
-    return read
-
-
-def assignment(text: str) -> tuple[str, str]:
-    """`name=value`."""
-    name, separator, value = text.partition("=")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value")
-    return name.strip(), value.strip()
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    found = argparse.ArgumentParser(
-        prog="pushbelt.belt", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    mm, m = {"type": length("mm"), "metavar": "MM"}, {"type": length("m"), "metavar": "M"}
-    found.add_argument("--fmu", type=Path, required=True, help="the FMU that checks the set")
-    found.add_argument("--output", type=Path, required=True, help="folder for NAME.json")
+    found = program("belt", __doc__, "NAME.json", fmu="the FMU that checks the set")
+    mm = {"type": quantity("length", "mm", "30, 30mm or 0.03m"), "metavar": "MM"}
+    m = {"type": quantity("length", "m", "0.7 or 700mm"), "metavar": "M"}
     found.add_argument("--name", default="belt", help="name of the set and of its file [default: belt]")
     belt = found.add_argument_group("the belt")
     belt.add_argument("--width", required=True, **mm, help="width of the elements, such as 24 or 30")
@@ -80,18 +53,14 @@ def parser() -> argparse.ArgumentParser:
     pulleys.add_argument("--min-radius", **m, help="smallest pitch radius [default: 30mm]")
     pulleys.add_argument("--max-radius", **m, help="largest pitch radius [default: pulleys 4 mm apart]")
     pulleys.add_argument("--ratio", type=float, metavar="I", help="ratio r_S/r_P that the variator must reach, above 1")
-    found.add_argument("--base", default="bench168", help="parameter set for all other values [default: bench168]")
-    found.add_argument(
-        "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="value of a parameter, SI"
-    )
-    load, steel = Load(), Material()
+    add_variator(found, "bench168", "--base")
+    add_set(found)
+    load = Load()
     case = found.add_argument_group("load case and strength of the ring")
     case.add_argument("--torque", type=float, default=load.torque, metavar="NM", help="primary torque [default: 100]")
     case.add_argument("--rpm", type=float, default=2000.0, help="primary speed [default: 2000]")
     case.add_argument("--safety", type=float, default=load.safety, help="of the clamping force [default: 1.3]")
-    case.add_argument("--strength", type=stress, default=steel.strength, metavar="MPA", help="tensile strength [default: 2000]")
-    case.add_argument("--limit", type=stress, default=steel.limit, metavar="MPA", help="fatigue limit [default: 600]")
-    case.add_argument("--stress-safety", type=float, default=steel.safety, help="on both [default: 1.5]")
+    add_material(case)
     return found
 
 
@@ -102,14 +71,10 @@ def dimensions(options: argparse.Namespace) -> Dimensions:
     return Dimensions(**{name: value * scales.get(name, 1) for name, value in given.items() if value is not None})
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("belt", "reports")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Writes the set and prints its values and checks. Returns 3 if a check of the load case fails."""
-    options = parser().parse_args(arguments)
-    try:
-        return _run(options)
-    except (ValueError, UnitError, OSError) as error:
-        print(f"No parameter set: {error}", file=sys.stderr)
-        return 1
+    return _run(parser().parse_args(arguments))
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -121,12 +86,12 @@ def _run(options: argparse.Namespace) -> int:
         )
     variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
     changes = checked(variables, dict(options.set), {"parameter"})
-    document = belt.document(options.name, options.base, parameter_set(options.base), changes)
+    document = belt.document(options.name, options.variator, parameter_set(options.variator), changes)
     for name, entry in document["parameters"].items():
         entry["unit"] = variables[name].unit or "1" if name in variables else "1"
     values = checked(variables, {name: entry["value"] for name, entry in document["parameters"].items()}, {"parameter"})
     load = Load(options.torque, options.rpm * math.pi / 30.0, options.safety)
-    steel = Material(options.strength, options.limit, safety=options.stress_safety)
+    steel = material(options)
     found = stresses(options.fmu, values, belt.reach, load, steel)
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / f"{options.name}.json"
@@ -164,4 +129,4 @@ def _checks(belt: Belt, load: Load, steel: Material, found: list[Stress]) -> lis
 
 
 if __name__ == "__main__":
-    sys.exit(console.run(main))
+    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Fits parameters of the FMU to a table of measured steady points: `python -m pushbelt.calibrate TABLE.csv --fmu … --output …`.
+"""Fits parameters of the FMU to a table of measured steady points.
 
 The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point. Columns have the unit in the header, like
 `primary.speed [rpm]`, or in the row below:
@@ -14,39 +14,35 @@ With the columns series and time, each series is a recorded shift and its rows a
 A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
 A speed ratio takes three solutions, a shift rate about five times as long.
 
+--hold-out SET scores a parameter set on the table instead, beside the default one.
+
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import re
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pushbelt import console, provenance
-from pushbelt.arguments import assignment, count
+from pushbelt.cli.options import add_set, add_variator, count, program
 from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.start_values import StartValueError, checked
-from pushbelt.fmu.unit import UnitError
-from pushbelt.fmu.untrusted import InputFileError, described
+from pushbelt.fmu.files import default_fmu
+from pushbelt.fmu.start_values import checked
+from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
 from pushbelt.rig import model, parameters, points
 from pushbelt.rig import options as reading_options
 from pushbelt.rig.parameters import ParameterError
 from pushbelt.rig.points import TableError
 
-from .fit import FitError, fit
-from .results import Effort, Results
-
-COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-"""Mesh of a short run."""
 MISFIT = 3
 """Exit code of a bad fit."""
 ITERATIONS = 12
@@ -82,15 +78,10 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    found = argparse.ArgumentParser(
-        prog="pushbelt.calibrate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    found = program("calibrate", __doc__, "report.html, parameters.json and residuals.csv", needed=False)
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
-    found.add_argument("--fmu", type=Path, help="the FMU to run")
-    found.add_argument(
-        "--output", type=Path, help="folder for report.html, parameters.json and residuals.csv"
-    )
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
+    found.add_argument("--hold-out", metavar="SET", help="no fit: score a parameter set on a table that it was not fitted to, a name or a file ….json")
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
     found.add_argument(
         "--fit",
@@ -117,48 +108,32 @@ def parser() -> argparse.ArgumentParser:
         help="what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD",
     )
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
-    found.add_argument("--variator", default="bench168", help="parameter set of the start values: a name, or a file ….json")
-    found.add_argument(
-        "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
-    )
-    found.add_argument("--short", action="store_true", help="derivatives on a coarse mesh, for a first estimate")
+    add_variator(found)
+    add_set(found, "fixed value of a parameter")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     reading_options.add(found)
     return found
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("calibrate", "tables")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Fits, writes report, parameters and residuals, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("calibrate", arguments)
-    try:
-        if options.template is not None:
-            options.template.write_text(points.template(), encoding="utf-8")
-            print(options.template.resolve())
-            return 0
-        if options.table is None:
-            raise TableError("a table is required; --template FILE writes an example")
-        if options.check:
-            return _check(options)
-        for name in ("fmu", "output"):
-            if getattr(options, name) is None:
-                raise FitError(f"--{name} is required")
-        return _run(options)
-    except (TableError, ParameterError, StartValueError, FitError, UnitError, InputFileError, OSError, json.JSONDecodeError) as error:
-        print(f"The calibration failed: {error}", file=sys.stderr)
-        return 1
+    if options.template is not None:
+        options.template.write_text(points.template(), encoding="utf-8")
+        print(options.template.resolve())
+        return 0
+    if options.table is None:
+        raise TableError("a table is required; --template FILE writes an example")
+    if options.check:
+        return _check(options)
+    return _run(options) if options.hold_out is None else _hold_out(options)
 
 
 def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
     """Parameters of the FMU that are common to all points, before the fit."""
-    values = {**parameter_set(options.variator), **(COARSE if options.short else {}), **dict(options.set)}
-    return checked(variables, values, {"parameter"})
-
-
-def default_mesh(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
-    """The values of `COARSE` without --short."""
-    own = start_values(argparse.Namespace(**{**vars(options), "short": False}), variables)
-    return {name: own.get(name, int(variables[name].start)) for name in COARSE}
+    return checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -199,10 +174,14 @@ def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
 
 
 def _run(options: argparse.Namespace) -> int:
+    # Imported here, so that the help needs no packages of the extras.
     from . import report
+    from .fit import fit
+    from .results import Effort, Results
 
     rig = once(points.read(options.table, reading_options.reading(options), reading_options.oil(options)))
-    description = described(options.fmu)
+    fmu = options.fmu or default_fmu()
+    description = described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
@@ -219,14 +198,11 @@ def _run(options: argparse.Namespace) -> int:
             bar.total = max(bar.total, bar.n + count)
             bar.update(count)
 
-        with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
-            finer = opened.with_points(opened.points, default_mesh(options, variables)) if options.short else None
-            found = fit(opened, chosen, finer)
+        with model.opened(fmu, base, rig.points, options.workers, update) as opened:
+            found = fit(opened, chosen)
             results = Results(
-                options.table.name, description.version or "", options.variator,
-                {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
-                opened.points, opened.values, found,
-                Effort(opened.solves + (finer.solves if finer else 0), time.perf_counter() - begin), _notes(rig),
+                options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
+                Effort(opened.solves, time.perf_counter() - begin), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -248,6 +224,21 @@ def _run(options: argparse.Namespace) -> int:
     return 0 if found.fits or options.accept_misfit else MISFIT
 
 
+def _hold_out(options: argparse.Namespace) -> int:
+    """Scores of a parameter set on a table."""
+    from . import holdout
+
+    begin = time.perf_counter()
+    held = holdout.hold_out(
+        options.fmu or default_fmu(), options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
+    )  # fmt: skip
+    path = holdout.write(held, options.output)
+    for score in held.scores():
+        print(f"  {holdout.sentence(score)}")
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
 def _notes(rig: points.Rig) -> tuple[str, ...]:
     """What the report says about the table."""
     ignored = (f"ignored columns: {', '.join(rig.sheet.ignored)}",) if rig.sheet.ignored else ()
@@ -256,4 +247,4 @@ def _notes(rig: points.Rig) -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    sys.exit(console.run(main))
+    sys.exit(main())

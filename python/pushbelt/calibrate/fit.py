@@ -152,11 +152,10 @@ class _Spread:
     factor: float
 
 
-def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = None) -> Fit:
+def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
 
-    First a fit with a robust loss finds the outliers, which are then left out. `finer` is the model of the same points on a finer mesh:
-    the fit ends with its residuals, and has only the derivatives of `model`.
+    First a fit with a robust loss finds the outliers, which are then left out.
     """
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
@@ -170,7 +169,7 @@ def fit(model: Model, parameters: Sequence[Parameter], finer: Model | None = Non
     search = _Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
     waiting, again = search.weak(), True
-    search.leave_out([k for k in range(len(parameters)) if k not in waiting], finer)
+    search.leave_out([k for k in range(len(parameters)) if k not in waiting])
     while True:
         left = [k for k in range(len(parameters)) if k not in given_up]
         if not left:
@@ -248,7 +247,7 @@ class _Search:
     """
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
-        self.model, self._first, self.parameters = model, model, tuple(parameters)
+        self.model, self.parameters = model, tuple(parameters)
         self.place, self.states = place, states
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
@@ -268,24 +267,13 @@ class _Search:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
         return np.concatenate([self.model.residuals(states), priors])
 
-    def refine(self, finer: Model) -> None:
-        """Continues with the residuals of a model of the same points on a finer mesh. The derivatives remain those of the first model."""
-        self.model = finer
-        (self.states,) = finer.states([assign(self.parameters, self.place)])
-        if all(found.reason is not None for found in self.states):
-            raise FitError(f"no point has a steady state on the finer mesh: {self.states[0].reason}")
-        self._residuals = self._all_residuals(self.place, self.states)
-
     def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
         free = list(free)
         chosen = [self.parameters[k] for k in free]
         fixed = assign(self.parameters, self.place)
         found = np.zeros((len(self._residuals), len(self.place)))
-        states = self.states
-        if self._first is not self.model:
-            (states,) = self._first.states([fixed])
-        found[: len(self.model.values), free] = self._first.slopes(chosen, fixed, self.place[free], states, central)
+        found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
         for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
             parameter = self.parameters[k]
             slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
@@ -345,10 +333,6 @@ class _Search:
                 jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
                 continue
             better = self._try(step, total, expected)
-            if better <= 0.0 and self._first is not self.model:
-                # The derivatives of the first model lead no farther down.
-                self.converged = True
-                break
             largest = self._length
             if better > 0.75:
                 reach = min(max(reach, 2.0 * largest), REACH[1])
@@ -407,14 +391,11 @@ class _Search:
 
     # Outliers
 
-    def leave_out(self, free: Sequence[int], finer: Model | None = None) -> None:
+    def leave_out(self, free: Sequence[int]) -> None:
         """Fits with the robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of the intervals: a t-test of
         the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row, or of a sample,
         go together, because a faulty cell may be one of the conditions."""
         self.run(free, robust=True)
-        if finer is not None:
-            self.refine(finer)
-            self.run(free, robust=True)
         values, size = self.model.values, np.abs(self._residuals)
         rows = [(value.point, value.measured.time) for value in values]
         carried = np.array([self.states[value.point].reason is None for value in values])

@@ -2,7 +2,7 @@
 
 Data flow:
 
-    data → load cases, reference_case, manoeuvre (each runs the FMU) → results → events, spiral, checks → figures → report
+    data → load cases, manoeuvre (each runs the FMU) → results → events, checks → figures → report
 
 `simulate` runs the simulations in parallel; `python -m pushbelt.demo` runs all steps.
 """

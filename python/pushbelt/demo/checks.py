@@ -14,7 +14,6 @@ from pushbelt.fmu.results import BeltState, LoadCaseResult, Trace
 
 from .events import detect
 from .results import DemoResults, MeasuredPoint
-from .spiral import SHAPE_TOLERANCE, TILT_TOLERANCE, TOLERANCE, TURN_TOLERANCE, spiral_rows
 
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
@@ -99,23 +98,6 @@ def _efficiency(measured: tuple[MeasuredPoint, ...]) -> Check:
     )
 
 
-def _spiral(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
-    runs = [run for _, run in spiral_rows(cases, parameters)]
-    errors = [100.0 * run.error for run in runs]
-    tilts = [100.0 * (tilt / run.tilt_reported - 1.0) for run in runs for tilt in (run.tilt, run.tilt_found)]
-    turns = [abs(np.degrees(run.turn)) for run in runs]
-    shapes = [100.0 * run.shape / run.found for run in runs]
-    return Check(
-        f"Spiral running agrees with the law of tilt and contact: spread within {100.0 * TOLERANCE:.0f} %, tilt within "
-        f"{100.0 * TILT_TOLERANCE:.0f} %, its direction within {np.degrees(TURN_TOLERANCE):.0f}°, shape within "
-        f"{100.0 * SHAPE_TOLERANCE:.0f} %",
-        all(run.follows for run in runs),
-        f"{1e3 * min(run.found for run in runs):.2g} to {1e3 * max(run.found for run in runs):.3g} mm; "
-        f"spread {min(errors):+.1f} to {max(errors):+.1f} %, tilt {min(tilts):+.1f} to {max(tilts):+.1f} %, "
-        f"direction up to {max(turns):.1f}°, shape up to {max(shapes):.1f} %".replace("-", "\N{MINUS SIGN}"),
-    )
-
-
 def _manoeuvre(trace: Trace) -> list[Check]:
     residual, bound = np.abs(trace["energy.residual"]), energy_bound(trace)
     events = detect(trace)
@@ -158,7 +140,6 @@ def evaluate(results: DemoResults) -> list[Check]:
             4.0,
             " %",
         ),
-        _spiral(cases, parameters),
         _cases(
             "Losses sum to the net power of both shafts within 0.2 % of the driving power",
             [(r, 100 * abs(power_imbalance(r))) for r in cases],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,11 @@ from pushbelt import page, tables
 from pushbelt.belt_view import belt_view, steady
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
-from pushbelt.page import number, percent
 
 from . import checks, events, figures
 from .manoeuvre import START_VALUES
 from .measured import LEAST_FORCE, SAFETY
-from .results import DemoResults, ReferenceResult
-from .spiral import TOLERANCE, TURN_TOLERANCE, spiral_rows
+from .results import DemoResults
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
@@ -35,49 +33,9 @@ class CaseRow:
     imbalance: float
 
 
-@dataclass(frozen=True)
-class ReferenceRow:
-    """A line of the table of the reference case."""
-
-    quantity: str
-    unit: str
-    published: str
-    theory: str
-    computed: str
-    difference: str
-
-
-REFERENCE_QUANTITIES = (
-    ("thrustRatio", "thrust ratio", "", 4, 1.0),
-    ("primary.axialForce", "axial force, P", "kN", 3, 1e-3),
-    ("secondary.speed", "speed, S", "rad/s", 2, 1.0),
-    ("belt.speed", "belt speed", "m/s", 4, 1.0),
-    ("upper strand", "net force, upper strand", "N", 0, 1.0),
-    ("lower strand", "net force, lower strand", "N", 0, 1.0),
-    ("slip arc", "slip arc", "°", 2, 180.0 / np.pi),
-)
-
-
 def case_rows(results: Iterable[LoadCaseResult]) -> list[CaseRow]:
     """Lines of the table of load cases."""
     return [CaseRow(result, checks.power_imbalance(result)) for result in results]
-
-
-def reference_rows(result: ReferenceResult) -> list[ReferenceRow]:
-    """Lines of the table of the reference case."""
-
-    def shown(values: Mapping[str, float], name: str, digits: int, scale: float) -> str:
-        return number(scale * values[name], digits) if name in values else "–"
-
-    rows = []
-    for name, quantity, unit, digits, scale in REFERENCE_QUANTITIES:
-        difference = "–"
-        if name in result.computed:
-            relative = result.computed[name] / result.published[name] - 1.0
-            difference = ("+" if relative > 0.0 else "") + percent(relative, 1) + " %"
-        cells = (shown(v, name, digits, scale) for v in (result.published, result.theory, result.computed))
-        rows.append(ReferenceRow(quantity, unit, *cells, difference))
-    return rows
 
 
 def write_html(results: DemoResults, path: Path) -> None:
@@ -122,8 +80,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "measured": results.measured,
         "safety": SAFETY,
         "least_force": LEAST_FORCE,
-        "reference": results.reference,
-        "reference_rows": reference_rows(results.reference),
         "events": found,
         "checks": checks.evaluate(results),
         "manoeuvre": results.manoeuvre,
@@ -135,9 +91,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "energy_lost": float(np.sum(trace["loss.total"]) * results.manoeuvre.step),
         "chosen": chosen,
         "speed": load_case_speed(),
-        "spiral": spiral_rows(results.cases, results.parameters),
-        "spiral_tolerance": TOLERANCE,
-        "turn_tolerance": TURN_TOLERANCE,
         "parameters": results.parameters,
         "variator": results.variator,
         "chain": is_chain(results.parameters),
@@ -153,9 +106,8 @@ def write_trace(results: DemoResults, path: Path) -> None:
 
 
 def write_cases(results: DemoResults, path: Path) -> None:
-    """Writes the outputs of the load cases and of the reference case, one row per case."""
+    """Writes the outputs of the load cases, one row per case."""
     states = [(result.case.name, result.steady) for result in results.cases]
-    states.append(("belt155-reference", results.reference.steady))
     names = list(states[0][1].outputs)
     rows = ([name, state.load_torque, *(state[output] for output in names)] for name, state in states)
     tables.write(path, ["case", *tables.titles(["secondary.torque", *names], results.units)], rows)

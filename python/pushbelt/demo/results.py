@@ -6,39 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pushbelt.fmu.data import EfficiencyPoint
-from pushbelt.fmu.results import LoadCaseResult, Profile, SteadyState, Trace
-
-
-@dataclass(frozen=True)
-class StrandForces:
-    """Net forces of the strands (ring tension minus push force), means over the middle half, N."""
-
-    upper: float
-    lower: float
-
-
-@dataclass(frozen=True)
-class Variant:
-    """The reference case with one change."""
-
-    name: str
-    thrust_ratio: float
-    strands: StrandForces
-    slip: float
-
-
-@dataclass(frozen=True)
-class ReferenceResult:
-    """The published reference case: published values, its theory, and results of the FMU."""
-
-    published: Mapping[str, float]
-    theory: Mapping[str, float]
-    """The published theory, evaluated in closed form."""
-    computed: Mapping[str, float]
-    without_flank_friction: Mapping[str, float]
-    """Axial forces that the FMU's strand forces would require without friction along the flanks, by pulley, N."""
-    steady: SteadyState
-    variants: tuple[Variant, ...] = ()
+from pushbelt.fmu.results import LoadCaseResult, Profile, Trace
 
 
 @dataclass(frozen=True)
@@ -88,7 +56,6 @@ class DemoResults:
     cases: tuple[LoadCaseResult, ...]
     measured: tuple[MeasuredPoint, ...]
     """The FMU at the points of a measured transmission."""
-    reference: ReferenceResult
     manoeuvre: ManoeuvreResult
     parameters: Mapping[str, float]
     """Parameters of the variator in the load cases and the manoeuvre."""

@@ -13,8 +13,8 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.side_by_side import run_all as run_side_by_side
 from pushbelt.side_by_side import tick
 
-from . import manoeuvre, measured, reference_case
-from .results import DemoResults, ManoeuvreResult, MeasuredPoint, ReferenceResult
+from . import manoeuvre, measured
+from .results import DemoResults, ManoeuvreResult, MeasuredPoint
 
 VARIATOR = "bench168"
 """Parameter set of the load cases and the manoeuvre."""
@@ -47,10 +47,6 @@ def _run_case(archive: Archive, variator: str, case: LoadCase) -> LoadCaseResult
     return result
 
 
-def _run_reference(archive: Archive) -> ReferenceResult:
-    return reference_case.run(archive, lambda: tick(_CASE_TICKS))
-
-
 def _run_measured(archive: Archive, variator: str) -> tuple[MeasuredPoint, ...]:
     points = measured.run(archive, parameter_set(variator))
     tick(_CASE_TICKS)
@@ -71,22 +67,20 @@ def _run_all(archive: Archive, plan: Plan, variator: str) -> DemoResults:
     parameters = parameter_set(variator)
     cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
     duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
-    run, reference, points, *states = run_side_by_side(
+    run, points, *states = run_side_by_side(
         [
             # The manoeuvre starts first, because it takes longest and cannot be divided.
             (_run_manoeuvre, (archive, variator, duration)),
-            (_run_reference, (archive,)),
             (_run_measured, (archive, variator)),
             *((_run_case, (archive, variator, case)) for case in cases),
         ],
-        total=_MANOEUVRE_TICKS + _CASE_TICKS * (1 + len(cases) + reference_case.SOLVES),
+        total=_MANOEUVRE_TICKS + _CASE_TICKS * (1 + len(cases)),
         title="load cases and manoeuvre",
     )
     return DemoResults(
         fmu_version=archive.version,
         cases=tuple(states),
         measured=points,
-        reference=reference,
         manoeuvre=run,
         parameters=parameters,
         units=archive.units,

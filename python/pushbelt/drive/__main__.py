@@ -1,22 +1,17 @@
-"""Drives: `python -m pushbelt.drive --fmu target/PushbeltVariator.fmu --output target/drive [--short]`."""
+"""Drives a car with the FMU on the WLTC or the NEDC, and writes a report."""
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.fmu.enumerations import RingModel
-from pushbelt.fmu.unit import UnitError
+from pushbelt.cli.options import add_ring, add_short, add_variator, program
 
-from . import report, runs, simulate
-from .cycle import CycleMissingError, wltc_class_3b
-
-FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
-SHORT = {"wltc": runs.SHORT, "nedc": runs.SHORT_NEDC}
+from .cycle import CYCLES, CycleMissingError, wltc_class_3b
 
 
 def default_cycle() -> str:
@@ -29,22 +24,15 @@ def default_cycle() -> str:
     return "wltc"
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("drive", "reports")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Simulates, writes the report and prints its path."""
-    parser = argparse.ArgumentParser(prog="pushbelt.drive", description=__doc__)
-    parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
-    parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
-    parser.add_argument("--short", action="store_true", help="simulate 30 s of the cycle and 10 s of close-up")
-    parser.add_argument(
-        "--cycle", choices=list(FULL), help="which cycle [default: wltc, or nedc without the package wltp that contains the WLTC]"
-    )
+    parser = program("drive", __doc__, "report.html and the results")
+    add_short(parser, "30 s of the cycle and 10 s of close-up")
+    text = "which cycle [default: wltc, or nedc without the package wltp that contains the WLTC]"
+    parser.add_argument("--cycle", choices=list(CYCLES), help=text)
     parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
-    parser.add_argument(
-        "--ring",
-        choices=list(RingModel.__members__),
-        default="ALE",
-        help="ring model of the whole cycle",
-    )
+    add_ring(parser)
     parser.add_argument(
         "--clamping",
         type=float,
@@ -52,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="FACTOR",
         help="factor on the secondary clamping force that both strategies demand [default: 1]",
     )
-    parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
+    add_variator(parser)
     parser.add_argument(
         "--maps", type=Path, metavar="FILE", help="maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     )
@@ -62,8 +50,11 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:
         options.cycle = default_cycle()
+    # Imported here, so that the help needs no packages of the extras.
+    from . import report, runs
+
     plan = dataclasses.replace(
-        (SHORT if options.short else FULL)[options.cycle],
+        (runs.SHORT if options.short else runs.FULL)[options.cycle],
         ring=options.ring,
         variator=options.variator,
         clamping=options.clamping,
@@ -72,11 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()
-    try:
-        results = runs.run_all(options.fmu, plan, options.output)
-    except (UnitError, ValueError, OSError) as error:
-        print(f"The simulation failed: {error}", file=sys.stderr)
-        return 1
+    results = runs.run_all(options.fmu, plan, options.output)
     options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
@@ -87,4 +74,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(console.run(main))
+    sys.exit(main())

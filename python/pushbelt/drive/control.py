@@ -198,7 +198,7 @@ class RatioControl:
     loop its design bandwidth. g is the largest gain near the demanded excess, because the slope of R may change sharply: a
     belt that shifts by creep hardly moves until its elements slide radially. Where g is small, C is limited to `MOST_FORCE`.
 
-    k_p and a short filter damp the effect of the flywheel when a shift changes its speed (docs/drivetrain.md). The integral
+    k_p and a short filter damp the effect of the flywheel when a shift changes its speed (docs/controllers.md). The integral
     is stored as a force and is constant while F_P is at a limit in its direction. The primary force is never below the one
     that carries the torque: for a faster shift down the secondary force rises instead. A standing belt is held the same way.
     """

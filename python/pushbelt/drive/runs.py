@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
-from pushbelt.map_data import Maps
+from pushbelt.maps.data import Maps
 from pushbelt.side_by_side import tick
 
 from . import simulate
@@ -75,11 +75,9 @@ class Plan:
         return tuple(replace(setup, variator=self.variator, clamping=self.clamping) for setup in setups)
 
 
-FULL = Plan((0.0, 1800.0), (1478.0, 1598.0))
+FULL = {"wltc": Plan((0.0, 1800.0), (1478.0, 1598.0)), "nedc": Plan((0.0, 1180.0), (780.0, 900.0), trace="nedc")}
 """The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
-FULL_NEDC = Plan((0.0, 1180.0), (780.0, 900.0), trace="nedc")
-SHORT = Plan((10.0, 40.0), (10.0, 20.0))
-SHORT_NEDC = Plan((10.0, 40.0), (10.0, 20.0), trace="nedc")
+SHORT = {"wltc": Plan((10.0, 40.0), (10.0, 20.0)), "nedc": Plan((10.0, 40.0), (10.0, 20.0), trace="nedc")}
 
 
 @dataclass(frozen=True)

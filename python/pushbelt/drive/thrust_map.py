@@ -17,7 +17,7 @@ from pushbelt.fmu.geometry import Array
 from .piecewise import clip, interpolate, interval
 
 if TYPE_CHECKING:
-    from pushbelt.map_data import Maps
+    from pushbelt.maps.data import Maps
 
 SPEED = 200.0
 """Primary speed of the map, rad/s. The thrust ratio depends on it only weakly."""

@@ -1,4 +1,4 @@
-"""Fatigue of the ring over runs: `python -m pushbelt.durability RUN.csv --output target/durability`.
+"""Computes the fatigue of the ring over runs, and writes a report.
 
 RUN.csv is a result of drive or any table of outputs in SI units, or the folder of a drive, of which the runs over the whole cycle are
 taken. The damage of each run is Miner's sum over the cycles of the ring's stress, one on each pulley and revolution.
@@ -6,58 +6,41 @@ taken. The damage of each run is Miner's sum over the cycles of the ring's stres
 
 from __future__ import annotations
 
-import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.arguments import stress
+from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
-from pushbelt.steel import RANGES, Material
 
-from . import report
-from .damage import damage
 from .table import DurabilityError, read
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")
 """Runs over the whole cycle in the folder of a drive."""
-MATERIAL = {
-    "strength": "tensile strength R_m, MPa or with its unit",
-    "limit": "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit",
-    "knee": "cycles to failure at the fatigue limit",
-    "slope": "exponent of the S-N curve above the limit",
-    "safety": "factor by which the limit is reduced",
-}
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("durability", "durability")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Computes the damage, writes the report and prints its path."""
-    parser = argparse.ArgumentParser(prog="pushbelt.durability", description=__doc__)
+    parser = program("durability", __doc__, "report.html, durability.json and .csv", "the FMU, for its variables; it does not run", needed=False)
     parser.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="table of outputs, or folder of a drive")
-    parser.add_argument("--output", type=Path, required=True, help="folder for report.html, durability.json and .csv")
-    parser.add_argument("--fmu", type=Path, help="the FMU, for the default values of its parameters; it does not run")
-    parser.add_argument("--variator", help="parameter set of the runs, or its file, ….json [default: start values of the FMU]")
+    add_variator(parser, None)
     parser.add_argument("--hours", action="store_true", help="life in hours only: no column distance is required")
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
-    for name, text in MATERIAL.items():
-        default, scale = getattr(Material, name), 1e-6 if RANGES[name][2] else 1.0
-        names = [f"--{name}", *["--stress-safety"] * (name == "safety")]
-        text = f"{text} [default: {scale * default:g}]"
-        parser.add_argument(*names, type=float if scale == 1.0 else stress, default=default, metavar=name.upper(), help=text)
+    add_material(parser, "--safety")
     options = parser.parse_args(arguments)
     provenance.begin("durability", arguments)
-    try:
-        material = Material(**{name: getattr(options, name) for name in MATERIAL})
-        parameters = _parameters(options.fmu, options.variator)
-        paths = [path for given in options.runs for path in _files(given)]
-        tables = [read(path, not options.hours, options.profile) for path in paths]
-        results = [damage(table, material, parameters) for table in tables]
-        options.output.mkdir(parents=True, exist_ok=True)
-        path = report.write(results, options.output)
-    except (ValueError, OSError) as error:
-        print(f"The durability computation failed: {error}", file=sys.stderr)
-        return 1
+    # Imported here, so that the help needs no packages of the extras.
+    from . import report
+    from .damage import damage
+
+    steel, parameters = material(options), _parameters(options.fmu, options.variator)
+    paths = [path for given in options.runs for path in _files(given)]
+    results = [damage(read(path, not options.hours, options.profile), steel, parameters) for path in paths]
+    options.output.mkdir(parents=True, exist_ok=True)
+    path = report.write(results, options.output)
     for result in results:
         print(f"  {result.table.name}: {report.summary(result)}")
     print(path.resolve())
@@ -91,4 +74,4 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    sys.exit(console.run(main))
+    sys.exit(main())

@@ -57,18 +57,18 @@ def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
     """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
     if "belt.contactStrain" in values:
         raise InputFileError(
-            f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness (see docs/upgrade.md)"
+            f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness"
         )
     if "belt.filmForce" in values:
         raise InputFileError(
-            f"{path}: belt.filmForce has been removed; delete it, and see docs/upgrade.md for the new values of belt.filmDamping and "
+            f"{path}: belt.filmForce has been removed; delete it, and see CHANGELOG.md for the new values of belt.filmDamping and "
             "belt.squeezeDamping"
         )
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
             raise InputFileError(
                 f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance. "
-                "Set the clearance to 0 for the linear tilt of earlier versions (see docs/upgrade.md)"
+                "Set the clearance to 0 for the linear tilt of earlier versions"
             )
 
 

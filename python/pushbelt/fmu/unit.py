@@ -24,8 +24,6 @@ from .geometry import Array
 from .results import Profile
 from .untrusted import InputFileError, unpacked
 
-LEAST_STEP = 16.0
-"""Steps up to so many times the spacing of floating point at their end are too short for the FMU."""
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
     "position": "position",
@@ -117,7 +115,7 @@ class State(NamedTuple):
     """s."""
 
 
-class Variator:
+class Instance:
     """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
     _logs: ClassVar[dict[int, list[Message]]] = {}
@@ -144,7 +142,7 @@ class Variator:
             self.free()
             raise
 
-    def __enter__(self) -> Variator:
+    def __enter__(self) -> Instance:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -191,11 +189,12 @@ class Variator:
         return "; ".join(self.warnings) or "no steady state was requested"
 
     def step_to(self, time: float) -> None:
-        """Advances to a time, s, with the present inputs. A time that is later than the present one by rounding alone is the present one."""
-        step = time - self.time
-        if 0.0 < step <= LEAST_STEP * np.spacing(time):
-            return
-        self._call(self._slave.doStep, currentCommunicationPoint=self.time, communicationStepSize=step)
+        """Advances to a time, s, with the present inputs."""
+        self._call(
+            self._slave.doStep,
+            currentCommunicationPoint=self.time,
+            communicationStepSize=time - self.time,
+        )
         self.time = time
 
     # Stored states

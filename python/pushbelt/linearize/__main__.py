@@ -13,29 +13,26 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
+from collections.abc import Sequence
 
 from pushbelt import console, provenance
-from pushbelt.linear_grid import LinearGrid
-from pushbelt.linear_points import FREQUENCY, STATES
-from pushbelt.points import SteadyStateError
-from pushbelt.progress import progress_bar
+from pushbelt.cli.options import add_variator, program
+from pushbelt.linear.grid import LinearGrid
+from pushbelt.linear.points import FREQUENCY, STATES
 from pushbelt.variator import Variator
 
-from . import points, report
+from . import points
 
+OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
+"""Default outputs of the figures."""
 FILES = ("models.npz", "models.mat", "models.json")
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    found = argparse.ArgumentParser(
-        prog="pushbelt.linearize", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    found = program("linearize", __doc__, "the files and report.html")
     found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
-    found.add_argument("--fmu", type=Path, required=True, help="the FMU")
-    found.add_argument("--output", type=Path, required=True, help="folder for the files and report.html")
-    found.add_argument("--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json")
+    add_variator(found, None)
     found.add_argument(
         "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below this frequency are states [%(default)s]"
     )
@@ -52,28 +49,28 @@ def parser() -> argparse.ArgumentParser:
         "--safety", type=float, metavar="FACTOR", help="clamping force from the torque with this safety factor, instead of a specified force"
     )
     found.add_argument(
-        "--outputs", default=",".join(report.OUTPUTS), metavar="NAMES", help="outputs in the figures [%(default)s]"
+        "--outputs", default=",".join(OUTPUTS), metavar="NAMES", help="outputs in the figures [%(default)s]"
     )
     found.add_argument("--time", type=float, default=2.0, metavar="S", help="length of the step plots [%(default)s]")
     return found
 
 
-def main(arguments: list[str] | None = None) -> int:
+@console.program("linearize", "reports")
+def main(arguments: Sequence[str] | None = None) -> int:
     """Computes the models, writes the files and prints their paths."""
     options = parser().parse_intermixed_args(arguments)
     provenance.begin("linearize", arguments)
-    try:
-        asked = points.read(options.settings, options.safety)
-        with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
-            grid = find(variator, asked, options)
-        return write(grid, asked, options)
-    except (points.PointError, SteadyStateError, OSError, ValueError, KeyError) as error:
-        print(f"no linear model: {error.args[0] if isinstance(error, KeyError) else error}", file=sys.stderr)
-        return 1
+    asked = points.read(options.settings, options.safety)
+    with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
+        grid = find(variator, asked, options)
+    return write(grid, asked, options)
 
 
 def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
     """The models, with a progress bar."""
+    # Imported here, so that the help needs no packages of the extras.
+    from pushbelt.progress import progress_bar
+
     axes = asked.filled(variator)
     bar = progress_bar(axes.size, "working points")
     with bar:
@@ -94,6 +91,8 @@ def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -
 
 def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) -> int:
     """Writes the models and prints the reasons for missing ones."""
+    from . import report
+
     refused, found = list(grid.refused()), list(grid.points())
     for _, reason in refused:
         print(f"  {reason}", file=sys.stderr)
@@ -119,4 +118,4 @@ def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) ->
 
 
 if __name__ == "__main__":
-    sys.exit(console.run(main))
+    sys.exit(main())

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 
 from pushbelt import page
 from pushbelt.charts import Chart, Panel, Series
-from pushbelt.linear import Array, LinearModel
-from pushbelt.linear_grid import LinearGrid
+from pushbelt.linear.model import Array, LinearModel
+from pushbelt.linear.grid import LinearGrid
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, in_figures
 
-OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
-"""Default outputs of the figures."""
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 DASHES = ("", "dash", "dot")
 LOWEST = 0.01

@@ -9,8 +9,8 @@ import numpy as np
 
 from pushbelt.charts import Chart, Panel, Series
 from pushbelt.fmu.geometry import Array
-from pushbelt.map_data import Maps
-from pushbelt.map_figures import TICKS, Border, heading, levels_of, panel, shades
+from pushbelt.maps.data import Maps
+from pushbelt.maps.panels import TICKS, Border, heading, levels_of, panel, shades
 from pushbelt.style import BLUE, ORANGE
 
 RPM = 30.0 / np.pi

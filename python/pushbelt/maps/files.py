@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.map_data import AXES, POINT, STATES, TABLES, Maps
+from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
 
 OWN = ("maps.nc", "maps.npz", "maps.json")
 """Files that `Maps.read` reads."""

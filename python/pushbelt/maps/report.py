@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pushbelt.map_data import AXES, TABLES, Maps
+from pushbelt.maps.data import AXES, TABLES, Maps
 from pushbelt.page import write_html
+from pushbelt.study.run import Effort
 
 from . import figures, files
 
 RPM = 30.0 / np.pi
-
-
-@dataclass(frozen=True)
-class Effort:
-    """Number of lines, and their processor time, s."""
-
-    lines: int
-    processor_time: float
 
 
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
@@ -40,6 +32,7 @@ def _context(maps: Maps, effort: Effort, beside: Maps | None) -> dict[str, Any]:
         "source": maps.source,
         "identity": maps.identity,
         "effort": effort,
+        "lines_count": maps.valid[..., 0].size,
         "points": maps.valid.size,
         "gaps": int((~maps.valid).sum()),
         "best": float(np.nanmax(efficiency)),

@@ -84,7 +84,7 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1.0 / 3.6, "km/h kmh kph km/hr kmh-1"),
         **_all(0.44704, "mph mi/h"),
     },
-    "length": {**_all(1.0, "m"), **_all(1e-3, "mm"), **_all(1e-6, "um μm"), **_all(1e3, "km"), **_all(1609.344, "mi miles")},
+    "length": {**_all(1.0, "m"), **_all(1e-2, "cm"), **_all(1e-3, "mm"), **_all(1e-6, "um μm"), **_all(1e3, "km"), **_all(1609.344, "mi miles")},
     "stress": {**_all(1.0, "Pa N/m2 N/m^2"), **_all(1e6, "MPa N/mm2 N/mm^2"), **_all(1e9, "GPa"), **_all(1e3, "kPa")},
     "temperature": {**_all(1.0, "k kelvin"), **_all(1.0, "°c c degc celsius gradc grdc deg.c", 273.15)},
     "power": {**_all(1.0, "W watt"), **_all(1e3, "kW"), **_all(735.49875, "ps hp")},

@@ -1,21 +1,39 @@
-"""Parameter studies with the pushbelt FMU: steady states over a grid of working points, on one machine or a cluster.
+"""Parameter studies with the pushbelt FMU: steady states over a grid of five axes, or a design of any parameters and inputs (`design`).
 
-    study (parameters, grid, identity) → cluster (dask: chunks of points to workers) → store (finished points, Parquet)
-                                            │
-                                  worker (the FMU, loaded once) → point (one steady state)
-
-    results.parquet → maps, checks → report
-
-A study has a grid of the five axes, or a design of any parameters and inputs (`design`). Clusters are local, jobs of Slurm (`slurm`), or
-existing ones.
+    study (points) → `pushbelt.study` (cluster, store) → results.parquet → maps, checks → report
 
 The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
-from pushbelt.slurm import Slurm
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pushbelt.study.run import Progress, solve
 
 from .design import Design, DesignError
-from .run import Progress, sweep
-from .study import Grid, Study
+from .study import CHUNK, Grid, Study
 
-__all__ = ["Design", "DesignError", "Grid", "Progress", "Slurm", "Study", "sweep"]
+if TYPE_CHECKING:
+    import pyarrow
+
+__all__ = ["Design", "DesignError", "Grid", "Progress", "Study", "sweep"]
+
+
+def sweep(
+    study: Study,
+    folder: Path,
+    *,
+    scheduler: Any = None,
+    workers: int | None = None,
+    chunk: int | None = None,
+    progress: Callable[[Progress], object] = lambda _: None,
+) -> pyarrow.Table:
+    """Solves the points of a study and returns one row a point; the other arguments are those of `pushbelt.study.run.solve`."""
+    # Only what solves needs the packages of the extra.
+    from .results import table
+
+    rows = solve(study, folder, scheduler=scheduler, workers=workers, chunk=chunk or CHUNK, progress=progress)
+    return table(study, rows)

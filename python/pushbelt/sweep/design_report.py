@@ -14,11 +14,13 @@ from pushbelt.charts import Chart, Panel, Series
 from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
 from pushbelt.page import write_html
+from pushbelt.study.run import Effort
 from pushbelt.style import BLUE, RED, in_figures
 
+from .checks import of_all
 from .maps import Quantity
-from .report import FEW, Effort, shown_parameters
-from .store import METADATA, schema
+from .report import FEW, shown_parameters
+from .results import METADATA, schema
 from .study import Study
 
 QUANTITIES = (
@@ -58,24 +60,12 @@ def correlation(x: Array, y: Array) -> float:
 
 def checks(table: pa.Table) -> list[Check]:
     """Checks of all steady states."""
-    steady = np.isfinite(column(table, "thrustRatio"))
-    carried = steady & (column(table, "macroSlip") == 0.0)
-    net = column(table, "primary.power") + column(table, "secondary.power")
-    power = np.maximum(column(table, "primary.power"), column(table, "secondary.power"))
-    gap = net - column(table, "loss.total") + column(table, "loss.shafts")
-    with np.errstate(invalid="ignore", divide="ignore"):
-        imbalance = 100.0 * np.abs(np.where(power > 1.0, gap / power, 0.0))
-    drift = 100.0 * np.abs(column(table, "drift"))
-    return [
-        _at_most("Losses of the belt sum to its net power within 0.2 % of the driving power", imbalance[steady], 0.2),
-        _at_most("Thrust ratio constant over a step of 1 ms within 0.01 %", drift[carried], 0.01),
-    ]
-
-
-def _at_most(statement: str, values: Array, limit: float) -> Check:
-    worst = float(values.max()) if values.size else 0.0
-    wrong = int((values > limit).sum())
-    return Check(statement, not wrong, f"{values.size - wrong} of {values.size} points, at most {worst:.2g} %")
+    steady, found = np.isfinite(column(table, "thrustRatio")), []
+    for statement, values, limit in of_all(lambda name: column(table, name), steady):
+        values = values[steady]
+        wrong, worst = int((values > limit).sum()), float(values.max(initial=0.0))
+        found.append(Check(statement, not wrong, f"{values.size - wrong} of {values.size} points, at most {worst:.2g} %"))
+    return found
 
 
 def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
@@ -90,7 +80,6 @@ def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
 
     strongest = sorted(names, key=weight, reverse=True)
     reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
-    times = [seconds for seconds in table["time"].to_pylist() if seconds is not None]
     failed = [row for row in table.select(["point", *names, "reason"]).to_pylist() if row["reason"] is not None]
     fields = [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)]
     units = {name: metadata["unit"] for name, metadata in fields}
@@ -103,7 +92,7 @@ def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
         "failed": [{"point": row["point"], "values": [row[name] for name in names], "reason": row["reason"]} for row in failed[:FEW]],
         "reasons": reasons.most_common(),
         "effort": effort,
-        "processor_time": sum(times),
+        "processor_time": effort.processor_time,
         "quantities": [
             (quantity, _range(quantity.scale * column(table, quantity.column))) for quantity in QUANTITIES
         ],

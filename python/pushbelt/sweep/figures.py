@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pushbelt.charts import Chart, Panel, Series
-from pushbelt.map_figures import Border, heading, levels_of, panel, shades
+from pushbelt.maps.panels import Border, heading, levels_of, panel, shades
 
 from .maps import QUANTITIES, Quantity, Results, carried, in_rpm
 

@@ -17,7 +17,7 @@ from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.map_figures import levels_of, middle_of
+from pushbelt.maps.panels import levels_of, middle_of
 from pushbelt.style import INK, RED, STYLE, colour_stops
 
 from .study import Grid

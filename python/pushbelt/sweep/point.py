@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.steady import Pool, SteadyStates, attempt
+from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import UnitError
 
 SHORT_STEP = 1e-3
@@ -65,18 +65,3 @@ def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
         "remarks": "; ".join(unit.warnings) or None,
         "reason": None,
     }
-
-
-def failure(index: int, reason: str, seconds: float | None = None) -> Row:
-    """The row of a point without a steady state."""
-    return {"point": index, "reason": reason, "time": seconds}
-
-
-def solve_or_say_why(pool: Pool, index: int, values: Mapping[str, float]) -> Row:
-    """Calls `solve` and converts any exception to a reason."""
-
-    def solved() -> Row:
-        with pool.one() as states:
-            return solve(states, values)
-
-    return {"point": index, **attempt(solved)}

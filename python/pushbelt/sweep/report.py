@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,25 +11,16 @@ import numpy as np
 import pyarrow as pa
 
 from pushbelt.page import write_html
+from pushbelt.study.run import Effort
 
 from . import checks, figures, maps
 from .maps import Results
-from .store import METADATA, schema
+from .results import METADATA, schema
 from .study import AXES, Study
 
 PICTURE_DPI = 160
 FEW = 12
 """Largest number of failed points that are listed individually."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """Number of points and time of a run."""
-
-    points: int
-    """Number of points solved in this run."""
-    seconds: float
-    """Wall-clock time including the start of the cluster, s."""
 
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
@@ -57,7 +47,6 @@ def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
     }
     reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
     failed = np.argwhere(~results.steady)
-    times = [seconds for seconds in table["time"].to_pylist() if seconds is not None]
     steady = {column: results[column][results.steady] for column in ("thrustRatio", "efficiency", "slip", "macroSlip")}
     return {
         "version": study.description.version or "",
@@ -66,7 +55,7 @@ def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
         "points": len(grid),
         "steady": steady,
         "effort": effort,
-        "processor_time": sum(times),
+        "processor_time": effort.processor_time,
         "reasons": reasons.most_common(),
         "failed": [checks.name_of(results, place) for place in failed[:FEW]],
         "failed_count": len(failed),

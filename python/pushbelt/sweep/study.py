@@ -1,26 +1,26 @@
-"""A study: an FMU, parameters, a grid of working points, and an identity (hash) of everything that determines the results."""
+"""A study: an FMU, parameters, and a grid or another design of working points."""
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, fields
-from functools import cached_property
-from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from pushbelt.fmu import starts, steady
-from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import OfFmu
+from pushbelt.study import tasks
+from pushbelt.study.tasks import Tasks, ascending, spread
 
-from . import design as design_law
-from . import point as law
-from .design import Design, DesignPoint, full_values
+from . import design, point
+from .design import Design, DesignError, DesignPoint, full_values
 from .point import Point, start_values
+
+
+CHUNK = 8
+"""Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,6 @@ def rpm(*speeds: float) -> tuple[float, ...]:
     return tuple(round(speed * math.pi / 30.0, 6) for speed in speeds)
 
 
-def spread(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Values evenly spaced in their logarithm, to 1e-6."""
-    step = (high / low) ** (1.0 / (count - 1))
-    return tuple(round(low * step**k, 6) for k in range(count))
-
-
 @dataclass(frozen=True)
 class Grid:
     """All combinations of the values of the axes. Each axis is ascending."""
@@ -70,12 +64,8 @@ class Grid:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            values = tuple(float(value) for value in getattr(self, field.name))
+            values = ascending(field.name, getattr(self, field.name), positive=field.name != "utilisation")
             object.__setattr__(self, field.name, values)
-            if not values or any(low >= high for low, high in itertools.pairwise(values)):
-                raise ValueError(f"the values of {field.name} must not be empty and must ascend: {values}")
-            if not all(map(math.isfinite, values)) or (field.name != "utilisation" and values[0] <= 0.0):
-                raise ValueError(f"the values of {field.name} must be positive: {values}")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -97,15 +87,14 @@ SHORT = Grid(
     friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
 )
 """60 points."""
+MEASURED = Grid(friction=(0.07, 0.09), speed=rpm(1000, 2000), ratio=spread(0.5, 2.0, 5), utilisation=(0.2, 0.4, 0.5, 0.6, 0.8, 0.9))
+"""120 points, for measurements of time."""
 
 
 @dataclass(frozen=True)
-class Study(OfFmu):
-    """A grid or another design of points, with an FMU and common parameters."""
+class Study(Tasks):
+    """A grid or another design of points, with an FMU and common parameters; the geometry and `belt.pitchOffset` must be among them."""
 
-    fmu: Path
-    parameters: Mapping[str, float]
-    """Start values of the FMU by name; the geometry and `belt.pitchOffset` must be among them."""
     grid: Grid | Design = DEFAULT
 
     def __post_init__(self) -> None:
@@ -116,25 +105,21 @@ class Study(OfFmu):
         else:
             taken = self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys()
         if taken:
-            raise ValueError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
+            raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
-    @cached_property
-    def identity(self) -> str:
-        """A hash of the FMU, the parameters, the grid and the procedure that solves the points."""
-        document = {
-            "fmu": hashlib.sha256(self.archive).hexdigest(),
-            "law": [hashlib.sha256(Path(file).read_bytes()).hexdigest() for file in self._laws],
-            "parameters": dict(self.parameters),
-            "grid": asdict(self.grid),
-        }
-        return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
-
     @property
-    def _laws(self) -> tuple[str, ...]:
-        """Files with the procedure that solves the points."""
-        laws = (law, starts, steady, *([design_law] if isinstance(self.grid, Design) else []))
-        return tuple(str(one.__file__) for one in laws)
+    def procedure(self) -> tuple[ModuleType, ...]:
+        return (point, starts, steady, *([design] if isinstance(self.grid, Design) else []))
+
+    measure = staticmethod(point.solve)
+
+    def document(self) -> dict[str, Any]:
+        return {"parameters": dict(self.parameters), "grid": asdict(self.grid)}
+
+    def tasks(self) -> list[dict[str, float]]:
+        """Start values of all points."""
+        return [self.start_values(point) for point in self.grid.points()]
 
     def start_values(self, point: Point | DesignPoint) -> dict[str, float]:
         """All start values of a point."""
@@ -148,9 +133,9 @@ class Study(OfFmu):
 def variator(
     name: str,
     model: str = "ALE",
-    changes: Mapping[str, float] | None = None,
+    changes: Mapping[str, Any] | None = None,
     varied: Collection[str] = (AXES["friction"].column,),
-) -> dict[str, float]:
-    """Parameters of a published variator (`bench168` or `belt155`) for a study, with changes and without the varied ones."""
-    values = {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
-    return {parameter: value for parameter, value in values.items() if parameter not in varied or parameter in (changes or {})}
+) -> dict[str, Any]:
+    """Parameters of a variator for a study, with changes and without the varied ones."""
+    values = tasks.variator(name, model, changes)
+    return {key: value for key, value in values.items() if key not in varied or key in (changes or {})}

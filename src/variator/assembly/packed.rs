@@ -247,6 +247,20 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dy
     Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
 }
 
+/// [`guided_equations`] with derivatives of the kind of [`eulerian_equations`].
+#[doc(hidden)]
+#[must_use]
+pub fn guided_forward<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    eulerian_equations::<GuidedRing, 2, C>(GuidedRing, belt)
+}
+
+/// [`deflecting_equations`] with derivatives of the kind of [`eulerian_equations`].
+#[doc(hidden)]
+#[must_use]
+pub fn deflecting_forward<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    eulerian_equations::<DeflectingRing<D>, D, C>(DeflectingRing, belt)
+}
+
 /// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
 /// forward differentiation of the ring's functions.
 #[must_use]

@@ -17,7 +17,9 @@ mod standard;
 pub use crate::chain::Transport;
 pub use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 #[doc(hidden)]
-pub use crate::variator::assembly::packed::{deflecting_derivative_error, guided_derivative_error};
+pub use crate::variator::assembly::packed::{
+    deflecting_derivative_error, deflecting_forward, guided_derivative_error, guided_forward,
+};
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
 pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};

@@ -1,84 +1,156 @@
 //! Creation of an instance, for both versions.
 
+use std::ffi::CString;
 use std::path::PathBuf;
+use std::ptr;
+use std::sync::atomic::Ordering;
 
+use libc::{c_char, c_int, c_void};
+
+use super::entry::{contain, text};
+use super::floating_point::in_hosts;
 use super::{dispatch, library};
+use crate::description;
+use crate::fmi2::Logger;
+use crate::fmi3::LogMessage;
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
-use crate::slave::{Master, Slave, Version};
+use crate::slave::{Environment, Master, Slave, Version};
 use crate::start_values::{self, Token};
 use crate::unit::Unit;
 
-/// The arguments of an `instantiate` function that both versions have.
-pub(crate) struct Arguments<'a> {
-    /// Name of the function, for messages.
-    pub function: &'static str,
-    /// Name of the instance.
-    pub name: Option<&'a str>,
-    /// The standard's name for the token, and its value.
-    pub token: (&'static str, Option<&'a str>),
-    /// Token of this binary with data of a hash.
-    pub expected: fn(Option<u128>) -> String,
-    /// The resource location, a URI or a path.
-    pub resources: Option<&'a str>,
-    /// Whether debug logging is on.
-    pub debug: bool,
+/// The importer's function for messages, with the arguments that all messages have in common.
+pub(crate) enum Messages {
+    Two {
+        logger: Logger,
+        environment: *mut c_void,
+        instance: CString,
+    },
+    Three {
+        log_message: LogMessage,
+        environment: Environment,
+    },
 }
 
-/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, with
-/// warnings, or why there is no instance.
-pub(crate) fn create<U: Unit>(
-    arguments: Arguments<'_>,
-    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
-    sink: Option<Box<dyn Sink>>,
-) -> Option<Slave<U>> {
-    let report = |status, category, text: &str| {
-        if let Some(sink) = &sink {
-            sink.send(status, category, &format!("{}: {text}", arguments.function));
+impl Sink for Messages {
+    fn send(&self, status: Status, category: Category, message: &str) {
+        let string = |text: String| CString::new(text).unwrap_or_default();
+        let category = string(category.name().to_owned());
+        let (category, status, message) = (category.as_ptr(), status as c_int, message.replace('\0', " "));
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
+        // a zero and exist during the call.
+        match self {
+            Self::Two {
+                logger,
+                environment,
+                instance,
+            } => {
+                let (instance, message) = (instance.as_ptr(), string(message));
+                // The argument of "%s", so that a percent sign in it is not taken for a format.
+                in_hosts(|| unsafe {
+                    logger(
+                        *environment,
+                        instance,
+                        status,
+                        category,
+                        c"%s".as_ptr(),
+                        message.as_ptr(),
+                    );
+                });
+            }
+            Self::Three {
+                log_message,
+                environment,
+            } => {
+                // By the standard, "#" refers to a variable, and "##" is a number sign.
+                let message = string(message.replace('#', "##"));
+                in_hosts(|| unsafe { log_message(*environment, status, category, message.as_ptr()) });
+            }
         }
-    };
-    let checked = named(&arguments).and_then(|given| {
+    }
+}
+
+/// An instance, as a `Box<Slave<U>>`; null after a message if the arguments don't fit this FMU. `texts` are name, token and resource
+/// location, a URI or a path. `messages` is given the name. `master` returns what the master handles, with warnings, or why there
+/// is no instance.
+///
+/// # Safety
+/// The texts are null or end with a zero.
+pub(crate) unsafe fn create<U: Unit>(
+    version: Version,
+    texts: [*const c_char; 3],
+    debug: bool,
+    messages: impl FnOnce(CString) -> Option<Messages>,
+    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
+) -> *mut c_void {
+    contain(ptr::null_mut(), || {
+        // SAFETY: null or valid, as the caller grants.
+        let texts = texts.map(|pointer| unsafe { text(pointer) }.map_err(|error| error.to_string()));
+        let name = texts[0].as_ref().ok().cloned().flatten().unwrap_or_default();
+        let sink = messages(CString::new(name).unwrap_or_default());
+        let function = match version {
+            Version::Two => "fmi2Instantiate",
+            Version::Three => "fmi3InstantiateCoSimulation",
+        };
+        let report = |status, category, text: &str| {
+            if let Some(sink) = &sink {
+                sink.send(status, category, &format!("{function}: {text}"));
+            }
+        };
         let mut warnings = Vec::new();
-        let master = master(&mut warnings)?;
-        // A location that means no place is a warning: without start values in its resources an FMU works too.
-        let mut places = resources::places(arguments.resources.unwrap_or_default()).unwrap_or_else(|warning| {
-            warnings.push(warning);
-            Vec::new()
-        });
-        if master.version == Version::Two || arguments.debug {
+        let started = start::<U>(version, texts, master, &mut warnings);
+        if version == Version::Two || debug {
             for warning in &warnings {
                 report(Status::Warning, Category::Warning, warning);
             }
         }
-        places.extend(library::own_folder().ok().and_then(|folder| resources::beside(&folder)));
-        let defaults = load::<U>(&places)?;
-        let token = check(&arguments, given, &(arguments.expected)(U::data(&defaults)))?;
-        let start = start_values::find::<U>(&places, token, &defaults)?;
-        Ok((master, start.unwrap_or(defaults)))
-    });
-    let (master, start) = match checked {
-        Ok(checked) => checked,
-        Err(why) => {
-            report(Status::Error, Category::Error, &why);
-            return None;
+        let (master, start) = match started {
+            Ok(started) => started,
+            Err(why) => {
+                report(Status::Error, Category::Error, &why);
+                return ptr::null_mut();
+            }
+        };
+        let sink = sink.map(|sink| Box::new(sink) as Box<dyn Sink>);
+        let log = Log::new(version, sink, debug);
+        if let Some((status, category, text)) = dispatch::remark() {
+            log.send(status, category, &text);
         }
-    };
-    let log = match master.version {
-        Version::Two => Log::new(sink, arguments.debug),
-        Version::Three => Log::errors_without_debug(sink, arguments.debug),
-    };
-    if let Some((status, category, text)) = dispatch::remark() {
-        log.send(status, category, &text);
-    }
-    Some(Slave::with(master, log, start))
+        dispatch::INSTANCES.fetch_add(1, Ordering::SeqCst);
+        Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
+    })
 }
 
-fn named<'a>(arguments: &Arguments<'a>) -> Result<&'a str, String> {
-    if arguments.name.is_none_or(str::is_empty) {
+/// What the master handles, and the start values of the instance; or why there is none.
+fn start<U: Unit>(
+    version: Version,
+    [name, token, location]: [Result<Option<String>, String>; 3],
+    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
+    warnings: &mut Vec<String>,
+) -> Result<(Master, U::Settings), String> {
+    let name = name?.unwrap_or_default();
+    if name.is_empty() || version == Version::Three && name.trim().is_empty() {
         return Err("the instance name is missing".to_owned());
     }
-    let (what, token) = arguments.token;
-    token.ok_or_else(|| format!("the {what} is missing"))
+    let what = match version {
+        Version::Two => "GUID",
+        Version::Three => "instantiation token",
+    };
+    let token = token?.ok_or_else(|| format!("the {what} is missing"))?;
+    let master = master(warnings)?;
+    // A location that means no place is a warning: without start values in its resources an FMU works too.
+    let mut places = resources::places(&location?.unwrap_or_default()).unwrap_or_else(|warning| {
+        warnings.push(warning);
+        Vec::new()
+    });
+    places.extend(library::own_folder().ok().and_then(|folder| resources::beside(&folder)));
+    let defaults = load::<U>(&places)?;
+    let own = description::token::<U>(version, U::data(&defaults));
+    let token = Token::of(&token, &own).ok_or_else(|| {
+        format!("the {what} {token} is not that of this binary, {own}: the model description belongs to another binary")
+    })?;
+    let start = start_values::find::<U>(&places, token, &defaults)?;
+    Ok((master, start.unwrap_or(defaults)))
 }
 
 /// The settings of a new instance with the data of the first folder that has them.
@@ -91,14 +163,4 @@ fn load<U: Unit>(folders: &[PathBuf]) -> Result<U::Settings, String> {
         }
     }
     refused.map_or_else(|| U::load(None), Err)
-}
-
-/// Compares the token with that of this binary.
-fn check(arguments: &Arguments<'_>, token: &str, expected: &str) -> Result<Token, String> {
-    let (what, _) = arguments.token;
-    Token::of(token, expected).ok_or_else(|| {
-        format!(
-            "the {what} {token} is not that of this binary, {expected}: the model description belongs to another binary"
-        )
-    })
 }

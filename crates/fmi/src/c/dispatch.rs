@@ -17,13 +17,15 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::entry::contain;
-use super::instances::INSTANCES;
 use super::library::{self, Library};
 use crate::hash;
 use crate::log::{Category, Status};
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
+
+/// Instances of this library.
+pub(super) static INSTANCES: AtomicUsize = AtomicUsize::new(0);
 
 /// The function by which a library opens its variant: it returns the number of instances.
 const HANDSHAKE: &CStr = c"pushbeltVariant";

@@ -1,12 +1,11 @@
 //! The entry of every C function on an instance, and the conversion of its pointers to slices, references and strings.
 
-use std::ffi::CStr;
-
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
 
+use super::dispatch::INSTANCES;
 use super::floating_point;
-use super::instances::instance_freed;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
@@ -124,11 +123,11 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
     // SAFETY: as the caller grants.
     unsafe {
         enter(instance, function, |slave: &mut Slave<U>| {
-            let names = array(categories)?.iter().map(|name| text(*name));
-            let Some(names) = names.collect::<Option<Vec<_>>>() else {
-                return refused("a category is null");
-            };
-            slave.set_debug_logging(on, &names.iter().map(String::as_str).collect::<Vec<_>>())
+            let names = array(categories)?.iter().map(|category| match text(*category)? {
+                Some(name) => Ok(name),
+                None => refused("a category is null"),
+            });
+            slave.set_debug_logging(on, names)
         })
     }
 }
@@ -144,7 +143,7 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
         unsafe {
             if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
                 drop(Box::from_raw(pointer));
-                instance_freed();
+                INSTANCES.fetch_sub(1, Ordering::SeqCst);
             }
         }
     });
@@ -201,11 +200,34 @@ pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallErr
     }
 }
 
-/// A string argument, with what is not UTF-8 replaced.
+/// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as many.
+const LONGEST_TEXT: usize = 1 << 20;
+
+/// A string argument, with what is not UTF-8 replaced; `None` if it is null.
+///
+/// # Errors
+/// It is too long, or there is no memory for the copy.
 ///
 /// # Safety
 /// `pointer` is null or points to a string that ends with a zero.
-pub(crate) unsafe fn text(pointer: *const c_char) -> Option<String> {
-    // SAFETY: not null; the caller grants the zero at the end.
-    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
+pub(crate) unsafe fn text(pointer: *const c_char) -> Result<Option<String>, CallError> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller grants the zero at the end, and nothing beyond it is read.
+    let Some(length) = (0..=LONGEST_TEXT).find(|at| unsafe { *pointer.add(*at) } == 0) else {
+        return refused(format!("a text has more than {LONGEST_TEXT} bytes"));
+    };
+    // SAFETY: as above.
+    let bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>(), length) };
+    let mut text = String::new();
+    for chunk in bytes.utf8_chunks() {
+        for part in [chunk.valid(), if chunk.invalid().is_empty() { "" } else { "\u{fffd}" }] {
+            if let Err(error) = text.try_reserve(part.len()) {
+                return refused(format!("a copy of a text of {length} bytes: {error}"));
+            }
+            text.push_str(part);
+        }
+    }
+    Ok(Some(text))
 }

@@ -14,19 +14,23 @@ use other::Registers;
 use x86_64::Registers;
 
 thread_local! {
-    /// The host's environment, while a C function runs on this thread.
+    /// The host's environment, while code of this library runs in the default one on this thread.
     static HOST: Cell<Option<Registers>> = const { Cell::new(None) };
 }
 
 /// Runs `body` in the default environment, and restores the host's afterwards.
 pub(crate) fn in_default<T>(body: impl FnOnce() -> T) -> T {
-    let _host = Host::leave();
+    if HOST.get().is_some() {
+        return body();
+    }
+    HOST.set(Some(Registers::hold()));
+    let _host = Restore;
     apart(body)
 }
 
 /// Runs a callback of the host in the host's environment. What it changes there is the host's.
 pub(crate) fn in_hosts<T>(callback: impl FnOnce() -> T) -> T {
-    let Some(host) = HOST.get() else {
+    let Some(host) = HOST.take() else {
         return callback();
     };
     host.load();
@@ -41,22 +45,12 @@ fn apart<T>(body: impl FnOnce() -> T) -> T {
     body()
 }
 
-/// Restores the host's environment when it is dropped. C functions nest: a callback may call another one.
-struct Host {
-    outer: Option<Registers>,
-}
+/// Restores the host's environment when it is dropped.
+struct Restore;
 
-impl Host {
-    fn leave() -> Self {
-        Self {
-            outer: HOST.replace(Some(Registers::hold())),
-        }
-    }
-}
-
-impl Drop for Host {
+impl Drop for Restore {
     fn drop(&mut self) {
-        if let Some(host) = HOST.replace(self.outer) {
+        if let Some(host) = HOST.take() {
             host.load();
         }
     }

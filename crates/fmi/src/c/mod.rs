@@ -11,14 +11,12 @@
 //! | `creation` | creation of an instance |
 //! | `stored` | stored states |
 //! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
-//! | `instances` | the number of instances |
 //! | `library` | shared libraries at run time |
 
 pub(super) mod creation;
 pub mod dispatch;
 pub(super) mod entry;
 pub(super) mod floating_point;
-pub(super) mod instances;
 pub(super) mod library;
 pub(super) mod stored;
 

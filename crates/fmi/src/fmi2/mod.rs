@@ -18,17 +18,34 @@
 //! | `functions` | the table of the C functions |
 //! | `creation` | creation of an instance |
 //! | `query` | queries beyond the standard |
-//! | `description` | `modelDescription.xml` and the GUID made from it |
 
 mod creation;
-#[forbid(unsafe_code)]
-mod description;
 #[doc(hidden)]
 pub mod functions;
 pub mod query;
 mod types;
 
-pub(crate) use description::guid_with;
-pub use description::{guid, model_description, model_description_with};
+use crate::description::{document, token};
+use crate::slave::Version;
+use crate::unit::Unit;
+
 pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};
+
+/// The model description of a unit.
+#[must_use]
+pub fn model_description<U: Unit>() -> String {
+    document::<U>(Version::Two, U::data(&U::Settings::default()))
+}
+
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    document::<U>(Version::Two, Some(data))
+}
+
+/// The GUID of a unit: a hash of its description, so that description and binary fit each other.
+#[must_use]
+pub fn guid<U: Unit>() -> String {
+    token::<U>(Version::Two, U::data(&U::Settings::default()))
+}

@@ -1,48 +1,17 @@
 //! Creation of an instance.
 
-use std::ffi::CString;
-
 use libc::c_int;
 use std::ptr;
 
-use super::description::{instantiation_token_with, is_intermediate};
+use super::functions::CO_SIMULATION;
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use super::unsupported::CO_SIMULATION;
-use crate::c::creation::{Arguments, create};
-use crate::c::entry::{array, contain, text};
-use crate::c::floating_point::in_hosts;
-use crate::c::instances::instance_created;
+use crate::c::creation::{Messages, create};
+use crate::c::entry::{array, contain};
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
 use crate::table::Causality;
 use crate::unit::Unit;
-
-/// The importer's function for messages, with its environment.
-struct Importer {
-    log_message: LogMessage,
-    environment: Environment,
-}
-
-impl Sink for Importer {
-    fn send(&self, status: Status, category: Category, message: &str) {
-        let category = CString::new(category.name()).unwrap_or_default();
-        // By the standard, "#" refers to a variable, and "##" is a number sign.
-        let message = CString::new(message.replace('\0', " ").replace('#', "##")).unwrap_or_default();
-        // SAFETY: the importer gave this function, with this environment, for the lifetime of the instance. The strings end with
-        // a zero and exist during the call.
-        in_hosts(|| unsafe {
-            (self.log_message)(self.environment, status as c_int, category.as_ptr(), message.as_ptr());
-        });
-    }
-}
-
-/// The callbacks of the importer.
-pub(super) struct Callbacks {
-    pub environment: Environment,
-    pub log_message: Option<LogMessage>,
-    pub intermediate_update: Option<IntermediateUpdate>,
-}
 
 /// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
 /// before it, not even the packing of arguments.
@@ -53,9 +22,9 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     if processor::suffices() {
         return true;
     }
-    // Not through `Importer`, whose code may need what the processor lacks.
+    // Not through `Messages`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
-        let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2_FMI3.as_ptr());
+        let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
         // SAFETY: as the caller grants.
         unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
@@ -74,69 +43,52 @@ pub(super) unsafe fn instantiate<U: Unit>(
     texts: [Text; 3],
     flags: [Boolean; 3],
     required: (*const Reference, usize),
-    callbacks: Callbacks,
+    (environment, log_message, update): (Environment, Option<LogMessage>, Option<IntermediateUpdate>),
 ) -> Instance {
-    contain(ptr::null_mut(), || {
-        let Callbacks {
-            environment,
-            log_message,
-            intermediate_update,
-        } = callbacks;
-        let importer = log_message.map(|log_message| Importer {
+    let messages = |_| {
+        log_message.map(|log_message| Messages::Three {
             log_message,
             environment,
-        });
-        // SAFETY: null or valid, as the caller grants.
-        let [name, token, path] = texts.map(|pointer| unsafe { text(pointer) });
-        let [debug, events, early_return] = flags.map(|flag| flag != 0);
-        let arguments = Arguments {
-            function: "fmi3InstantiateCoSimulation",
-            name: name.as_deref().map(str::trim),
-            token: ("instantiation token", token.as_deref()),
-            expected: instantiation_token_with::<U>,
-            resources: path.as_deref(),
-            debug,
-        };
-        let master = |warnings: &mut Vec<String>| {
-            // SAFETY: null or valid, as the caller grants.
-            let required = unsafe { array(required) }.map_err(|error| error.to_string())?;
-            let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
-            Ok(Master {
-                version: Version::Three,
-                events,
-                early_return,
-                update: intermediate_update.map(|update| (update, environment)),
-                sets_inputs,
-                intermediate,
-            })
-        };
-        let slave = create::<U>(
-            arguments,
-            master,
-            importer.map(|importer| Box::new(importer) as Box<dyn Sink>),
-        );
-        slave.map_or(ptr::null_mut(), |slave| {
-            instance_created();
-            Box::into_raw(Box::new(slave)).cast()
         })
-    })
+    };
+    let [debug, events, early_return] = flags.map(|flag| flag != 0);
+    let master = |warnings: &mut Vec<String>| {
+        // SAFETY: null or valid, as the caller grants.
+        let required = unsafe { array(required) }.map_err(|error| error.to_string())?;
+        let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
+        Ok(Master {
+            version: Version::Three,
+            events,
+            early_return,
+            update: update.map(|update| (update, environment)),
+            sets_inputs,
+            intermediate,
+        })
+    };
+    // SAFETY: as the caller grants.
+    unsafe { create::<U>(Version::Three, texts, debug, messages, master) }
 }
 
 /// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
 /// them. The others are a warning: some masters name all outputs, and access is refused.
 fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
-    let (mut usable, mut sets_inputs) = (Vec::new(), false);
+    let (mut usable, mut others, mut sets_inputs) = (Vec::new(), Vec::new(), false);
     for &reference in required {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
             ));
         };
-        if is_intermediate(variable) {
+        // A master may name a variable more than once.
+        if usable.contains(&reference) || others.contains(&reference) {
+            continue;
+        }
+        if variable.is_intermediate() {
             usable.push(reference);
             sets_inputs |= variable.causality == Causality::Input;
         } else {
+            others.push(reference);
             warnings.push(format!(
                 "{} can't be set or read in intermediate update mode: only real inputs and outputs can",
                 variable.name
@@ -157,11 +109,11 @@ pub(super) unsafe fn refuse_instance(
 ) -> Instance {
     contain((), || {
         if let Some(log_message) = log_message {
-            let importer = Importer {
+            let messages = Messages::Three {
                 log_message,
                 environment,
             };
-            importer.send(Status::Error, Category::Error, &format!("{function}: {CO_SIMULATION}"));
+            messages.send(Status::Error, Category::Error, &format!("{function}: {CO_SIMULATION}"));
         }
     });
     ptr::null_mut()

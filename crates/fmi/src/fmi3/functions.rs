@@ -3,10 +3,9 @@
 use libc::{c_char, c_int, c_void};
 use std::ptr::null_mut;
 
-use super::creation::{Callbacks, instantiate, processor_suffices, refuse_instance};
+use super::creation::{instantiate, processor_suffices, refuse_instance};
 use super::steps::do_step;
 use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use super::unsupported::{ADJOINT, CO_SIMULATION, DEPENDENCIES, DIRECTIONAL, DISCRETE_STATES, STRUCTURE};
 use crate::c::entry::{
     NULL_RESULT, array, array_mut, enter, free_instance, get, no_such_type, set, set_debug_logging, unsupported,
 };
@@ -15,6 +14,16 @@ use crate::log::Status;
 use crate::slave::{Slave, Type, refused};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
+
+/// Why functions are not supported.
+pub(super) const CO_SIMULATION: &str = "this FMU is for co-simulation only";
+const STRUCTURE: &str = "there are no structural parameters";
+const DISCRETE_STATES: &str = "there are no discrete states (providesEvaluateDiscreteStates is false)";
+const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
+                               (providesDirectionalDerivatives is false)";
+const ADJOINT: &str = "no output depends directly on an input, so every such derivative would be zero \
+                           (providesAdjointDerivatives is false)";
+const DEPENDENCIES: &str = "the model description lists the dependencies (providesPerElementDependencies is false)";
 
 /// Passes the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are stored on request only, so
 /// `noSetFMUStatePriorToCurrentPoint` of `fmi3DoStep` has no effect.
@@ -38,7 +47,7 @@ macro_rules! fmi3_functions {
             let texts = [instance_name, instantiation_token, resource_path];
             let flags = [logging_on, event_mode_used, early_return_allowed];
             let required = (required_intermediate_variables, n_required_intermediate_variables);
-            let callbacks = Callbacks { environment, log_message, intermediate_update };
+            let callbacks = (environment, log_message, intermediate_update);
             instantiate::<U>(texts, flags, required, callbacks)
         } else {
             null_mut()

@@ -20,23 +20,38 @@
 //! | `functions` | the table of the C functions |
 //! | `creation` | creation of an instance |
 //! | `steps` | communication steps, with intermediate update mode |
-//! | `unsupported` | why functions are not supported |
-//! | `description` | `modelDescription.xml` and the instantiation token made from it |
 //! | `terminals` | `terminalsAndIcons.xml` |
 
 mod creation;
-#[forbid(unsafe_code)]
-mod description;
 #[doc(hidden)]
 pub mod functions;
 mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
 mod types;
-#[forbid(unsafe_code)]
-mod unsupported;
 
-pub use description::{instantiation_token, model_description, model_description_with};
+use crate::description::{document, token};
+use crate::slave::Version;
+use crate::unit::Unit;
+
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
 pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+
+/// The model description of a unit.
+#[must_use]
+pub fn model_description<U: Unit>() -> String {
+    document::<U>(Version::Three, U::data(&U::Settings::default()))
+}
+
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    document::<U>(Version::Three, Some(data))
+}
+
+/// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
+#[must_use]
+pub fn instantiation_token<U: Unit>() -> String {
+    token::<U>(Version::Three, U::data(&U::Settings::default()))
+}

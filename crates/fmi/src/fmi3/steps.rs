@@ -18,62 +18,61 @@ use crate::unit::Unit;
 pub(super) unsafe fn do_step<U: Unit>(
     c: Instance,
     function: &str,
-    step: (f64, f64),
-    flags: [*mut Boolean; 3],
-    last_successful_time: *mut f64,
-) -> Status {
-    // SAFETY: as the caller grants.
-    contain(Status::Error, || unsafe {
-        do_step_here::<U>(c, function, step, flags, last_successful_time)
-    })
-}
-
-/// [`do_step`] in the default floating-point environment.
-///
-/// # Safety
-/// As there.
-unsafe fn do_step_here<U: Unit>(
-    c: Instance,
-    function: &str,
     (current, step): (f64, f64),
     flags: [*mut Boolean; 3],
     last_successful_time: *mut f64,
 ) -> Status {
     let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
-    let mut ended = Ended {
-        event: false,
-        early: false,
-        time: f64::NAN,
-    };
-    let mut next = Next::Ended(ended);
-    let mut enter = |next: &mut Next, body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
-        let call = |slave: &mut Slave<U>| -> Result<(), CallError> {
-            let found = body(slave);
-            ended.time = slave.time();
-            *next = found?;
-            Ok(())
+    let body = || {
+        let (mut ended, mut time) = (None, f64::NAN);
+        let mut enter = |next: &mut Option<Next>, body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
+            let call = |slave: &mut Slave<U>| -> Result<(), CallError> {
+                let found = body(slave);
+                time = slave.time();
+                *next = Some(found?);
+                Ok(())
+            };
+            // SAFETY: as the caller grants. No reference to the instance exists during a callback.
+            unsafe { enter(c, function, call) }
         };
-        // SAFETY: as the caller grants. No reference to the instance exists during a callback.
-        unsafe { enter(c, function, call) }
+        let mut next = None;
+        let mut status = enter(&mut next, &|slave| match writable {
+            true => slave.begin_step(current, step),
+            false => refused(NULL_RESULT),
+        });
+        while status == Status::Ok {
+            status = match next.take() {
+                Some(Next::Advance) => enter(&mut next, &Slave::advance_step),
+                Some(Next::Update(update)) => {
+                    // SAFETY: the caller grants that the callback can be called.
+                    let until = unsafe { call_back(update) };
+                    enter(&mut next, &|slave| slave.resume_step(until))
+                }
+                Some(Next::Ended(done)) => {
+                    ended = Some(done);
+                    break;
+                }
+                None => Status::Error,
+            };
+        }
+        (
+            status,
+            ended.unwrap_or(Ended {
+                event: false,
+                early: false,
+                time,
+            }),
+        )
     };
-    let mut status = enter(&mut next, &|slave| match writable {
-        true => slave.begin_step(current, step),
-        false => refused(NULL_RESULT),
-    });
-    while status == Status::Ok {
-        status = match next {
-            Next::Advance => enter(&mut next, &Slave::advance_step),
-            Next::Update(update) => {
-                // SAFETY: the caller grants that the callback can be called.
-                let until = unsafe { call_back(update) };
-                enter(&mut next, &|slave| slave.resume_step(until))
-            }
-            Next::Ended(_) => break,
-        };
-    }
-    if let (Status::Ok, Next::Ended(done)) = (status, next) {
-        ended = done;
-    }
+    let failed = (
+        Status::Error,
+        Ended {
+            event: false,
+            early: false,
+            time: f64::NAN,
+        },
+    );
+    let (status, ended) = contain(failed, body);
     if writable {
         let [event, terminate, early] = flags;
         // SAFETY: none of the places is null.
@@ -92,27 +91,22 @@ unsafe fn do_step_here<U: Unit>(
 /// # Safety
 /// The callback can be called with its environment.
 unsafe fn call_back(update: Update) -> Option<f64> {
-    let Update {
-        function,
-        environment,
-        time,
-        inputs_may_be_set,
-        can_return_early,
-    } = update;
-    let (mut requested, mut until) = (Boolean::from(false), time);
+    let time = update.time;
+    let (set, can_return) = (update.inputs_may_be_set.into(), update.can_return_early.into());
+    let (mut requested, mut until) = (0, time);
     // SAFETY: as the caller grants; the two places exist during the call.
     in_hosts(|| unsafe {
-        function(
-            environment,
+        (update.function)(
+            update.environment,
             time,
-            inputs_may_be_set.into(),
-            Boolean::from(true),
-            Boolean::from(true),
-            can_return_early.into(),
+            set,
+            1,
+            1,
+            can_return,
             &raw mut requested,
             &raw mut until,
         );
     });
     let until = if until.is_finite() { until.max(time) } else { time };
-    (can_return_early && requested != 0).then_some(until)
+    (update.can_return_early && requested != 0).then_some(until)
 }

@@ -8,8 +8,8 @@ use pushbelt_tape::Tape;
 
 /// Latest time and earliest time of a master, s, some three thousand years.
 const LATEST: f64 = 1e11;
-/// The shortest step is so many times the rounding of the time at its end.
-const LEAST_STEP: f64 = 16.0;
+/// A time is known to so many times the rounding of the number: masters reach one point by different sums.
+const UNCERTAIN: f64 = 16.0;
 /// Rounding of a master that sums up its steps, as a share of the time.
 const ROUNDING_OF_TIME: f64 = 1e-9;
 /// The least difference between two communication points that is taken for rounding, as a share of the step.
@@ -69,13 +69,6 @@ impl Clock {
             ));
         }
         let end = current + step;
-        let rounding = f64::EPSILON * end.abs().max(self.origin.abs());
-        if end <= start || step < LEAST_STEP * rounding {
-            return refused(format!(
-                "the step of {step} s is too small for the rounding of the time {start} s: at least {:.1e} s",
-                LEAST_STEP * rounding
-            ));
-        }
         if end > LATEST {
             return refused(format!("the step ends at {end} s, after the latest time, {LATEST:e} s"));
         }
@@ -85,6 +78,7 @@ impl Clock {
         {
             return refused(format!("the step to {end} s ends after the stop time {stop} s"));
         }
+        let rounding = f64::EPSILON * end.abs().max(self.origin.abs());
         if rounding <= LEAST_ROUNDING * step {
             let elapsed = end - self.origin;
             return Ok(Self {
@@ -117,6 +111,11 @@ impl Clock {
         if count.abs() < exact { count / grid } else { time }
     }
 
+    /// Whether a time of the unit, s, is before this point by more than the rounding of the master's times.
+    pub fn is_after(&self, time: f64) -> bool {
+        self.elapsed - time >= UNCERTAIN * f64::EPSILON * self.point.abs().max(self.origin.abs())
+    }
+
     /// The clock at a time of the unit before this point, s.
     pub fn back_at(&self, elapsed: f64) -> Self {
         Self {
@@ -147,7 +146,7 @@ impl Clock {
         tape.real(point);
         tape.real(elapsed);
         tape.real(origin);
-        let rounding = LEAST_STEP * f64::EPSILON * LATEST;
+        let rounding = UNCERTAIN * f64::EPSILON * LATEST;
         let sound = point.abs() <= LATEST
             && (0.0..=2.0 * LATEST).contains(elapsed)
             && (*origin + *elapsed - *point).abs() <= rounding;

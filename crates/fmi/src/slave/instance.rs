@@ -8,9 +8,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
-use super::step_in_progress::StepInProgress;
-use crate::fmi2::guid_with;
-use crate::log::{Category, Log, Sink, Status};
+use super::steps::StepInProgress;
+use crate::description;
+use crate::log::{Category, Log, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
@@ -66,12 +66,6 @@ pub struct Slave<U: Unit> {
 }
 
 impl<U: Unit> Slave<U> {
-    /// A new instance for FMI 2.0 that logs into `sink`.
-    #[must_use]
-    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::with(Master::default(), Log::new(sink, debug), U::Settings::default())
-    }
-
     /// A new instance for a master, with its log and its start values.
     #[must_use]
     pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
@@ -88,7 +82,8 @@ impl<U: Unit> Slave<U> {
 
     /// The GUID of the unit.
     pub(super) fn guid(&self) -> &str {
-        self.guid.get_or_init(|| guid_with::<U>(U::data(&self.start)))
+        self.guid
+            .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
     }
 
     /// State of the state machine.

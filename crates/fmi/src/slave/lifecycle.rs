@@ -9,19 +9,26 @@ use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 impl<U: Unit> Slave<U> {
-    /// Chooses the logged categories; without categories, all.
-    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
+    /// Chooses the logged categories by their names; without any, all.
+    pub fn set_debug_logging(
+        &mut self,
+        on: bool,
+        names: impl IntoIterator<Item = Result<String, CallError>>,
+    ) -> Outcome {
         self.allow(Call::Always)?;
         let mut chosen = Vec::new();
-        for name in categories {
-            if *name == "logAll" {
-                chosen.extend(Category::ALL);
-            } else if let Some(known) = Category::ALL.into_iter().find(|c| c.name() == *name) {
-                chosen.push(known);
-            } else {
+        for name in names {
+            let name = name?;
+            let is_chosen = |category: &Category| name == "logAll" || category.name() == name;
+            let found = Category::ALL.into_iter().filter(is_chosen);
+            let before = chosen.len();
+            chosen.extend(found);
+            if chosen.len() == before {
                 let all = Category::ALL.map(Category::name).join(", ");
                 return refused(format!("no log category {name:?}; there are {all}, logAll"));
             }
+            chosen.sort_unstable();
+            chosen.dedup();
         }
         self.log.choose(on, &chosen);
         Ok(())

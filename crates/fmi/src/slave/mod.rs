@@ -23,7 +23,6 @@ mod error;
 mod instance;
 mod lifecycle;
 mod states;
-mod step_in_progress;
 mod steps;
 mod values;
 

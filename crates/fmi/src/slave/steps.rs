@@ -1,12 +1,21 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
+use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave};
-use super::step_in_progress::StepInProgress;
 use crate::log::{Category, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{CommunicationStep, StepFailure, Unit};
+
+/// A communication step that has begun.
+pub(super) struct StepInProgress<U: Unit> {
+    pub step: CommunicationStep<U>,
+    /// The communication point at which it ends.
+    pub end: Clock,
+    /// Whether it ends early.
+    pub shortened: bool,
+}
 
 /// What comes next in a communication step.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +94,15 @@ impl<U: Unit> Slave<U> {
         } = &mut self.now;
         let end = clock.after(current, step, U::IDENTITY.longest_step, experiment.stop)?;
         let unit = started(unit)?;
+        if !end.is_after(unit.time()) {
+            // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
+            (*clock, *rates, self.now.state) = (end, None, State::StepComplete);
+            return Ok(Next::Ended(Ended {
+                event: false,
+                early: false,
+                time: end.point,
+            }));
+        }
         let mut step = CommunicationStep {
             from: unit.time(),
             // A longer previous step may have ended on a coarser grid, just ahead of this time.

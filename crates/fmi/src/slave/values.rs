@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::error::{CallError, Outcome, refused};
-use super::instance::Slave;
+use super::instance::{Slave, Version};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::{Causality, Inadmissible, Kind, Table, Value, Variable};
@@ -88,22 +88,7 @@ impl<U: Unit> Slave<U> {
     pub fn get_float64(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
         self.allow_intermediate(references)?;
         let expanded = expand(&self.table, references, values.len())?;
-        if !expanded.contains(&TIME) {
-            return self.read(Type::Real, &expanded, values);
-        }
-        let mut known = memory_for(expanded.len())?;
-        known.extend(expanded.iter().filter(|reference| **reference != TIME));
-        let mut found = memory_for(known.len())?;
-        found.resize(known.len(), 0.0);
-        self.read(Type::Real, &known, &mut found)?;
-        let mut found = found.into_iter();
-        for (value, reference) in values.iter_mut().zip(&*expanded) {
-            *value = match reference {
-                &TIME => self.time(),
-                _ => found.next().unwrap_or(f64::NAN),
-            };
-        }
-        Ok(())
+        self.read(Type::Real, &expanded, values)
     }
 
     /// Writes reals and arrays of reals, in FMI 3.0.
@@ -143,11 +128,15 @@ impl<U: Unit> Slave<U> {
         self.read(of, references, values)
     }
 
-    /// The same in intermediate update mode too.
+    /// The same for references that are allowed in the present mode, the time in FMI 3.0 among them.
     fn read<N: Number>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow(Call::Get)?;
+        let time = (of == Type::Real && self.master.version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
         for &reference in references {
+            if reference == TIME && time.is_some() {
+                continue;
+            }
             let variable = find(&self.table, reference, of)?;
             calculated |= !variable.causality.is_setting();
             elements |= variable.is_element();
@@ -165,7 +154,11 @@ impl<U: Unit> Slave<U> {
         let Snapshot { settings, unit, .. } = &mut self.now;
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
         for (&reference, value) in references.iter().zip(values) {
-            if let Some(found) = find(&self.table, reference, of)?.value(settings, readings) {
+            let found = match time {
+                Some(_) if reference == TIME => time,
+                _ => find(&self.table, reference, of)?.value(settings, readings),
+            };
+            if let Some(found) = found {
                 *value = N::from_value(found);
             }
         }

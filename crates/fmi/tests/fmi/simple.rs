@@ -1,7 +1,10 @@
 //! A model without internal steps behind the shorter trait: y' = u t, which depends on the time of its steps.
 
+use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::prelude::*;
-use pushbelt_fmi::slave::{CallError, StatusKind, Type};
+use pushbelt_fmi::slave::Version;
+
+use crate::importer::{BOTH, experiment};
 
 /// Longest step that the model takes, s.
 const LONGEST: f64 = 2.0;
@@ -32,7 +35,7 @@ impl SimpleModel for Ramp {
         if time < 0.0 {
             return Err("the ramp begins at 0 s".into());
         }
-        Ok(Self(0.0))
+        Result::Ok(Self(0.0))
     }
 
     fn readings(&mut self) -> &f64 {
@@ -44,7 +47,7 @@ impl SimpleModel for Ramp {
             return Err(StepFailure::Discarded("the step is too long".into()));
         }
         self.0 += 0.5 * u * (to * to - from * from);
-        Ok(())
+        Result::Ok(())
     }
 
     fn serialize(&mut self, tape: &mut Tape<'_>) {
@@ -52,67 +55,34 @@ impl SimpleModel for Ramp {
     }
 }
 
-type Slave = pushbelt_fmi::Slave<SimpleUnit<Ramp>>;
+type Importer = crate::importer::Importer<SimpleUnit<Ramp>>;
 
-/// A slave in step mode at `time`, s.
-fn running(time: f64) -> Result<Slave, CallError> {
-    let mut slave = Slave::new(None, false);
-    slave.setup_experiment(Experiment {
-        start: time,
-        ..Experiment::default()
-    })?;
-    slave.enter_initialization_mode()?;
-    slave.exit_initialization_mode()?;
-    Ok(slave)
-}
-
-fn output(slave: &mut Slave) -> Result<f64, CallError> {
-    let mut value = [f64::NAN];
-    slave.get(Type::Real, &[2], &mut value)?;
-    Ok(value[0])
+/// An instance at `time`, s, with an input of 4; the status of its start.
+fn started(version: Version, time: f64) -> (Importer, Status) {
+    let importer = Importer::new(version);
+    assert_eq!(importer.enter(experiment(time, None)), Ok);
+    assert_eq!(importer.set(1, 4.0), Ok);
+    let status = importer.exit();
+    (importer, status)
 }
 
 #[test]
-fn steps_begin_at_the_start_time_and_follow_each_other() -> Result<(), CallError> {
-    let mut slave = running(1.0)?;
-    slave.set(Type::Real, &[1], &[4.0])?;
-    slave.do_step(1.0, 1.0)?;
-    assert_eq!(output(&mut slave)?, 6.0);
-    slave.do_step(2.0, 2.0)?;
-    assert_eq!(output(&mut slave)?, 30.0);
-    Ok(())
-}
-
-#[test]
-fn an_error_at_the_start_is_reported() {
-    assert!(running(-1.0).is_err());
-}
-
-#[test]
-fn after_a_discarded_step_a_shorter_one_continues() -> Result<(), CallError> {
-    let mut slave = running(1.0)?;
-    slave.set(Type::Real, &[1], &[4.0])?;
-    assert!(slave.do_step(1.0, 3.0).is_err());
-    let reached = slave.last_successful_time(StatusKind::LastSuccessfulTime as i32)?;
-    assert_eq!((reached, output(&mut slave)?), (1.0, 0.0));
-    slave.do_step(1.0, 1.0)?;
-    assert_eq!(output(&mut slave)?, 6.0);
-    Ok(())
-}
-
-#[test]
-fn a_stored_state_has_model_and_time() -> Result<(), CallError> {
-    let mut slave = running(1.0)?;
-    slave.set(Type::Real, &[1], &[4.0])?;
-    slave.do_step(1.0, 1.0)?;
-    let snapshot = slave.save()?;
-    let bytes = slave.serialize(&snapshot)?;
-
-    let mut other = running(0.0)?;
-    let read = other.deserialize(&bytes)?;
-    other.restore(&read)?;
-    assert_eq!(output(&mut other)?, 6.0);
-    other.do_step(2.0, 1.0)?;
-    assert_eq!(output(&mut other)?, 16.0);
-    Ok(())
+fn steps_begin_at_the_start_time_and_follow_each_other() {
+    for version in BOTH {
+        let (importer, _) = started(version, 1.0);
+        let discarded = importer.step(1.0, 3.0);
+        assert_eq!(
+            (discarded.status, discarded.time, importer.real(2)),
+            (Discard, 1.0, 0.0)
+        );
+        assert_eq!(importer.step(1.0, 1.0).status, Ok, "a shorter one");
+        assert_eq!(importer.real(2), 6.0);
+        let (other, _) = started(version, 0.0);
+        assert_eq!(other.continue_from(&importer.bytes()), Ok);
+        for importer in [importer, other] {
+            assert_eq!(importer.step(2.0, 2.0).status, Ok);
+            assert_eq!(importer.real(2), 30.0);
+        }
+        assert_eq!(started(version, -1.0).1, Error);
+    }
 }

@@ -1,8 +1,13 @@
 //! A toy unit: a tank that fills at a rate, level' = gain·inflow, with internal steps and an event.
 
-use pushbelt_fmi::table::{Access, Array, Causality, Enumeration, Item, Kind, Range, Table, UnitDefinition, Variable};
+use pushbelt_fmi::table::{
+    Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
+};
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure};
 use pushbelt_fmi::{Tape, Unit, setting};
+
+/// An importer of it.
+pub type Importer = crate::importer::Importer<Tank>;
 
 pub const START: u32 = 1;
 pub const GAIN: u32 = 2;
@@ -17,6 +22,8 @@ pub const FULL: u32 = 10;
 /// Value reference of the first of [`DEPTHS`] depths.
 pub const DEPTH: u32 = 11;
 pub const DEPTHS: usize = 3;
+/// Of a variable that an earlier version had.
+pub const OLD: u32 = 98;
 /// No variable has it.
 pub const NONE: u32 = 99;
 
@@ -106,15 +113,28 @@ impl Unit for Tank {
                 nominal: None,
             })
         };
-        let other = |reference, name: &str, causality, kind: Kind<Valves, Gauges>| Variable {
+        type Type = Kind<Valves, Gauges>;
+        let other = |reference, name: &str, causality, kind: Type| Variable {
             reference,
             name: name.into(),
             description: String::new(),
             causality,
             kind,
         };
-        let range = Some((1, 9));
-        let full = Access::Reading(|gauges: &Gauges| gauges.full);
+        let floors = Type::Integer {
+            range: Some((1, 9)),
+            access: setting!(floors),
+        };
+        let shape = Type::Enumeration {
+            of: &SHAPES,
+            access: setting!(shape),
+        };
+        let locked = Type::Boolean {
+            access: setting!(locked),
+        };
+        let full = Type::Boolean {
+            access: Access::Reading(|gauges| gauges.full),
+        };
         let mut variables = vec![
             real(START, "start", Causality::Parameter, setting!(start)),
             real(GAIN, "gain", Causality::Tunable, setting!(gain)),
@@ -124,36 +144,13 @@ impl Unit for Tank {
                 LEVEL,
                 "level",
                 Causality::Output,
-                Access::Reading(|gauges: &Gauges| gauges.level),
+                Access::Reading(|gauges| gauges.level),
             ),
             real(MARK, "mark", Causality::Input, setting!(mark)),
-            other(
-                FLOORS,
-                "floors",
-                Causality::Parameter,
-                Kind::Integer {
-                    range,
-                    access: setting!(floors),
-                },
-            ),
-            other(
-                SHAPE,
-                "shape",
-                Causality::Parameter,
-                Kind::Enumeration {
-                    of: &SHAPES,
-                    access: setting!(shape),
-                },
-            ),
-            other(
-                LOCKED,
-                "locked",
-                Causality::Parameter,
-                Kind::Boolean {
-                    access: setting!(locked),
-                },
-            ),
-            other(FULL, "full", Causality::Output, Kind::Boolean { access: full }),
+            other(FLOORS, "floors", Causality::Parameter, floors),
+            other(SHAPE, "shape", Causality::Parameter, shape),
+            other(LOCKED, "locked", Causality::Parameter, locked),
+            other(FULL, "full", Causality::Output, full),
         ];
         variables.extend((0..DEPTHS).zip(DEPTH..).map(|(at, reference)| {
             let access = Access::Element(|gauges: &Gauges, at| gauges.depths[at], at);
@@ -167,7 +164,14 @@ impl Unit for Tank {
             size: u32::try_from(DEPTHS).expect("few"),
         };
         static ENUMERATIONS: &[&Enumeration] = &[&SHAPES];
-        Table::new(UNITS, ENUMERATIONS, variables).with_arrays(vec![depth])
+        static RETIRED: [Retired; 1] = [Retired {
+            name: "old",
+            reference: OLD,
+            instead: "use start",
+        }];
+        Table::new(UNITS, ENUMERATIONS, variables)
+            .with_arrays(vec![depth])
+            .with_retired(&RETIRED)
     }
 
     fn check(valves: &Valves) -> Result<(), String> {

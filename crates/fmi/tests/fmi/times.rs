@@ -1,53 +1,30 @@
-//! Start, stop and step times of hosts, in both versions of the standard, and times in stored states.
+//! Times and steps of hosts.
 
-use std::cell::RefCell;
-use std::ptr::null_mut;
-use std::rc::Rc;
+use pushbelt_fmi::log::Status::{Error, Ok};
+use pushbelt_fmi::slave::Version::{self, Three, Two};
 
-use pushbelt_fmi::hash;
-use pushbelt_fmi::log::{Category, Log, Sink, Status};
-use pushbelt_fmi::slave::{CallError, Environment, Master, Next, Outcome, Type};
-use pushbelt_fmi::unit::Experiment;
-
-use crate::tank::{INFLOW, LEVEL, Tank, Valves};
-
-type Slave = pushbelt_fmi::Slave<Tank>;
+use crate::importer::{BOTH, Handles};
+use crate::run::{ended, running};
+use crate::tank::*;
 
 /// Seconds since 1970, some day in 2023.
 const TODAY: f64 = 1.7e9;
 
-fn experiment(start: f64, stop: Option<f64>) -> Experiment {
-    Experiment {
-        tolerance: None,
-        start,
-        stop,
-    }
-}
-
-fn running(start: f64, stop: Option<f64>) -> Result<Slave, CallError> {
-    let mut slave = Slave::new(None, false);
-    slave.initialize(experiment(start, stop))?;
-    slave.exit_initialization_mode()?;
-    Ok(slave)
-}
-
-fn level(slave: &mut Slave) -> f64 {
-    let mut value = [f64::NAN];
-    slave.get(Type::Real, &[LEVEL], &mut value).expect("a level");
-    value[0]
+fn running_from(version: Version, start: f64) -> Importer {
+    let importer = Importer::new(version);
+    importer.start_at(start);
+    importer
 }
 
 /// Levels after steps of 0.1 ms under an inflow that changes, by a host that counts time in its way.
 fn levels(start: f64, mut next: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
-    let mut slave = running(start, None).expect("a run");
+    let importer = running_from(Two, start);
     let mut time = start;
-    let step = |k: usize| {
-        slave.set(Type::Real, &[INFLOW], &[(k % 7) as f64]).expect("an inflow");
-        slave
-            .do_step(time, 1e-4)
-            .unwrap_or_else(|error| panic!("{k}, {time}: {error}"));
-        time = next(time, start + 1e-4 * (k + 1) as f64);
-        level(&mut slave)
+    let step = |k: u32| {
+        assert_eq!(importer.set(INFLOW, f64::from(k % 7)), Ok);
+        assert_eq!(importer.step(time, 1e-4).status, Ok, "{k}, {time}: {}", importer.last());
+        time = next(time, start + 1e-4 * f64::from(k + 1));
+        importer.real(LEVEL)
     };
     (0..3000).map(step).collect()
 }
@@ -57,147 +34,96 @@ fn a_late_run_equals_one_from_zero() {
     let expected = levels(0.0, |time, _| time + 1e-4);
     for sums in [true, false] {
         let found = levels(TODAY, |time, product| if sums { time + 1e-4 } else { product });
-        let worst = found
-            .iter()
-            .zip(&expected)
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max);
+        let differences = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
+        let worst = differences.fold(0.0, f64::max);
         assert!(worst < 1e-9, "{sums}: {worst}");
     }
 }
 
 #[test]
-fn times_without_room_for_a_step_are_refused() {
-    for start in [1e14, -1e14, 1e300, f64::NAN, f64::INFINITY] {
-        assert!(
-            Slave::new(None, false)
-                .setup_experiment(experiment(start, None))
-                .is_err(),
-            "{start}"
-        );
-        assert!(running(start, None).is_err(), "{start}");
-    }
-    let mut slave = running(1e11, None).expect("the latest start");
-    assert!(slave.do_step(1e11, 1.0).is_err(), "the end is too late");
-    let mut slave = running(1e10, None).expect("a start");
-    for size in [1e-300, 1e-6, 1e-5] {
-        let refused = slave.do_step(1e10, size).expect_err("below the rounding").to_string();
-        assert!(
-            refused.contains(&format!("{size} s")) && refused.contains("10000000000 s"),
-            "{refused}"
-        );
-    }
-    slave.do_step(1e10, 1e-3).expect("some times the rounding");
-    for size in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
-        assert!(slave.do_step(slave.time(), size).is_err(), "{size}");
-    }
+fn a_late_step_that_has_been_done_is_refused() {
+    let importer = running_from(Two, 1e6);
+    assert_eq!(importer.step(1e6, 1e-3).status, Ok);
+    assert_eq!(importer.step(1e6, 1e-3).status, Error, "this step has been done");
+    assert_eq!(importer.step(1e6 + 1e-3, 1e-3).status, Ok);
+    let latest = running_from(Two, 1e11);
+    assert_eq!(latest.step(1e11, 1.0).status, Error, "the end is too late");
 }
 
+/// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the point at which the next one begins.
 #[test]
-fn an_infinite_stop_time_is_none() {
-    let set_up = |start, stop| -> [Outcome; 2] {
-        [Slave::setup_experiment, Slave::initialize]
-            .map(|call| call(&mut Slave::new(None, false), experiment(start, Some(stop))))
-    };
-    let mut slave = running(-3.0, Some(f64::INFINITY)).expect("a run");
-    slave.do_step(-3.0, 50.0).expect("no stop");
-    let stored = slave.save().expect("a state");
-    let bytes = slave.serialize(&stored).expect("bytes");
-    slave.deserialize(&bytes).expect("the same state");
-    for (start, stop) in [(0.0, -1.0), (0.0, f64::NEG_INFINITY), (0.0, f64::NAN), (5.0, 4.0)] {
-        assert!(set_up(start, stop).iter().all(Result::is_err), "{start} to {stop}");
-    }
-    assert!(set_up(-2.0, -1.0).iter().all(Result::is_ok));
-    assert!(set_up(0.0, f64::MAX).iter().all(Result::is_ok));
-}
-
-/// Each number of a stored state in turn is NaN, infinite or of another time.
-#[test]
-fn wild_numbers_in_a_stored_state_are_refused() {
-    let mut slave = running(5.0, None).expect("a run");
-    slave.do_step(5.0, 1.0).expect("a step");
-    let stored = slave.save().expect("a state");
-    let good = slave.serialize(&stored).expect("bytes");
-    let head = 36;
-    let content = good.len() - 16;
-    let forged = |at: usize, number: f64| {
-        let mut bytes = good[..content].to_vec();
-        bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
-        let checksum = hash::of_words(&bytes);
-        bytes.extend(checksum.to_le_bytes());
-        bytes
-    };
-    let places = |number: f64| -> Vec<usize> {
-        let is_there = |at: &usize| good[*at..at + 8] == number.to_le_bytes();
-        (head..content - 7).filter(is_there).collect()
-    };
-    // Start, point and origin; elapsed and the tank's time; level; flow and inflow.
-    for (number, count) in [(5.0, 2), (6.0, 1), (1.0, 2), (3.0, 1), (2.0, 2)] {
-        assert!(places(number).len() >= count, "{number}: {:?}", places(number));
-        for at in places(number) {
-            for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                assert!(
-                    slave.deserialize(&forged(at, wild)).is_err(),
-                    "{number} at {at}: {wild}"
-                );
+fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
+    for version in BOTH {
+        for (start, steps) in [(0.0, [1e-300, 1e-18, 3e-17]), (TODAY, [1e-300, 1e-7, 5e-7])] {
+            let importer = running_from(version, start);
+            assert_eq!(importer.step(start, 0.1).status, Ok);
+            let (mut time, level) = (start + 0.1, importer.real(LEVEL));
+            for size in steps {
+                assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
+                assert_eq!(importer.real(LEVEL), level, "{size}");
+                time += size;
+            }
+            assert_eq!(importer.step(time, 0.1).status, Ok);
+            assert!((importer.real(LEVEL) - level - 0.2).abs() < 3e-6);
+            for size in [0.0, -1e-300] {
+                assert_eq!(importer.step(time + 0.1, size).status, Error, "{size}");
             }
         }
     }
-    for at in places(5.0).into_iter().chain(places(6.0)) {
-        assert!(slave.deserialize(&forged(at, 1e14)).is_err(), "a late time at {at}");
+    // Steps of less than the rounding add up.
+    let importer = running_from(Two, TODAY);
+    let mut time = TODAY;
+    for _ in 0..1000 {
+        assert_eq!(importer.step(time, 1e-6).status, Ok, "{}", importer.last());
+        time += 1e-6;
     }
-    let last = *places(1.0).last().expect("the tank's time");
-    for time in [1e14, 2.0, -1.0] {
-        assert!(slave.deserialize(&forged(last, time)).is_err(), "{time}");
-    }
-    slave.deserialize(&forged(last, 1.0)).expect("nothing has changed");
+    assert!((importer.real(LEVEL) - 1.0 - 2e-3).abs() < 2e-5);
 }
 
-extern "C" fn never(_: Environment, _: f64, _: u8, _: u8, _: u8, _: u8, _: *mut u8, _: *mut f64) {}
-
-type Messages = Rc<RefCell<Vec<String>>>;
-
-struct MessageSink(Messages);
-
-impl Sink for MessageSink {
-    fn send(&self, _: Status, _: Category, text: &str) {
-        self.0.borrow_mut().push(text.into());
+/// The unit steps to the same times, bit for bit, however a master sums up its steps.
+#[test]
+fn sums_and_products_of_steps_give_the_same_times() {
+    for size in [1e-3, 1e-2 / 3.0, 0.25, 7e-6] {
+        let [sums, products] = [Two, Three].map(running);
+        let mut time = 0.0;
+        for k in 0..1000 {
+            assert_eq!(sums.step(time, size).status, Ok, "{size}, {k}");
+            let product = f64::from(k) * size;
+            assert_eq!(products.step(product, f64::from(k + 1) * size - product).status, Ok);
+            let reached = [sums.real(LEVEL), products.real(LEVEL)];
+            assert_eq!(reached[0].to_bits(), reached[1].to_bits(), "{size}, {k}");
+            assert!((reached[0] - 1.0 - 2.0 * (product + size)).abs() < 1e-5 * size + 1e-9);
+            time += size;
+        }
     }
+}
+
+#[test]
+fn a_short_step_can_follow_a_long_one() {
+    let importer = running(Two);
+    let mut time = 0.0;
+    for size in [0.123_456_789_123, 1e-5, 1e-8, 1.0 / 3.0, 1e-10, 1e-7] {
+        assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
+        time += size;
+    }
+    assert!((importer.real(LEVEL) - 1.0 - 2.0 * time).abs() < 1e-6);
 }
 
 /// A master with callback has its own times in the updates, in an early return and in messages.
 #[test]
 fn intermediate_updates_have_the_masters_times() {
-    let messages = Messages::default();
-    let master = Master {
-        early_return: true,
-        update: Some((never, null_mut())),
-        ..Master::default()
-    };
-    let log = Log::new(Some(Box::new(MessageSink(messages.clone()))), true);
-    let mut slave = Slave::with(master, log, Valves::default());
-    slave.initialize(experiment(TODAY, None)).expect("a start");
-    slave.exit_initialization_mode().expect("a start");
-    assert!(
-        messages
-            .borrow()
-            .last()
-            .is_some_and(|text| text.contains("start at 1700000000 s"))
-    );
-    let mut next = slave.begin_step(TODAY, 1.0).expect("a step");
-    assert!(matches!(next, Next::Advance));
-    next = slave.advance_step().expect("an internal step");
-    let Next::Update(update) = next else { panic!("{next:?}") };
-    assert_eq!((update.time, slave.time()), (TODAY + 0.25, TODAY + 0.25));
-    slave.resume_step(Some(TODAY + 0.375)).expect("an early end");
-    next = slave.advance_step().expect("an internal step");
-    let Next::Update(update) = next else { panic!("{next:?}") };
-    assert_eq!(update.time, TODAY + 0.375);
-    next = slave.resume_step(None).expect("an end");
-    let Next::Ended(ended) = next else { panic!("{next:?}") };
-    assert_eq!(
-        (ended.early, ended.time, slave.time()),
-        (true, TODAY + 0.375, TODAY + 0.375)
-    );
-    slave.begin_step(TODAY + 0.375, 0.5).expect("the next step");
+    let importer = Importer::handling(Three, Handles::of(false, true, &[LEVEL]));
+    importer.start_at(TODAY);
+    importer.assert_logged("start at 1700000000 s");
+    importer.answer(|update| (update.time == TODAY + 0.25).then_some(TODAY + 0.375));
+    assert_eq!(importer.step(TODAY, 1.0), ended(false, true, TODAY + 0.375));
+    let times: Vec<_> = importer
+        .record
+        .updates
+        .borrow()
+        .iter()
+        .map(|update| update.time)
+        .collect();
+    assert_eq!(times, [TODAY + 0.25, TODAY + 0.375]);
+    assert_eq!(importer.step(TODAY + 0.375, 0.5).status, Ok);
 }

@@ -1,0 +1,1 @@
+"""Benchmarks of Python programs: `cargo fmu bench` with an option."""

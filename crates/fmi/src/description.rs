@@ -1,0 +1,281 @@
+//! `modelDescription.xml` of both versions, generated from the variable table, and the token made from it: the GUID of FMI 2.0, the
+//! instantiation token of FMI 3.0.
+//!
+//! Names, value references, units and limits are the same in both. The elements of an array in FMI 2.0 are one array in FMI 3.0, with the
+//! value reference of its first element. Its size is fixed: FMI 2.0 names each element.
+
+use super::hash;
+use super::log::Category;
+use super::slave::{TIME, Version};
+use super::table::{Causality, Enumeration, Kind, Table, UnitDefinition, Value, Variable};
+use super::unit::{Identity, Unit};
+use super::xml::{Element, Number};
+use Version::{Three, Two};
+
+/// The model description of a unit whose resources have data of this hash.
+pub(crate) fn document<U: Unit>(version: Version, data: Option<u128>) -> String {
+    describe::<U>(version, &token::<U>(version, data)).document()
+}
+
+/// A hash of the description without token, in the form of a GUID, so that description and binary fit each other. The hash of the data
+/// is in it by the bitwise exclusive or: a tool that replaces the data of an FMU can calculate the new token from the old one.
+pub(crate) fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
+    let description = describe::<U>(version, "").document();
+    let digits = format!(
+        "{:032x}",
+        hash::of_bytes(description.as_bytes()) ^ data.unwrap_or_default()
+    );
+    let [a, b, c, d, e] = [0..8, 8..12, 12..16, 16..20, 20..32].map(|range| &digits[range]);
+    format!("{{{a}-{b}-{c}-{d}-{e}}}")
+}
+
+fn describe<U: Unit>(version: Version, token: &str) -> Element {
+    let (table, settings) = (U::table(), U::Settings::default());
+    let variables = table.variables().iter();
+    let variables: Vec<_> = match version {
+        Two => variables.map(|one| scalar_variable(one, &settings)).collect(),
+        Three => {
+            let described = variables.filter_map(|one| model_variable(&table, one, &settings));
+            [time()].into_iter().chain(described).collect()
+        }
+    };
+    let types = table.enumerations.iter().map(|one| type_definition(version, one));
+    head(version, &U::IDENTITY, token)
+        .child(capabilities::<U>(version))
+        .list("UnitDefinitions", table.units.iter().map(unit_definition))
+        .list("TypeDefinitions", types)
+        .child(log_categories(version))
+        .child(default_experiment(&U::IDENTITY))
+        .list("ModelVariables", variables)
+        .child(model_structure(version, &table))
+}
+
+fn head(version: Version, identity: &Identity, value: &str) -> Element {
+    let (number, token) = match version {
+        Two => ("2.0", "guid"),
+        Three => ("3.0", "instantiationToken"),
+    };
+    Element::new("fmiModelDescription")
+        .with("fmiVersion", number)
+        .with("modelName", identity.name)
+        .with(token, value)
+        .with("description", identity.description)
+        .with("author", identity.author)
+        .with("version", identity.version)
+        .with("license", identity.license)
+        .with("generationTool", identity.generation_tool)
+        .with("variableNamingConvention", "structured")
+}
+
+fn capabilities<U: Unit>(version: Version) -> Element {
+    let element = Element::new("CoSimulation").with("modelIdentifier", U::IDENTITY.name);
+    let derivatives = U::OUTPUT_DERIVATIVES.then_some(1);
+    match version {
+        Two => element
+            .with("canHandleVariableCommunicationStepSize", true)
+            .with_some("canInterpolateInputs", U::INTERPOLATES_INPUTS.then_some(true))
+            .with_some("maxOutputDerivativeOrder", derivatives)
+            .with("canNotUseMemoryManagementFunctions", true)
+            .with("canGetAndSetFMUstate", true)
+            .with("canSerializeFMUstate", true),
+        // Inputs may jump between the unit's internal steps, but without `recommendedIntermediateInputSmoothness="-1"`: checkers stop
+        // at a negative number.
+        Three => element
+            .with("canGetAndSetFMUState", true)
+            .with("canSerializeFMUState", true)
+            .with("canHandleVariableCommunicationStepSize", true)
+            .with("providesIntermediateUpdate", true)
+            .with("mightReturnEarlyFromDoStep", true)
+            .with("canReturnEarlyAfterIntermediateUpdate", true)
+            .with("hasEventMode", true)
+            .with_some("maxOutputDerivativeOrder", derivatives),
+    }
+}
+
+fn default_experiment(identity: &Identity) -> Element {
+    Element::new("DefaultExperiment")
+        .with("startTime", 0)
+        .with("stopTime", Number(identity.stop_time))
+        .with("tolerance", Number(identity.tolerance))
+        .with("stepSize", Number(identity.step_size))
+}
+
+/// A unit, with its display units.
+fn unit_definition(unit: &UnitDefinition) -> Element {
+    let exponents = unit.exponents.iter();
+    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, exponent)| {
+        base.with(name, exponent)
+    });
+    let display = unit.display.iter().map(|(name, factor)| {
+        let display = Element::new("DisplayUnit").with("name", name);
+        display.with("factor", Number(*factor))
+    });
+    Element::new("Unit")
+        .with("name", unit.name)
+        .child(base)
+        .children(display)
+}
+
+fn type_definition(version: Version, enumeration: &Enumeration) -> Element {
+    let items = enumeration.items.iter().map(|item| {
+        Element::new("Item")
+            .with("name", item.name)
+            .with("value", item.value)
+            .with("description", item.description)
+    });
+    let named = |tag| {
+        Element::new(tag)
+            .with("name", enumeration.name)
+            .with("description", enumeration.description)
+    };
+    match version {
+        Two => named("SimpleType").child(Element::new("Enumeration").children(items)),
+        Three => named("EnumerationType").children(items),
+    }
+}
+
+/// Categories of the log. Without debug logging FMI 2.0 has warnings and discards too, FMI 3.0 only errors.
+fn log_categories(version: Version) -> Element {
+    let describe = |category| match (category, version) {
+        (Category::Error, _) => "Why a call failed (always logged)",
+        (Category::Warning, Two) => "What looks wrong but lets the run go on (logged without debug logging too)",
+        (Category::Warning, Three) => "What looks wrong but lets the run go on",
+        (Category::Discard, Two) => {
+            "Why a value was not taken or a step not completed (logged without debug logging too)"
+        }
+        (Category::Discard, Three) => "Why a step could not be completed",
+        (Category::Events, Two) => "What the unit did, e.g. how it found its initial state",
+        (Category::Events, Three) => "What the unit did, e.g. how it found its initial state, and the events of a run",
+    };
+    Element::new("LogCategories").children(Category::ALL.into_iter().map(|category| {
+        Element::new("Category")
+            .with("name", category.name())
+            .with("description", describe(category))
+    }))
+}
+
+/// The independent variable.
+fn time() -> Element {
+    Element::new("Float64")
+        .with("name", "time")
+        .with("valueReference", TIME)
+        .with("description", "Time of the simulation")
+        .with("causality", "independent")
+        .with("variability", "continuous")
+        .with("unit", "s")
+}
+
+fn scalar_variable<S, R>(variable: &Variable<S, R>, settings: &S) -> Element {
+    let tag = match &variable.kind {
+        Kind::Real { .. } => "Real",
+        Kind::Integer { .. } => "Integer",
+        Kind::Boolean { .. } => "Boolean",
+        Kind::Enumeration { .. } => "Enumeration",
+    };
+    let head = variable_head("ScalarVariable", variable, [&variable.name, &variable.description]);
+    head.child(typed(Element::new(tag), variable, settings))
+}
+
+/// The element of a variable or of the array that begins with it; `None` for further elements of an array.
+fn model_variable<S, R>(table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
+    let array = table.array_of(variable.reference);
+    let names = match array {
+        Some(array) if array.first != variable.reference => return None,
+        Some(array) => [&array.name, &array.description],
+        None => [&variable.name, &variable.description],
+    };
+    let tag = match &variable.kind {
+        Kind::Real { .. } => "Float64",
+        Kind::Integer { .. } => "Int32",
+        Kind::Boolean { .. } => "Boolean",
+        Kind::Enumeration { .. } => "Enumeration",
+    };
+    let head = variable_head(tag, variable, names);
+    let head = head.with_some("intermediateUpdate", variable.is_intermediate().then_some(true));
+    let size = array.map(|array| Element::new("Dimension").with("start", array.size));
+    Some(typed(head, variable, settings).children(size))
+}
+
+/// The element of a variable, or of the array that begins with it, whatever its type.
+fn variable_head<S, R>(tag: &'static str, variable: &Variable<S, R>, [name, description]: [&String; 2]) -> Element {
+    let changes = match variable.kind {
+        Kind::Real { .. } => "continuous",
+        _ => "discrete",
+    };
+    let (causality, variability, initial) = match variable.causality {
+        Causality::Parameter => ("parameter", "fixed", Some("exact")),
+        Causality::Tunable => ("parameter", "tunable", Some("exact")),
+        // An input has a start value, but the standard forbids the attribute "initial" for it.
+        Causality::Input => ("input", changes, None),
+        Causality::Output => ("output", changes, Some("calculated")),
+        Causality::Local => ("local", changes, Some("calculated")),
+    };
+    Element::new(tag)
+        .with("name", name)
+        .with("valueReference", variable.reference)
+        .with("description", description)
+        .with("causality", causality)
+        .with("variability", variability)
+        .with_some("initial", initial)
+}
+
+/// With the attributes of a variable's type, and its start value if it is a setting.
+fn typed<S, R>(element: Element, variable: &Variable<S, R>, settings: &S) -> Element {
+    let element = match &variable.kind {
+        Kind::Real {
+            unit,
+            display_unit,
+            range,
+            ..
+        } => element
+            .with("unit", unit)
+            .with_some("displayUnit", *display_unit)
+            .with_some("min", range.min.map(Number))
+            .with_some("max", range.max.map(Number))
+            .with_some("nominal", range.nominal.map(Number)),
+        Kind::Integer { range, .. } => element
+            .with_some("min", range.map(|(min, _)| min))
+            .with_some("max", range.map(|(_, max)| max)),
+        Kind::Boolean { .. } => element,
+        Kind::Enumeration { of, .. } => element.with("declaredType", of.name),
+    };
+    match variable.value(settings, None) {
+        Some(Value::Real(start)) => element.with("start", Number(start)),
+        start => element.with_some("start", start),
+    }
+}
+
+/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs depend on
+/// settings, on all of them where there is no list (FMI 2.0, definition of the model structure; section 2.4.8 of FMI 3.0.2).
+fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
+    // FMI 2.0 counts variables from 1; FMI 3.0 has their value references.
+    let number = |place: usize| match version {
+        Two => (place + 1).to_string(),
+        Three => table.variables()[place].reference.to_string(),
+    };
+    let places = 0..table.variables().len();
+    let outputs = places.filter(|place| table.variables()[*place].causality == Causality::Output);
+    let unknown = |tag, place: usize| match version {
+        Two => Element::new("Unknown").with("index", number(place)),
+        Three => Element::new(tag).with("valueReference", number(place)),
+    };
+    let depending = |unknown: Element, known: &[usize]| {
+        let numbers: Vec<_> = known.iter().map(|place| number(*place)).collect();
+        unknown
+            .with("dependencies", numbers.join(" "))
+            .with("dependenciesKind", vec!["dependent"; known.len()].join(" "))
+    };
+    let in_run = outputs.clone().map(|place| depending(unknown("Output", place), &[]));
+    let initial = outputs.map(|place| {
+        let unknown = unknown("InitialUnknown", place);
+        match table.initial_dependencies(&table.variables()[place]) {
+            Some(places) => depending(unknown, &places),
+            None => unknown,
+        }
+    });
+    let structure = Element::new("ModelStructure");
+    match version {
+        Two => structure.list("Outputs", in_run).list("InitialUnknowns", initial),
+        Three => structure.children(in_run).children(initial),
+    }
+}

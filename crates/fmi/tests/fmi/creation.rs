@@ -1,0 +1,298 @@
+//! Creation of an instance, its start values, its log.
+
+use std::ffi::{CStr, CString};
+use std::fs;
+use std::path::PathBuf;
+
+use pushbelt_fmi::log::Status::{Discard, Error, Ok};
+use pushbelt_fmi::slave::Version::{self, Three, Two};
+use pushbelt_fmi::start_values::FILE;
+
+use crate::importer::{Arguments, BOTH, experiment, token};
+use crate::tank::*;
+
+fn function(version: Version) -> &'static str {
+    match version {
+        Two => "fmi2Instantiate: ",
+        Three => "fmi3InstantiateCoSimulation: ",
+    }
+}
+
+/// There is no instance, for this reason.
+fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
+    let importer = Importer::with(version, arguments);
+    assert!(importer.c.is_null(), "{why}");
+    importer.assert_logged(why);
+    importer.assert_logged(function(version));
+}
+
+#[test]
+fn an_instance_needs_a_name_the_right_token_and_kind() {
+    for version in BOTH {
+        let right = token::<Tank>(version);
+        let of = |name, token| Arguments {
+            name,
+            token,
+            ..Arguments::of(&right)
+        };
+        let name = Some(c"tank");
+        assert_refused(version, &of(None, Some(&right)), "the instance name is missing");
+        assert_refused(version, &of(Some(c""), Some(&right)), "the instance name is missing");
+        assert_refused(version, &of(name, None), " is missing");
+        assert_refused(version, &of(name, Some(c"{0}")), " {0} is not that of this binary");
+        let importer = Importer::with(version, &of(name, Some(&right)));
+        assert!(!importer.c.is_null() && importer.last().is_empty());
+    }
+    let two = token::<Tank>(Two);
+    let exchange = Arguments {
+        kind: 0,
+        ..Arguments::of(&two)
+    };
+    assert_refused(Two, &exchange, "for co-simulation only");
+    let three = token::<Tank>(Three);
+    let mut of_three = Arguments::of(&three);
+    of_three.handles.required = &[LEVEL, NONE];
+    assert_refused(Three, &of_three, "no variable has the value reference 99");
+    let blank = Arguments {
+        name: Some(c" "),
+        ..Arguments::of(&three)
+    };
+    assert_refused(Three, &blank, "the instance name is missing");
+}
+
+/// A text is copied only up to a length, so a host's mistake takes no memory.
+#[test]
+fn a_text_without_end_is_refused() {
+    let long = CString::new("x".repeat((1 << 20) + 1)).expect("no zero inside");
+    let longest = CStr::from_bytes_with_nul(&long.as_bytes_with_nul()[1..]).expect("a zero at the end");
+    for version in BOTH {
+        let right = token::<Tank>(version);
+        for which in 0..3 {
+            let mut arguments = Arguments::of(&right);
+            let place = match which {
+                0 => &mut arguments.name,
+                1 => &mut arguments.token,
+                _ => &mut arguments.location,
+            };
+            *place = Some(&long);
+            assert_refused(version, &arguments, "a text has more than 1048576 bytes");
+        }
+        let arguments = Arguments {
+            name: Some(longest),
+            ..Arguments::of(&right)
+        };
+        let importer = Importer::with(version, &arguments);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        assert_eq!(importer.log(true, &[&long]), Error);
+        importer.assert_logged("1048576 bytes");
+        assert_eq!(importer.log(true, &[c"logEvents", longest]), Error);
+        importer.assert_logged("no log category");
+        importer.start();
+    }
+}
+
+#[test]
+fn what_is_not_utf_8_in_a_text_is_replaced() {
+    for version in BOTH {
+        let right = token::<Tank>(version);
+        let arguments = Arguments {
+            token: Some(c"a\xffb"),
+            ..Arguments::of(&right)
+        };
+        assert_refused(version, &arguments, "a\u{fffd}b is not that");
+    }
+}
+
+#[test]
+fn a_resource_location_that_cannot_be_searched_is_skipped() {
+    let long = CString::new(format!("file:///tmp/{}", "x".repeat(5000))).expect("no zero inside");
+    for (location, warning) in [(&*long, ""), (c"http://a/b", "is not a file: URI")] {
+        let right = token::<Tank>(Two);
+        let arguments = Arguments {
+            location: Some(location),
+            ..Arguments::of(&right)
+        };
+        let importer = Importer::with(Two, &arguments);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        importer.assert_logged(warning);
+    }
+}
+
+/// A folder of resources, removed at the end.
+struct Resources(PathBuf);
+
+impl Resources {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("pushbelt-fmi {name} {}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        Self(folder)
+    }
+
+    /// An instance with this token in which the resources are a URI in FMI 2.0 and a path in FMI 3.0.
+    fn instance(&self, version: Version, token: &CStr) -> Importer {
+        let path = self.0.to_str().expect("UTF-8");
+        let location = match version {
+            Two => format!("file://{}", path.replace(' ', "%20")),
+            Three => path.to_owned(),
+        };
+        let location = CString::new(location).expect("no zero inside");
+        let arguments = Arguments {
+            location: Some(&location),
+            debug: true,
+            ..Arguments::of(token)
+        };
+        Importer::with(version, &arguments)
+    }
+
+    fn write(&self, content: impl AsRef<[u8]>) {
+        fs::write(self.0.join(FILE), content).expect("a file");
+    }
+}
+
+impl Drop for Resources {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn start_values_come_from_the_resources() {
+    let resources = Resources::new("good");
+    resources.write("# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
+    for version in BOTH {
+        let importer = resources.instance(version, &token::<Tank>(version));
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        assert_eq!(importer.set(GAIN, 4.0), Ok);
+        for gain in [4.0, 2.0] {
+            assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+            assert_eq!(importer.reals(&[LEVEL, GAIN], 2), Result::Ok(vec![3.0, gain]), "{gain}");
+            assert_eq!(importer.integer(FLOORS), Result::Ok(4));
+            assert_eq!(importer.integer(SHAPE), Result::Ok(2));
+            assert_eq!(importer.boolean(LOCKED), Result::Ok(true));
+            assert_eq!(importer.reset(), Ok, "and again after a reset");
+        }
+    }
+}
+
+#[test]
+fn an_unusable_file_is_an_error_that_names_it() {
+    let resources = Resources::new("bad");
+    let token = token::<Tank>(Two);
+    let large = [b'#'; (1 << 20) + 1];
+    for (content, why) in [
+        (&b"start"[..], "line 1: \"start\" is not of the form name = value"),
+        (b"start = 1\nstart = 1", "line 2: start is set twice"),
+        (b"level = 1", "level is calculated"),
+        (b"\nsleep = 1", "line 2: there is no variable \"sleep\""),
+        (b"old = 1", "old (value reference 98) was removed: use start"),
+        (b"start = x", "start = \"x\" is not a number"),
+        (b"start = nan", "start = NaN is not a finite number"),
+        (b"start = -2000", "start = -2000 is out of range: at least -1000"),
+        (b"floors = 1.5", "floors = \"1.5\" is not a whole number"),
+        (b"floors = 10", "floors = 10 is out of range: 1 to 9"),
+        (b"shape = 3", "shape = 3 is out of range: 1 Round, 2 Square"),
+        (b"locked = 1", "locked = \"1\" is not a truth value"),
+        (b"\xff\xfe", "not text in UTF-8"),
+        (&large, "more than 1048576 bytes"),
+    ] {
+        resources.write(content);
+        let importer = resources.instance(Two, &token);
+        assert!(importer.c.is_null(), "{why}");
+        importer.assert_logged(why);
+        importer.assert_logged(FILE);
+    }
+    fs::remove_file(resources.0.join(FILE)).expect("there");
+    let importer = resources.instance(Two, &token);
+    assert!(!importer.c.is_null(), "without the file the defaults hold");
+    fs::create_dir(resources.0.join(FILE)).expect("a folder");
+    let importer = resources.instance(Two, &token);
+    assert!(importer.c.is_null());
+    importer.assert_logged("not a file");
+}
+
+/// A copy of the FMU with start values has a token of its own, and does not start without them.
+#[test]
+fn a_copy_with_start_values_needs_its_file() {
+    for version in BOTH {
+        let token = token::<Tank>(version).into_string().expect("UTF-8");
+        let text = |text: String| CString::new(text).expect("no zero inside");
+        let copy = text(format!("{}0123-0123456789ab}}", &token[..20]));
+        let resources = Resources::new("copy");
+        resources.write("start = 3");
+        let importer = resources.instance(version, &copy);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        importer.start();
+        assert_eq!(importer.real(LEVEL), 3.0);
+        let changed = if token.starts_with("{0") { '1' } else { '0' };
+        let other = text(format!("{{{changed}{}", &token[2..]));
+        assert!(
+            resources.instance(version, &other).c.is_null(),
+            "the token of another FMU"
+        );
+        fs::remove_file(resources.0.join(FILE)).expect("there");
+        let importer = resources.instance(version, &copy);
+        assert!(importer.c.is_null());
+        importer.assert_logged(resources.0.to_str().expect("UTF-8"));
+        for location in [c"", c"http://a/b"] {
+            let arguments = Arguments {
+                location: Some(location),
+                ..Arguments::of(&copy)
+            };
+            assert_refused(version, &arguments, "this copy of the FMU has start values of its own");
+            assert_refused(version, &arguments, "passed no resource location");
+        }
+    }
+}
+
+#[test]
+fn errors_are_logged_always_and_the_rest_on_request() {
+    for version in BOTH {
+        let importer = Importer::with(version, &Arguments::of(&token::<Tank>(version)));
+        let taken = || std::mem::take(&mut *importer.record.messages.borrow_mut());
+        // In FMI 2.0 warnings and discarded values are no debug messages.
+        let quiet = version == Three;
+        assert_eq!(importer.set(START, 6.0), Ok);
+        importer.start();
+        let warnings = taken();
+        assert_eq!(warnings.len(), usize::from(!quiet), "{warnings:?}");
+        if let [(status, category, text)] = &warnings[..] {
+            assert_eq!(
+                (*status, &**category, &**text),
+                (1, "logStatusWarning", "filled to 100%s 6")
+            );
+        }
+        assert_eq!(importer.set(GAIN, 99.0), Discard);
+        assert_eq!(taken().len(), usize::from(!quiet));
+        assert_eq!(importer.step(9.0, 1.0).status, Error);
+        let errors = taken();
+        assert_eq!((errors.len(), errors[0].0, &*errors[0].1), (1, 3, "logStatusError"));
+        assert!(
+            errors[0].2.contains("DoStep: the step starts at 9 s"),
+            "{}",
+            errors[0].2
+        );
+        for (categories, events) in [
+            (&[][..], true),
+            (&[c"logEvents"], true),
+            (&[c"logStatusError", c"logAll"], true),
+            (&[c"logStatusDiscard"], false),
+        ] {
+            assert_eq!(importer.reset(), Ok);
+            assert_eq!(importer.log(true, categories), Ok);
+            importer.start();
+            assert_eq!(taken().len(), usize::from(events), "{categories:?}");
+            assert_eq!(importer.exit(), Error);
+            assert_eq!(taken().len(), 1, "errors in any case");
+        }
+        assert_eq!(importer.log(false, &[]), Ok);
+        assert_eq!(importer.log(true, &[c"noise #1"]), Error);
+        importer.assert_logged(if version == Two {
+            "\"noise #1\""
+        } else {
+            "\"noise ##1\""
+        });
+        if version == Two {
+            assert_eq!(*importer.record.instance.borrow(), "instance");
+        }
+    }
+}

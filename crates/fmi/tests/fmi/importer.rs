@@ -1,0 +1,601 @@
+//! An importer of either version: it makes the C functions' calls, and records the messages and the intermediate updates.
+//!
+//! Other tests include this file: `crate::layer` is the FMI layer.
+
+#![allow(
+    unsafe_code,
+    clippy::undocumented_unsafe_blocks,
+    reason = "it calls C functions, on its own instance and arrays"
+)]
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::marker::PhantomData;
+use std::ptr::{null, null_mut};
+use std::rc::Rc;
+
+use crate::layer::Unit;
+use crate::layer::fmi2::functions as f2;
+use crate::layer::fmi2::{CallbackFunctions, Logger, guid};
+use crate::layer::fmi3::functions as f3;
+use crate::layer::fmi3::{IntermediateUpdate, instantiation_token};
+use crate::layer::log::Status::{self, Discard, Ok as Done};
+use crate::layer::slave::Version::{self, Three, Two};
+use crate::layer::table::Kind;
+use crate::layer::unit::Experiment;
+
+pub const BOTH: [Version; 2] = [Two, Three];
+/// Value reference of the time in FMI 3.0.
+pub const TIME: u32 = 0;
+
+/// A message: status, category, text.
+pub type Message = (c_int, String, String);
+
+/// Arguments of the callback in intermediate update mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    pub time: f64,
+    /// Whether inputs may be set.
+    pub set: bool,
+    /// Whether an early return may be requested.
+    pub can_return: bool,
+}
+
+/// The importer's callback; it returns the time of an early return, if it requests one.
+type Answer = Box<dyn FnMut(Update) -> Option<f64>>;
+
+/// The importer's data for an instance.
+#[derive(Default)]
+pub struct Record {
+    pub messages: RefCell<Vec<Message>>,
+    /// Name of the instance in the last message, in FMI 2.0.
+    pub instance: RefCell<String>,
+    pub updates: RefCell<Vec<Update>>,
+    pub answer: RefCell<Option<Answer>>,
+    /// Called at each message.
+    pub hears: RefCell<Option<Box<dyn FnMut()>>>,
+}
+
+impl Record {
+    fn hear(&self, message: Message) {
+        self.messages.borrow_mut().push(message);
+        if let Some(hears) = &mut *self.hears.borrow_mut() {
+            hears();
+        }
+    }
+}
+
+unsafe fn own(text: *const c_char) -> String {
+    unsafe { CStr::from_ptr(text) }.to_str().expect("UTF-8").to_owned()
+}
+
+/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the tests both are
+/// called the same way.
+unsafe extern "C" fn log_of_fmi2(
+    environment: *mut c_void,
+    instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    format: *const c_char,
+    argument: *const c_char,
+) {
+    unsafe {
+        assert_eq!(own(format), "%s");
+        let record = &*environment.cast::<Record>();
+        *record.instance.borrow_mut() = own(instance);
+        record.hear((status, own(category), own(argument)));
+    }
+}
+
+pub unsafe extern "C" fn log_of_fmi3(
+    environment: *mut c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    unsafe {
+        let record = &*environment.cast::<Record>();
+        record.hear((status, own(category), own(message)));
+    }
+}
+
+unsafe extern "C" fn update(
+    environment: *mut c_void,
+    time: f64,
+    set: u8,
+    get: u8,
+    finished: u8,
+    can_return: u8,
+    requested: *mut u8,
+    until: *mut f64,
+) {
+    assert_eq!((get, finished, set <= 1, can_return <= 1), (1, 1, true, true));
+    let now = Update {
+        time,
+        set: set == 1,
+        can_return: can_return == 1,
+    };
+    unsafe {
+        let record = &*environment.cast::<Record>();
+        record.updates.borrow_mut().push(now);
+        if let Some(time) = record.answer.borrow_mut().as_mut().and_then(|answer| answer(now)) {
+            requested.write(1);
+            until.write(time);
+        }
+    }
+}
+
+/// Capabilities of an importer of FMI 3.0.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Handles<'a> {
+    pub events: bool,
+    pub early_return: bool,
+    /// Variables for intermediate update mode; the callback is set if there are any.
+    pub required: &'a [u32],
+}
+
+impl<'a> Handles<'a> {
+    pub const fn of(events: bool, early_return: bool, required: &'a [u32]) -> Self {
+        Self {
+            events,
+            early_return,
+            required,
+        }
+    }
+}
+
+/// An experiment without tolerance.
+pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
+    Experiment {
+        tolerance: None,
+        start,
+        stop,
+    }
+}
+
+/// The arguments of an `instantiate` function.
+pub struct Arguments<'a> {
+    pub name: Option<&'a CStr>,
+    pub token: Option<&'a CStr>,
+    pub location: Option<&'a CStr>,
+    pub debug: bool,
+    /// The kind of instance in FMI 2.0: 1 is co-simulation.
+    pub kind: c_int,
+    pub handles: Handles<'a>,
+}
+
+impl<'a> Arguments<'a> {
+    pub fn of(token: &'a CStr) -> Self {
+        Self {
+            name: Some(c"instance"),
+            token: Some(token),
+            location: None,
+            debug: false,
+            kind: 1,
+            handles: Handles::default(),
+        }
+    }
+}
+
+pub fn token<U: Unit>(version: Version) -> CString {
+    let token = match version {
+        Two => guid::<U>(),
+        Three => instantiation_token::<U>(),
+    };
+    CString::new(token).expect("no zero inside")
+}
+
+/// How a communication step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ended {
+    pub status: Status,
+    pub event: bool,
+    pub early: bool,
+    pub time: f64,
+}
+
+/// The C function of the instance's version.
+macro_rules! call {
+    ($instance:expr, $two:ident($($a:expr),*), $three:ident($($b:expr),*)) => {
+        unsafe {
+            match $instance.version {
+                Two => f2::$two::<U>($instance.c $(, $a)*),
+                Three => f3::$three::<U>($instance.c $(, $b)*),
+            }
+        }
+    };
+}
+
+/// The result of a call that was done, or its status.
+fn done<T>(status: Status, found: T) -> Result<T, Status> {
+    if status == Done { Ok(found) } else { Err(status) }
+}
+
+/// A stored state.
+pub type Stored = *mut c_void;
+
+/// An instance with the importer's data for it.
+pub struct Importer<U: Unit> {
+    pub version: Version,
+    pub c: *mut c_void,
+    pub record: Rc<Record>,
+    /// Whether it goes through event mode.
+    events: bool,
+    /// Whether the instance is freed with this.
+    owned: bool,
+    unit: PhantomData<U>,
+}
+
+impl<U: Unit> Importer<U> {
+    /// An instance, or null, for these arguments.
+    pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
+        let record = Rc::new(Record::default());
+        let environment = Rc::as_ptr(&record).cast_mut().cast();
+        let Arguments {
+            name,
+            token,
+            location,
+            debug,
+            kind,
+            handles,
+        } = *arguments;
+        let [name, token, location] = [name, token, location].map(|text| text.map_or(null(), CStr::as_ptr));
+        let c = unsafe {
+            match version {
+                Two => {
+                    let functions = CallbackFunctions {
+                        logger: Some(std::mem::transmute::<*const (), Logger>(log_of_fmi2 as *const ())),
+                        allocate_memory: None,
+                        free_memory: None,
+                        step_finished: None,
+                        component_environment: environment,
+                    };
+                    f2::fmi2Instantiate::<U>(name, kind, token, location, &raw const functions, 0, debug.into())
+                }
+                Three => {
+                    let Handles {
+                        events,
+                        early_return,
+                        required,
+                    } = handles;
+                    let (events, early) = (events.into(), early_return.into());
+                    let update: Option<IntermediateUpdate> = if required.is_empty() { None } else { Some(update) };
+                    let (count, required) = (required.len(), required.as_ptr());
+                    let (debug, log) = (debug.into(), Some(log_of_fmi3 as _));
+                    f3::fmi3InstantiateCoSimulation::<U>(
+                        name,
+                        token,
+                        location,
+                        0,
+                        debug,
+                        events,
+                        early,
+                        required,
+                        count,
+                        environment,
+                        log,
+                        update,
+                    )
+                }
+            }
+        };
+        Self {
+            version,
+            c,
+            record,
+            events: handles.events,
+            owned: true,
+            unit: PhantomData,
+        }
+    }
+
+    /// An instance without debug logging in FMI 2.0, and with it in FMI 3.0: both log warnings.
+    pub fn new(version: Version) -> Self {
+        Self::handling(version, Handles::default())
+    }
+
+    /// An instance whose importer handles more.
+    pub fn handling(version: Version, handles: Handles<'_>) -> Self {
+        let token = token::<U>(version);
+        let arguments = Arguments {
+            debug: version == Three,
+            handles,
+            ..Arguments::of(&token)
+        };
+        let importer = Self::with(version, &arguments);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        importer
+    }
+
+    /// From instantiated to step mode, by way of event mode if the importer handles events.
+    pub fn start(&self) {
+        self.start_at(0.0);
+    }
+
+    pub fn start_at(&self, time: f64) {
+        assert_eq!(self.enter(experiment(time, None)), Done, "{}", self.last());
+        assert_eq!(self.exit(), Done, "{}", self.last());
+        if self.events {
+            self.handle_event();
+        }
+    }
+
+    /// Sets up the experiment and enters initialisation mode.
+    pub fn enter(&self, experiment: Experiment) -> Status {
+        let defined = |value: Option<f64>| (u8::from(value.is_some()), value.unwrap_or(f64::NAN));
+        let ((tolerates, tolerance), start) = (defined(experiment.tolerance), experiment.start);
+        let (stops, stop) = defined(experiment.stop);
+        unsafe {
+            match self.version {
+                Two => {
+                    let (tolerates, stops) = (tolerates.into(), stops.into());
+                    match f2::fmi2SetupExperiment::<U>(self.c, tolerates, tolerance, start, stops, stop) {
+                        Done => f2::fmi2EnterInitializationMode::<U>(self.c),
+                        refused => refused,
+                    }
+                }
+                Three => f3::fmi3EnterInitializationMode::<U>(self.c, tolerates, tolerance, start, stops, stop),
+            }
+        }
+    }
+
+    pub fn exit(&self) -> Status {
+        call! { self, fmi2ExitInitializationMode(), fmi3ExitInitializationMode() }
+    }
+
+    pub fn terminate(&self) -> Status {
+        call! { self, fmi2Terminate(), fmi3Terminate() }
+    }
+
+    pub fn reset(&self) -> Status {
+        call! { self, fmi2Reset(), fmi3Reset() }
+    }
+
+    /// Updates discrete states and goes from event mode to step mode.
+    pub fn handle_event(&self) {
+        let (mut flags, mut time) = ([9; 5], f64::NAN);
+        let [a, b, c, d, e] = flags.each_mut().map(std::ptr::from_mut);
+        unsafe {
+            assert_eq!(
+                f3::fmi3UpdateDiscreteStates::<U>(self.c, a, b, c, d, e, &raw mut time),
+                Done,
+                "{}",
+                self.last()
+            );
+            assert_eq!(f3::fmi3EnterStepMode::<U>(self.c), Done);
+        }
+        assert_eq!((flags, time), ([0; 5], 0.0));
+    }
+
+    pub fn step(&self, from: f64, size: f64) -> Ended {
+        let (mut flags, mut time) = ([9; 3], f64::NAN);
+        let [event, terminate, early] = flags.each_mut().map(std::ptr::from_mut);
+        let status = unsafe {
+            match self.version {
+                Two => {
+                    let status = f2::fmi2DoStep::<U>(self.c, from, size, 1);
+                    if matches!(status, Done | Discard) {
+                        assert_eq!(f2::fmi2GetRealStatus::<U>(self.c, 2, &raw mut time), Done);
+                    }
+                    flags = [0; 3];
+                    status
+                }
+                Three => f3::fmi3DoStep::<U>(self.c, from, size, 1, event, terminate, early, &raw mut time),
+            }
+        };
+        assert_eq!(flags[1], 0, "{}", self.last());
+        Ended {
+            status,
+            event: flags[0] == 1,
+            early: flags[2] == 1,
+            time,
+        }
+    }
+
+    pub fn set_reals(&self, references: &[u32], values: &[f64]) -> Status {
+        assert_eq!(references.len(), values.len());
+        let (vr, nvr, value, n) = (references.as_ptr(), references.len(), values.as_ptr(), values.len());
+        call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
+    }
+
+    /// `count` values of real variables.
+    pub fn reals(&self, references: &[u32], count: usize) -> Result<Vec<f64>, Status> {
+        let (vr, nvr) = (references.as_ptr(), references.len());
+        assert!(self.version == Three || nvr == count);
+        let mut values = vec![f64::NAN; count];
+        let status = call! {
+            self, fmi2GetReal(vr, nvr, values.as_mut_ptr()),
+            fmi3GetFloat64(vr, nvr, values.as_mut_ptr(), count)
+        };
+        done(status, values)
+    }
+
+    pub fn set(&self, reference: u32, value: f64) -> Status {
+        self.set_reals(&[reference], &[value])
+    }
+
+    pub fn real(&self, reference: u32) -> f64 {
+        let values = self.reals(&[reference], 1);
+        values.unwrap_or_else(|status| panic!("{status:?}: {}", self.last()))[0]
+    }
+
+    fn is_enumeration(reference: u32) -> bool {
+        let table = U::table();
+        table
+            .by_reference(reference)
+            .is_some_and(|one| matches!(one.kind, Kind::Enumeration { .. }))
+    }
+
+    /// Writes a whole number or an item of an enumeration.
+    pub fn set_integer(&self, reference: u32, value: i32) -> Status {
+        let (long, vr) = (i64::from(value), &raw const reference);
+        let (number, wide) = (&raw const value, &raw const long);
+        match Self::is_enumeration(reference) {
+            true => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt64(vr, 1, wide, 1) },
+            false => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt32(vr, 1, number, 1) },
+        }
+    }
+
+    pub fn integer(&self, reference: u32) -> Result<i64, Status> {
+        let (vr, mut number, mut wide) = (&raw const reference, i32::MIN, i64::MIN);
+        let (to, wide_to) = (&raw mut number, &raw mut wide);
+        let status = match Self::is_enumeration(reference) {
+            true => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt64(vr, 1, wide_to, 1) },
+            false => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt32(vr, 1, to, 1) },
+        };
+        done(status, wide.max(number.into()))
+    }
+
+    pub fn set_boolean(&self, reference: u32, value: u8) -> Status {
+        let (vr, wide) = (&raw const reference, c_int::from(value));
+        call! { self, fmi2SetBoolean(vr, 1, &raw const wide), fmi3SetBoolean(vr, 1, &raw const value, 1) }
+    }
+
+    pub fn boolean(&self, reference: u32) -> Result<bool, Status> {
+        let (vr, mut wide, mut value) = (&raw const reference, 0, 0);
+        let (two, three) = (&raw mut wide, &raw mut value);
+        let status = call! { self, fmi2GetBoolean(vr, 1, two), fmi3GetBoolean(vr, 1, three, 1) };
+        assert!(wide + c_int::from(value) <= 1, "{wide} {value}");
+        done(status, wide + c_int::from(value) == 1)
+    }
+
+    /// Time derivatives of outputs, of an order.
+    pub fn derivatives(&self, references: &[u32], order: i32) -> Result<Vec<f64>, Status> {
+        let (vr, nvr, orders) = (references.as_ptr(), references.len(), vec![order; references.len()]);
+        let mut values = vec![f64::NAN; nvr];
+        let (order, value) = (orders.as_ptr(), values.as_mut_ptr());
+        let status = call! {
+            self, fmi2GetRealOutputDerivatives(vr, nvr, order, value),
+            fmi3GetOutputDerivatives(vr, nvr, order, value, nvr)
+        };
+        done(status, values)
+    }
+
+    /// The derivative of an input in the next step, in FMI 2.0.
+    pub fn set_derivative(&self, reference: u32, order: i32, value: f64) -> Status {
+        let (vr, order, value) = (&raw const reference, &raw const order, &raw const value);
+        unsafe { f2::fmi2SetRealInputDerivatives::<U>(self.c, vr, 1, order, value) }
+    }
+
+    /// Stores the state, in a new object or in an earlier one.
+    pub fn store(&self, state: &mut Stored) -> Status {
+        call! { self, fmi2GetFMUstate(state), fmi3GetFMUState(state) }
+    }
+
+    pub fn stored(&self) -> Stored {
+        let mut state = null_mut();
+        assert_eq!(self.store(&mut state), Done, "{}", self.last());
+        assert!(!state.is_null());
+        state
+    }
+
+    pub fn restore(&self, state: Stored) -> Status {
+        call! { self, fmi2SetFMUstate(state), fmi3SetFMUState(state) }
+    }
+
+    pub fn free(&self, state: &mut Stored) -> Status {
+        call! { self, fmi2FreeFMUstate(state), fmi3FreeFMUState(state) }
+    }
+
+    fn size(&self, state: Stored) -> usize {
+        let mut size = 0;
+        let status = call! {
+            self, fmi2SerializedFMUstateSize(state, &raw mut size),
+            fmi3SerializedFMUStateSize(state, &raw mut size)
+        };
+        assert_eq!(status, Done, "{}", self.last());
+        size
+    }
+
+    pub fn write_bytes(&self, state: Stored, bytes: &mut [u8]) -> Status {
+        let (pointer, size) = (bytes.as_mut_ptr(), bytes.len());
+        call! {
+            self, fmi2SerializeFMUstate(state, pointer.cast(), size),
+            fmi3SerializeFMUState(state, pointer, size)
+        }
+    }
+
+    /// The present state as bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut state = self.stored();
+        let mut bytes = vec![0; self.size(state)];
+        assert_eq!(self.write_bytes(state, &mut bytes), Done, "{}", self.last());
+        assert_eq!(self.free(&mut state), Done);
+        bytes
+    }
+
+    /// The state in these bytes.
+    pub fn read_bytes(&self, bytes: &[u8]) -> Result<Stored, Status> {
+        let (pointer, size, mut state) = (bytes.as_ptr(), bytes.len(), null_mut());
+        let status = call! {
+            self, fmi2DeSerializeFMUstate(pointer.cast(), size, &raw mut state),
+            fmi3DeserializeFMUState(pointer, size, &raw mut state)
+        };
+        done(status, state)
+    }
+
+    /// Continues from the state in these bytes.
+    pub fn continue_from(&self, bytes: &[u8]) -> Status {
+        match self.read_bytes(bytes) {
+            Ok(mut state) => {
+                let status = self.restore(state);
+                assert_eq!(self.free(&mut state), Done);
+                status
+            }
+            Err(refused) => refused,
+        }
+    }
+
+    pub fn log(&self, on: bool, categories: &[&CStr]) -> Status {
+        let (categories, on): (Vec<_>, _) = (categories.iter().map(|name| name.as_ptr()).collect(), u8::from(on));
+        call! {
+            self, fmi2SetDebugLogging(on.into(), categories.len(), categories.as_ptr()),
+            fmi3SetDebugLogging(on, categories.len(), categories.as_ptr())
+        }
+    }
+
+    pub fn answer(&self, answer: impl FnMut(Update) -> Option<f64> + 'static) {
+        *self.record.answer.borrow_mut() = Some(Box::new(answer));
+    }
+
+    /// Another handle of the instance, for the importer's callback.
+    pub fn alias(&self) -> Self {
+        let (version, c, events) = (self.version, self.c, self.events);
+        Self {
+            version,
+            c,
+            events,
+            record: Rc::clone(&self.record),
+            owned: false,
+            unit: PhantomData,
+        }
+    }
+
+    pub fn enter_event_mode(&self) -> Status {
+        unsafe { f3::fmi3EnterEventMode::<U>(self.c) }
+    }
+
+    /// Text of the last message.
+    pub fn last(&self) -> String {
+        let messages = self.record.messages.borrow();
+        messages.last().map_or_else(String::new, |message| message.2.clone())
+    }
+
+    pub fn assert_logged(&self, part: &str) {
+        assert!(self.last().contains(part), "{part:?} in {:?}", self.last());
+    }
+}
+
+impl<U: Unit> Drop for Importer<U> {
+    fn drop(&mut self) {
+        if self.owned {
+            let free: unsafe fn(*mut c_void) = match self.version {
+                Two => f2::fmi2FreeInstance::<U>,
+                Three => f3::fmi3FreeInstance::<U>,
+            };
+            unsafe { free(self.c) };
+            self.record.answer.take();
+            self.record.hears.take();
+        }
+    }
+}

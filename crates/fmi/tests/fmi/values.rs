@@ -1,0 +1,108 @@
+//! Reading and writing of variables, in both versions.
+
+use pushbelt_fmi::log::Status::{Discard, Error, Ok};
+
+use crate::importer::{BOTH, experiment};
+use crate::run::running;
+use crate::tank::*;
+
+#[test]
+fn every_type_is_written_and_read_back() {
+    for version in BOTH {
+        let importer = Importer::new(version);
+        assert_eq!(importer.set_reals(&[START, INFLOW], &[7.0, 8.0]), Ok);
+        assert_eq!(importer.set_integer(FLOORS, 3), Ok);
+        assert_eq!(importer.set_integer(SHAPE, 2), Ok);
+        assert_eq!(importer.set_boolean(LOCKED, 5), Ok, "all but 0 is true");
+        assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+        assert_eq!(
+            importer.reals(&[START, INFLOW, GAIN], 3),
+            Result::Ok(vec![7.0, 8.0, 1.0])
+        );
+        assert_eq!(
+            [importer.integer(FLOORS), importer.integer(SHAPE)],
+            [Result::Ok(3), Result::Ok(2)]
+        );
+        assert_eq!(
+            [importer.boolean(LOCKED), importer.boolean(FULL)],
+            [Result::Ok(true), Result::Ok(false)]
+        );
+        assert_eq!(importer.reals(&[], 0), Result::Ok(vec![]));
+    }
+}
+
+#[test]
+fn a_bad_value_is_discarded_and_nothing_changes() {
+    for version in BOTH {
+        for (reference, bad, why) in [
+            (INFLOW, f64::NAN, "inflow = NaN is not a finite number"),
+            (INFLOW, f64::INFINITY, "inflow = inf is not a finite number"),
+            (INFLOW, -1001.0, "inflow = -1001 is out of range: at least -1000"),
+            (GAIN, 11.0, "gain = 11 is out of range: -1000 to 10"),
+            (GAIN, 0.5, "gain = 0.5 does not fit"),
+        ] {
+            let importer = running(version);
+            assert_eq!(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard);
+            importer.assert_logged(why);
+            let message = importer.record.messages.borrow().last().expect("a message").clone();
+            assert_eq!((message.0, &*message.1), (2, "logStatusDiscard"));
+            assert_eq!(
+                importer.reals(&[BRIM, INFLOW, GAIN], 3),
+                Result::Ok(vec![1e9, 2.0, 1.0])
+            );
+            assert_eq!(importer.step(0.0, 1.0).status, Ok, "the run goes on");
+            assert_eq!(importer.real(LEVEL), 3.0);
+        }
+        let importer = Importer::new(version);
+        for (reference, bad, why) in [
+            (FLOORS, 10, "floors = 10 is out of range: 1 to 9"),
+            (FLOORS, i32::MIN, "floors = -2147483648 is out of range"),
+            (SHAPE, 3, "shape = 3 is out of range: 1 Round, 2 Square"),
+        ] {
+            assert_eq!(importer.set_integer(reference, bad), Discard);
+            importer.assert_logged(why);
+        }
+    }
+}
+
+/// Another model that ends at a limit may leave a rounding error beyond it.
+#[test]
+fn an_input_beyond_a_limit_by_rounding_is_the_limit() {
+    for version in BOTH {
+        let importer = running(version);
+        assert_eq!(importer.set(INFLOW, -1_000.000_000_9), Ok);
+        assert_eq!(importer.real(INFLOW), -1000.0);
+        assert_eq!(importer.set(INFLOW, -1_000.000_002), Discard);
+        assert_eq!(importer.set(GAIN, 10.000_000_1), Discard, "a parameter");
+    }
+}
+
+#[test]
+fn a_bad_reference_is_an_error_that_names_it() {
+    for version in BOTH {
+        let importer = running(version);
+        for (reference, why) in [
+            (LEVEL, "level is calculated and can't be set"),
+            (START, "start is fixed once the run has started"),
+            (NONE, "no variable has the value reference 99"),
+            (OLD, "old (value reference 98) was removed: use start"),
+            (FLOORS, "floors (value reference 7) has another type"),
+        ] {
+            assert_eq!(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error);
+            importer.assert_logged(why);
+        }
+        assert_eq!(importer.real(INFLOW), 2.0, "all values are set or none");
+        assert_eq!(importer.set_boolean(FULL, 1), Error);
+        for found in [
+            importer.reals(&[NONE], 1).err(),
+            importer.reals(&[FULL], 1).err(),
+            importer.integer(LEVEL).err(),
+            importer.boolean(FLOORS).err(),
+        ] {
+            assert_eq!(found, Some(Error));
+        }
+        assert_eq!(importer.set(GAIN, 3.0), Ok, "a tunable parameter");
+        assert_eq!(importer.step(0.0, 1.0).status, Ok);
+        assert_eq!(importer.real(LEVEL), 7.0);
+    }
+}

@@ -1,0 +1,106 @@
+"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values or flat names, and shows
+variables, pages and the cache."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+from .. import console
+from .._version import __version__
+
+PROGRAMS = {
+    "demo": "load cases, a published steady state and a manoeuvre of 10 s, and a report",
+    "drive": "a car on the WLTC or the NEDC, and a report",
+    "durability": "fatigue of the ring over a drive or another run, and a report",
+    "sweep": "maps of steady states over ratio, torque, friction and speed, and a report",
+    "maps": "maps for vehicle simulations, as NetCDF, MATLAB, Modelica and CSV files, and a report",
+    "linearize": "linear models about steady working points, for controller design, and a report",
+    "compare": "comparison of two runs, and a report",
+    "belt": "parameter set for a belt of given dimensions, with checks of ratio and stress",
+    "calibrate": "parameters from a table of measured points, and a report",
+}
+KINDS = ("parameter", "input", "output", "local")
+"""Causalities of variables."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the command line, without the options of the programs."""
+    from . import options
+
+    found = argparse.ArgumentParser(
+        prog="pushbelt",
+        description="A pushbelt CVT variator as an FMU. `pushbelt COMMAND --help` lists the options of a command.",
+        epilog="Programs run the FMU of this package by default (see --fmu) and write to the folder pushbelt-COMMAND (see --output).",
+    )
+    found.add_argument("--version", action="version", version=f"pushbelt {__version__}")
+    commands = found.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, text in PROGRAMS.items():
+        commands.add_parser(name, help=text, add_help=False)
+
+    def command(name: str, text: str) -> argparse.ArgumentParser:
+        return commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+
+    fmu = command("fmu", "write a copy of the FMU with other start values, or with flat names")
+    fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
+    options.add_set(fmu, "start value of a parameter or an input")
+    fmu.add_argument("--variator", metavar="NAME", help=f"applied first, {options.VARIATOR}")
+    fmu.add_argument("--ssv", type=Path, metavar="SET.ssv", help="applied next, a parameter set: System Structure Parameter Values 1.0")
+    fmu.add_argument(
+        "--flat",
+        action="store_true",
+        help="flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
+        "--set and --ssv have the names with dots",
+    )
+    fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
+    maps = command("map-fmu", "write an FMU of a variator from maps")
+    maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
+    maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
+    maps.add_argument("--variator", metavar="NAME", help=f"solve for the maps of a {options.VARIATOR}, in 4 minutes of processor time")
+    options.add_short(maps, "with --variator, 12 lines of steady states instead of 84")
+    options.add_set(maps, "start value")
+    maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")
+    cache = command("cache", "show the folder of unpacked FMUs and its size")
+    cache.add_argument("--clear", action="store_true", help="remove them")
+    variables = command("variables", "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range")
+    variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
+    variables.add_argument("--kind", choices=KINDS, help="only these")
+    variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
+    docs = command("docs", "show the pages of the documentation, or one of them")
+    docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command and returns its exit code."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if words and words[0] in PROGRAMS:
+        return run_program(words[0], words[1:])
+    options = parser().parse_args(words)
+    return console.program(options.command, "all")(lambda _: _run(options))()
+
+
+def _run(options: argparse.Namespace) -> int:
+    from . import show, write
+
+    commands = {
+        "fmu": write.write_fmu, "map-fmu": write.write_map_fmu,
+        "cache": show.show_cache, "variables": show.show_variables, "docs": show.show_docs,
+    }  # fmt: skip
+    try:
+        return commands[options.command](options)
+    except BrokenPipeError:
+        # The reader of the output, such as `head`, has enough.
+        sys.stdout = None
+        return 0
+
+
+def run_program(name: str, words: list[str]) -> int:
+    """Runs a program, whose warnings are one line each."""
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
+        return importlib.import_module(f"pushbelt.{name}.__main__").main(words)

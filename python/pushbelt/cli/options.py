@@ -1,0 +1,151 @@
+"""The common words of the commands: what an option is called, what it means, and how its value is read."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shlex
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from ..errors import MissingFileError
+from ..fmu.enumerations import RingModel
+from ..fmu.files import default_fmu
+from ..provenance import COMMAND
+from ..rig import units
+from ..steel import Material
+
+VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
+
+
+def program(name: str, description: str | None, writes: str, fmu: str = "the FMU to run", needed: bool = True) -> argparse.ArgumentParser:
+    """The parser of a program, with `--fmu` and `--output`. `fmu` says what the FMU is for; without `needed` its absence is no error."""
+    found = argparse.ArgumentParser(
+        prog=typed(name), description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    # A default that is a text is read like a word of the command line, so a missing FMU is an error only where it is needed.
+    kind = _fmu if needed else _fmu_if_any
+    found.add_argument("--fmu", type=kind, default="", metavar="FILE", help=f"{fmu} [default: that of the package]")
+    found.add_argument("--output", type=Path, default=f"pushbelt-{name}", metavar="FOLDER", help=f"folder for {writes} [default: %(default)s]")
+    return found
+
+
+def typed(name: str) -> str:
+    """The words with which a user has started a program."""
+    if command := os.environ.get(COMMAND):
+        return shlex.join(shlex.split(command)[:3])
+    as_module = Path(sys.argv[0]).name == "__main__.py" and Path(sys.argv[0]).parent.name != "cli"
+    return f"python -m pushbelt.{name}" if as_module else f"pushbelt {name}"
+
+
+def _fmu(text: str) -> Path:
+    return Path(text) if text else default_fmu()
+
+
+def _fmu_if_any(text: str) -> Path | None:
+    try:
+        return _fmu(text)
+    except MissingFileError:
+        return None
+
+
+def add_variator(parser: argparse.ArgumentParser, default: str | None = "bench168", *names: str) -> None:
+    """`--variator`, also under other names."""
+    shown = f" [default: {default or 'start values of the FMU'}]"
+    parser.add_argument("--variator", *names, default=default, metavar="NAME", help=VARIATOR + shown)
+
+
+def add_set(parser: argparse.ArgumentParser, what: str = "value of a parameter") -> None:
+    """`--set`."""
+    text = f"{what}, in SI units; enumerations by name; can be repeated"
+    parser.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help=text)
+
+
+def add_ring(parser: argparse.ArgumentParser) -> None:
+    """`--ring`, also as `--model`."""
+    parser.add_argument("--ring", "--model", choices=list(RingModel.__members__), default="ALE", help="ring model [default: ALE]")
+
+
+def add_short(parser: argparse.ArgumentParser, what: str) -> None:
+    """`--short`: a smaller extent of the same."""
+    parser.add_argument("--short", action="store_true", help=f"a first look: {what}")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """`--workers`."""
+    parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
+
+
+def add_study(parser: argparse.ArgumentParser) -> None:
+    """Options of a study: its variator, where its tasks are solved, and whether stored ones are used."""
+    add_variator(parser)
+    add_ring(parser)
+    add_set(parser)
+    add_workers(parser)
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of dask, tcp://host:port [default: a cluster of this machine]")
+    parser.add_argument("--anew", action="store_true", help="discard what an earlier run has stored")
+    parser.add_argument("--measure", action="store_true", help="only measure the time; nothing stored is used")
+
+
+def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
+    """Strength of the ring's steel; `safety` are other names of `--stress-safety`."""
+    for name, (kind, text) in STEEL.items():
+        default = getattr(Material, name) * (1e-6 if kind is stress else 1.0)
+        names = ["--stress-safety", *safety] if name == "safety" else [f"--{name}"]
+        text = f"{text} [default: {default:g}]"
+        parser.add_argument(*names, type=kind, default=getattr(Material, name), metavar=kind.__name__.upper(), help=text)
+
+
+def material(options: argparse.Namespace) -> Material:
+    """The steel of `add_material`."""
+    return Material(**{name: getattr(options, "stress_safety" if name == "safety" else name) for name in STEEL})
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Comma-separated numbers."""
+    return tuple(float(number) for number in text.split(","))
+
+
+def assignment(text: str) -> tuple[str, str]:
+    """`NAME=VALUE`."""
+    name, separator, value = text.partition("=")
+    if not separator or not name.strip():
+        raise argparse.ArgumentTypeError(f"{text} is not of the form NAME=VALUE")
+    return name.strip(), value.strip()
+
+
+def quantity(dimension: str, default: str, example: str) -> Callable[[str], float]:
+    """Reads a number in the unit `default`, or with its unit. Returns it in SI units."""
+
+    def read(text: str) -> float:
+        found = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*", text)
+        unit = units.find(found[2] or default, dimension) if found else None
+        if found is None or unit is None:
+            raise argparse.ArgumentTypeError(f"{text} is not a {dimension} such as {example}")
+        return unit.si(float(found[1]))
+
+    return read
+
+
+def stress(text: str) -> float:
+    """A stress in MPa, or with its unit; in Pa."""
+    return quantity("stress", "MPa", "2000, 2000MPa or 2GPa")(text)
+
+
+STEEL = {
+    "strength": (stress, "tensile strength R_m, MPa or with its unit"),
+    "limit": (stress, "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit"),
+    "knee": (float, "cycles to failure at the fatigue limit"),
+    "slope": (float, "exponent of the S-N curve above the limit"),
+    "safety": (float, "factor by which strength and limit are reduced"),
+}
+"""Fields of `Material`."""
+
+
+def count(text: str) -> int:
+    """A whole number above 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number above 0")
+    return int(text)

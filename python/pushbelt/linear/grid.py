@@ -1,0 +1,249 @@
+"""Linear models over a grid of working points, and their files: `.npz` for numpy, `.mat` for MATLAB, `.json` for other tools."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import interpolation
+from ..errors import ArgumentError
+from ..fmu.results import dataframe
+from ..fmu.untrusted import InputFileError
+from .model import Array, LinearModel, units_of_states
+
+if TYPE_CHECKING:
+    import pandas
+
+ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
+
+
+@dataclass(frozen=True, repr=False)
+class LinearGrid:
+    """Linear models over a grid of working points. A grid without axes has a single point."""
+
+    axes: Mapping[str, Array]
+    """Values along each axis: `ratio` (1), `torque` (N·m), `speed` (rad/s), `force` (N), or names of parameters."""
+    models: NDArray[np.object_]
+    """One `LinearModel` per point, or None."""
+    reasons: NDArray[np.object_]
+    """Reason for each missing model; empty where there is a model."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points along each axis."""
+        return self.models.shape
+
+    def __getitem__(self, place: Any) -> Any:
+        """The model at a point, by its index along each axis."""
+        return self.models[place]
+
+    def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
+        """Points with a model: values by axis, and the model."""
+        for place in np.ndindex(self.shape):
+            if self.models[place] is not None:
+                yield self.point(place), self.models[place]
+
+    def refused(self) -> Iterator[tuple[dict[str, float], str]]:
+        """Points without a model: values by axis, and the reason."""
+        for place in np.ndindex(self.shape):
+            if self.models[place] is None:
+                yield self.point(place), self.reasons[place]
+
+    def point(self, place: tuple[int, ...]) -> dict[str, float]:
+        """Values by axis at a point."""
+        return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
+
+    def interpolate(self, **point: float) -> LinearModel:
+        """The model between the points of a grid in physical coordinates: linear along each axis, along `ratio` in its logarithm.
+
+        The slip's mode is interpolated by itself (`interpolation`), because its large coefficients nearly cancel in the slow poles.
+        A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
+        interpolated A.
+
+        Raises ArgumentError for modal coordinates, for a value outside of the grid, and next to a point without a model.
+        """
+        around = interpolation.corners(self.axes, point)
+        missing = [place for place, _ in around if self.models[place] is None]
+        if missing:
+            raise ArgumentError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
+        return interpolation.interpolated([(self.models[place], weight) for place, weight in around])
+
+    def __repr__(self) -> str:
+        axes = ", ".join(
+            f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items()
+        )
+        count = sum(model is not None for model in self.models.flat)
+        return f"<LinearGrid: {axes or 'one point'}; {count} of {self.models.size} points have a model>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
+        rows = []
+        for place in np.ndindex(self.shape):
+            row: dict[str, Any] = dict(self.point(place))
+            if (model := self.models[place]) is not None:
+                row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
+            rows.append(row | {"reason": self.reasons[place]})
+        return dataframe(rows)
+
+    def to_control(self) -> NDArray[np.object_]:
+        """One `control.StateSpace` of python-control per point, or None where there is no model."""
+        systems = np.full(self.shape, None, dtype=object)
+        for place in np.ndindex(self.shape):
+            if self.models[place] is not None:
+                systems[place] = self.models[place].to_control()
+        return systems
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file. The extension selects the format: `.npz`, `.mat` (needs scipy) or `.json`. `load_linear` reads `.npz`.
+
+        Raises ArgumentError for another extension, or if no point has a model.
+        """
+        path = Path(path)
+        writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
+        if path.suffix not in writers:
+            raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
+        models = [model for model in self.models.flat if model is not None]
+        if not models:
+            raise ArgumentError(f"{path} was not written: there is no linear model at any point")
+        if len(kinds := {(model.coordinates, model.sample_time) for model in models}) > 1:
+            raise ArgumentError(f"{path} was not written: coordinates or sample times differ: {', '.join(map(str, kinds))}")
+        writers[path.suffix](self, path)
+
+
+def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
+    """Reads the linear models of a `.npz` file of `LinearGrid.save` or `pushbelt linearize`.
+
+    Raises InputFileError for any other file, OSError if it cannot be read.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            found = dict(file)
+        axes = {str(name): found[f"axis.{name}"] for name in found["axes"]}
+        shape = found["order"].shape
+        models = np.full(shape, None, dtype=object)
+        for place in np.ndindex(shape):
+            if found["order"][place]:
+                models[place] = _model(found, place)
+    except (KeyError, ValueError, EOFError) as error:
+        raise InputFileError(f"{os.fspath(path)} does not contain linear models: {error}") from error
+    return LinearGrid(axes, models, found["reasons"].astype(object))
+
+
+def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
+    inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
+    n = int(found["order"][place])
+    remarks = str(found["remarks"][place])
+    # Files of earlier versions have no coordinates.
+    coordinates = str(found.get("coordinates", "modal"))
+    return LinearModel(
+        a=found["A"][place][:n, :n],
+        b=found["B"][place][:n],
+        c=found["C"][place][:, :n],
+        d=found["D"][place],
+        inputs=inputs,
+        outputs=outputs,
+        states=tuple(found["states"][place][:n].tolist()),
+        poles=found["poles"][place][:n],
+        held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
+        given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
+        values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | units_of_states(found["states"][place]),
+        frequency=float(found["frequency"]),
+        slip=float(found["slip"][place]),
+        macro_slip=bool(found["macroSlip"][place] == 1.0),
+        remarks=tuple(remarks.split("\n")) if remarks else (),
+        coordinates=coordinates,
+        sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
+    )
+
+
+def _arrays(model: LinearModel) -> dict[str, Any]:
+    """Matrices and values of a model by their names in the files."""
+    discrete = () if model.sample_time is None else model.discrete()
+    return {
+        **dict(zip(("Ad", "Bd", "Cd", "Dd"), discrete, strict=False)),
+        **{name: getattr(model, name.lower()) for name in "ABCD"},
+        "poles": model.poles,
+        "held": np.array([model.held[name] for name in model.inputs]),
+        "given": np.array([model.given[name] for name in model.inputs]),
+        "values": np.array([model.values[name] for name in model.outputs]),
+        "states": np.array(model.states),
+        "slip": np.array(model.slip),
+        "macroSlip": np.array(float(model.macro_slip)),
+    }
+
+
+def _npz(grid: LinearGrid, path: Path) -> None:
+    """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
+    models = grid.models
+    rows = [None if model is None else _arrays(model) for model in models.flat]
+    found = [row for row in rows if row is not None]
+    arrays = {}
+    for name in found[0]:
+        shape = np.max([row[name].shape for row in found], axis=0).astype(int)
+        full = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
+        for place, row in enumerate(rows):
+            if row is not None:
+                full[(place, *map(slice, row[name].shape))] = row[name]
+        arrays[name] = full.reshape(*models.shape, *shape)
+    first = next(model for model in models.flat if model is not None)
+    np.savez_compressed(
+        path,
+        about=ABOUT,
+        coordinates=first.coordinates,
+        sampleTime=np.nan if first.sample_time is None else first.sample_time,
+        **arrays,
+        order=np.array([0 if model is None else len(model.a) for model in models.flat]).reshape(models.shape),
+        remarks=np.array(["" if model is None else "\n".join(model.remarks) for model in models.flat]).reshape(models.shape),
+        inputs=np.array(first.inputs),
+        outputs=np.array(first.outputs),
+        units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
+        frequency=first.frequency,
+        reasons=grid.reasons.astype(str),
+        axes=np.array(list(grid.axes), dtype=str),
+        **{f"axis.{name}": values for name, values in grid.axes.items()},
+    )
+
+
+def _mat(grid: LinearGrid, path: Path) -> None:
+    """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
+    from scipy.io import savemat
+
+    first = next(model for model in grid.models.flat if model is not None)
+    cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
+    for place, (model, reason) in enumerate(zip(grid.models.flat, grid.reasons.flat, strict=True)):
+        cells.flat[place] = {"reason": reason} if model is None else _structure(model)
+    points = np.empty(len(grid.axes), dtype=object)
+    points[:] = list(grid.axes.values())
+    names = {
+        "inputs": first.inputs,
+        "outputs": first.outputs,
+        "units": [first.units[name] for name in (*first.inputs, *first.outputs)],
+        "axes": list(grid.axes),
+    }
+    texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
+    savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
+
+
+def _structure(model: LinearModel) -> dict[str, Any]:
+    texts = {"states": np.array(model.states, dtype=object), "remarks": np.array(model.remarks, dtype=object)}
+    sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
+    about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency, "reason": ""}
+    return {**_arrays(model), **texts, **sampled, **about}
+
+
+def _json(grid: LinearGrid, path: Path) -> None:
+    models = [
+        grid.point(place)
+        | ({"reason": grid.reasons[place]} if grid.models[place] is None else grid.models[place].document())
+        for place in np.ndindex(grid.shape)
+    ]
+    axes = {name: values.tolist() for name, values in grid.axes.items()}
+    path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

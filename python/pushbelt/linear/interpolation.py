@@ -1,0 +1,154 @@
+"""Interpolation of linear models in physical coordinates.
+
+The mode of the slip is some hundred times as fast as the others: A = A_s + λ r ℓ with its pole λ, its eigenvectors ℓ and r (ℓ r = 1), and
+A_s of the slow modes (ℓ A_s = 0, A_s r = 0). ℓ x is nearly the slip, ω_P − i ω_S. The elements of λ r ℓ are much larger than the slow poles,
+and change with the ratio. So λ, ℓ, r and A_s are interpolated, not their sum. B and C are divided in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import ArgumentError
+from .model import Array, LinearModel
+from .physical import sorted_poles
+
+FASTER = 10.0
+"""Ratio of the fastest pole and the next one above which the fastest is interpolated by itself."""
+
+Weighted = Sequence[tuple[LinearModel, float]]
+
+
+def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple[tuple[int, ...], float]]:
+    """Points of the grid around a point, with their weights."""
+    unknown = [name for name in point if name not in axes]
+    if unknown:
+        raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
+    corners: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
+    for name, values in axes.items():
+        if name not in point and len(values) > 1:
+            raise ArgumentError(f"a value of {name} is missing: the grid has {len(values)} values of it")
+        along = _along(name, values, point.get(name, values[0]))
+        corners = [((*place, k), weight * share) for place, weight in corners for k, share in along]
+    return corners
+
+
+def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
+    """Neighbours of a value along an axis, with their weights."""
+    order = np.argsort(values)
+    ascending = values[order]
+    tolerance = 1e-9 * max(abs(ascending[0]), abs(ascending[-1]))
+    if not ascending[0] - tolerance <= value <= ascending[-1] + tolerance:
+        raise ArgumentError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
+    if len(values) == 1:
+        return [(0, 1.0)]
+    k = int(np.clip(np.searchsorted(ascending, value) - 1, 0, len(values) - 2))
+    low, high, at = ascending[k], ascending[k + 1], float(np.clip(value, ascending[0], ascending[-1]))
+    share = float(np.log(at / low) / np.log(high / low) if name == "ratio" else (at - low) / (high - low))
+    pairs = [(int(order[k]), 1.0 - share), (int(order[k + 1]), share)]
+    return [(place, weight) for place, weight in pairs if weight > 0.0]
+
+
+def interpolated(models: Weighted) -> LinearModel:
+    """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
+    first = models[0][0]
+    if first.coordinates != "physical":
+        raise ArgumentError(
+            "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
+        )
+
+    def kind(one: LinearModel) -> tuple[Any, ...]:
+        return one.inputs, one.outputs, one.states, one.sample_time
+
+    if any(kind(one) != kind(first) for one, _ in models):
+        raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
+
+    def mean(of: Callable[[LinearModel], Any]) -> Any:
+        return sum(weight * np.asarray(of(one)) for one, weight in models)
+
+    def named(of: Callable[[LinearModel], Mapping[str, float]]) -> dict[str, float]:
+        names = tuple(of(first))
+        return dict(zip(names, mean(lambda one: [of(one)[name] for name in names]).tolist(), strict=True))
+
+    parts = [(Parts.of(one), weight) for one, weight in models]
+    if all(part is not None for part, _ in parts):
+        a, b, c = Parts.mean([(part, weight) for part, weight in parts if part is not None]).matrices()
+    else:
+        a, b, c = mean(lambda one: one.a), mean(lambda one: one.b), mean(lambda one: one.c)
+    return replace(
+        first,
+        a=a,
+        b=b,
+        c=c,
+        d=mean(lambda one: one.d),
+        poles=sorted_poles(a),
+        held=named(lambda one: one.held),
+        given=named(lambda one: one.given),
+        values=named(lambda one: one.values),
+        slip=float(mean(lambda one: one.slip)),
+        macro_slip=any(one.macro_slip for one, _ in models),
+        remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
+    )
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The fast mode and the slow rest of a model."""
+
+    pole: Array
+    """λ, 1/s."""
+    left: Array
+    """ℓ, with the coefficient 1 of the first state."""
+    right: Array
+    """r."""
+    inputs: Array
+    """ℓ B."""
+    outputs: Array
+    """C r."""
+    a: Array
+    b: Array
+    c: Array
+
+    @classmethod
+    def of(cls, model: LinearModel) -> Parts | None:
+        """The parts of a model; None if no pole is much faster than the others."""
+        poles = model.poles
+        if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
+            return None
+        values, vectors = np.linalg.eig(model.a)
+        fast = int(np.argmax(np.abs(values)))
+        left, right = np.linalg.inv(vectors)[fast].real, vectors[:, fast].real
+        if left[0] == 0.0:
+            return None
+        right, left = right * left[0], left / left[0]
+        slow = np.eye(len(left)) - np.outer(right, left)
+        return cls(
+            pole=np.array(values[fast].real),
+            left=left,
+            right=right,
+            inputs=left @ model.b,
+            outputs=model.c @ right,
+            a=slow @ model.a @ slow,
+            b=slow @ model.b,
+            c=model.c @ slow,
+        )
+
+    @classmethod
+    def mean(cls, parts: Sequence[tuple[Parts, float]]) -> Parts:
+        """The mean of each part."""
+        names = cls.__dataclass_fields__
+        return cls(**{name: sum(weight * getattr(part, name) for part, weight in parts) for name in names})
+
+    def matrices(self) -> tuple[Array, Array, Array]:
+        """A, B and C. The slow rest is projected, so that the fast mode is exactly an eigenvector of A."""
+        right = self.right / (self.left @ self.right)
+        slow = np.eye(len(right)) - np.outer(right, self.left)
+        return (
+            slow @ self.a @ slow + self.pole * np.outer(right, self.left),
+            slow @ self.b + np.outer(right, self.inputs),
+            self.c @ slow + np.outer(self.outputs, self.left),
+        )

@@ -1,0 +1,149 @@
+"""A linear model in physical coordinates, x = (ω_P, ω_S, ln i).
+
+Modal coordinates have no common scale or sign from point to point, so their matrices cannot be interpolated. The coordinates here can.
+With the outputs z = C_z ξ of the n slowest modes ξ, x = C_z ξ is a similarity transform: A, B and C of the point become
+C_z A C_z⁻¹, C_z B and C C_z⁻¹. Faster modes are quasi-static: they add −C A⁻¹ B to D. Coordinates that are held drop out: a speed
+with a set point, and ln i with a held sheave.
+
+Mode n is mostly one of an oscillating pair λ, the slip against the inertia of the belt. Then the similarity transform takes n + 1 modes: to
+x, and to w = ż/|λ| − p B u/|λ| of the pair's share z = p ξ of x, in the direction that no slower mode has. The pair, ż = |λ| w + p B u and
+ẇ = −|λ| z + 2 Re λ w + …, becomes a lag with the pole −|λ| and the same static gain. The slower poles and all static gains are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import PushbeltError
+from .model import LOG_RATIO, Array, LinearModel, units_of_states
+
+COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
+"""Speeds among the coordinates, and the input without which each is held."""
+RATIO = "ratio.geometric"
+FORCES = ("primary.clampingForce", "secondary.clampingForce")
+"""Inputs without one of which the ratio is held."""
+WORST = 1e6
+"""Condition number of the transform above which it is refused."""
+
+
+MOST_HERTZ = 1600.0
+"""Frequency up to which modes are searched for the coordinates, Hz."""
+
+
+class NotPhysicalError(PushbeltError, ValueError):
+    """The slow modes of a point are not determined by the physical coordinates."""
+
+
+def coordinates(inputs: Sequence[str]) -> list[str]:
+    """The coordinates that are not held, for the inputs of a model."""
+    speeds = [speed for speed, torque in COORDINATES.items() if torque in inputs]
+    return [*speeds, LOG_RATIO] if all(force in inputs for force in FORCES) else speeds
+
+
+def modes_needed(model: LinearModel) -> int:
+    """Number of modes that `physical` takes: the number of coordinates, plus one if that would divide an oscillating pair."""
+    n = len(coordinates(model.inputs))
+    return n + 1 if n <= len(model.poles) and _divides(model, n) else n
+
+
+def _divides(model: LinearModel, n: int) -> bool:
+    """Whether the first n modes contain one of a pair only. The second of a pair has the negative imaginary part."""
+    return n > 0 and bool(np.count_nonzero(model.poles[:n].imag) % 2)
+
+
+def physical(model: LinearModel) -> LinearModel:
+    """The model in physical coordinates. Raises NotPhysicalError if there are none, too few modes, or too large a condition number."""
+    names = coordinates(model.inputs)
+    if not names:
+        raise NotPhysicalError("no physical coordinate is free: both speeds and the ratio are held")
+    n, taken = len(names), modes_needed(model)
+    if len(model.poles) < taken:
+        raise NotPhysicalError(
+            f"{len(model.poles)} modes are below {model.frequency:g} Hz, but {taken} are needed for {', '.join(names)}"
+        )
+    a, b, c, d = _slowest(model, taken)
+    rows, scale = _rows(model, c, names)
+    if taken > n:
+        share, natural = _pair(rows / scale[:, None], a, n)
+        rows = np.vstack([rows, share @ a / natural])
+        scale = np.append(scale, 1.0)
+    condition = _condition(rows / scale[:, None])
+    if not condition < WORST:
+        raise NotPhysicalError(
+            f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}"
+        )
+    back = np.linalg.inv(rows)
+    direct = share @ b if taken > n else None
+    a, b, c = rows @ a @ back, rows @ b, c @ back
+    if direct is not None:
+        b[n] -= (a[n, n] + natural) * direct / natural
+        a[n, n] = -natural
+        a, b, c, d = _quasi_static(a, b, c, d, n)
+    units = {**model.units, **units_of_states(names)}
+    return replace(
+        model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
+    )
+
+
+def sorted_poles(a: Array) -> NDArray[np.complex128]:
+    """Eigenvalues, the slowest first, and of each pair first the one with a positive imaginary part."""
+    poles = np.linalg.eigvals(a).astype(complex)
+    return poles[np.lexsort((-poles.imag, np.abs(poles).round(9)))]
+
+
+def _slowest(model: LinearModel, count: int) -> tuple[Array, Array, Array, Array]:
+    """Matrices of the slowest modes. Between groups of modes A is zero."""
+    return _quasi_static(model.a, model.b, model.c, model.d, count)
+
+
+def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array, Array, Array, Array]:
+    """The matrices without the states after the first n, whose derivatives are set to zero."""
+    if len(a) == n:
+        return a, b, c, d
+    gone = np.linalg.solve(a[n:, n:], np.hstack([a[n:, :n], b[n:]]))
+    of_states, of_inputs = gone[:, :n], gone[:, n:]
+    return (
+        a[:n, :n] - a[:n, n:] @ of_states,
+        b[:n] - a[:n, n:] @ of_inputs,
+        c[:, :n] - c[:, n:] @ of_states,
+        d - c[:, n:] @ of_inputs,
+    )
+
+
+def _rows(model: LinearModel, c: Array, names: Sequence[str]) -> tuple[Array, Array]:
+    """Rows of C for the coordinates, and the magnitude of each coordinate: the speed, or 1 for ln i."""
+    rows, scale = [], []
+    for name in names:
+        output = RATIO if name == LOG_RATIO else name
+        value = model.values[output]
+        row = c[model.outputs.index(output)]
+        rows.append(row / value if name == LOG_RATIO else row)
+        scale.append(1.0 if name == LOG_RATIO else max(abs(value), 1.0))
+    return np.array(rows), np.array(scale)
+
+
+def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
+    """Row p of the pair over n + 1 modes, its share of the coordinates in the direction that no slower mode has, and |λ|, 1/s."""
+    normal = np.linalg.svd(rows[:, : n - 1].T, full_matrices=True)[2][-1] if n > 1 else np.ones(1)
+    share = np.zeros_like(rows[0])
+    share[n - 1 :] = (normal @ rows)[n - 1 :]
+    return share, float(np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :])))
+
+
+def _condition(rows: Array) -> float:
+    """Condition number with columns of unit length, because the length of a mode is arbitrary."""
+    lengths = np.linalg.norm(rows, axis=0)
+    return float(np.linalg.cond(rows / np.where(lengths > 0.0, lengths, 1.0)))
+
+
+def with_enough_modes(linearise: Callable[[float], LinearModel], frequency: float) -> LinearModel:
+    """The physical model of a state. `linearise` gives the modes below a frequency (Hz), which is doubled until they are enough."""
+    while True:
+        model = linearise(frequency)
+        if len(model.poles) >= modes_needed(model) or frequency >= MOST_HERTZ:
+            return physical(model)
+        frequency *= 2.0

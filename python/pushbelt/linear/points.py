@@ -1,0 +1,138 @@
+"""Linear models of a variator about its steady states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..errors import ArgumentError
+from ..fmu import unit as calls
+from ..fmu.start_values import checked
+from ..fmu.unit import UnitError
+from .model import LinearModel, LinearPointError
+from .grid import LinearGrid
+from .physical import NotPhysicalError, with_enough_modes
+from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints, over
+
+FREQUENCY = 50.0
+"""Default frequency, Hz, below which modes are states of a linear model."""
+STATES = ("modal", "physical")
+"""Kinds of states of a linear model."""
+
+
+def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+    """The linear model about the state of an instance."""
+
+    def modal(below: float) -> LinearModel:
+        return LinearModel.of(solver.linearise(below))
+
+    if states not in STATES:
+        raise ArgumentError(f"states = {states!r} is not one of {', '.join(STATES)}")
+    model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
+    return model if sample_time is None else model.sampled(sample_time)
+
+
+class LinearPoints(WorkingPoints):
+    """Steady states, and linear models about them."""
+
+    def linearize(
+        self,
+        ratio: float,
+        torque: float,
+        *,
+        speed: float = SPEED,
+        force: float | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
+    ) -> LinearModel:
+        """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
+
+        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
+        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
+        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
+        clamping forces (N). The run over time is not affected.
+
+        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
+        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
+
+        Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
+        linear model or requires other loads than the specified ones.
+        """
+        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
+        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency, states, sample_time)
+
+    def linear_grid(
+        self,
+        ratios: Iterable[float],
+        torques: Iterable[float],
+        *,
+        speed: float | Iterable[float] = SPEED,
+        force: float | Iterable[float] | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
+        changes: Mapping[str, Iterable[Any]] | None = None,
+        after_each: Callable[[], object] = lambda: None,
+    ) -> LinearGrid:
+        """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
+
+        `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
+        `after_each` is called after each point. A point without a model has None and a reason.
+        """
+        several = {"speed": speed, "force": force}
+        given: dict[str, Iterable[Any]] = {"ratio": ratios, "torque": torques}
+        given |= {name: values for name, values in several.items() if isinstance(values, Iterable)}
+        lists = {name: list(values) for name, values in {**given, **(changes or {})}.items()}
+        for name, values in lists.items():
+            if not values:
+                raise ArgumentError(f"the grid has no {name}")
+        lists = {
+            name: values if name in given else [checked(self._declared, {name: value})[name] for value in values]
+            for name, values in lists.items()
+        }
+        axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
+
+        def model(**at: Any) -> LinearModel:
+            values = {**self._values, **{name: at[name] for name in changes or ()}}
+            used, turning = at.get("force", force), at.get("speed", speed)
+            try:
+                if used is None:
+                    used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
+                point = Point(at["ratio"], at["torque"], turning, used)
+                return self._linearize(values, point, frequency, states, sample_time)
+            finally:
+                after_each()
+
+        return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
+
+    def _linearize(
+        self, values: Values, point: Point, frequency: float, states: str, sample_time: float | None
+    ) -> LinearModel:
+        """The linear model at a point with these start values: about the steady state under the loads that hold it."""
+        state = self._steady(values, point)
+        slower = point.speed / state["primary.speed"]
+        loads = {
+            "primary.torque": point.torque,
+            "secondary.torque": state.load_torque,
+            "primary.clampingForce": state["primary.axialForce"],
+            "secondary.clampingForce": point.force,
+            "primary.speedSetpoint": point.speed,
+            "secondary.speedSetpoint": slower * state["secondary.speed"],
+        }
+        start = {"initial.steady": True, "initial.ratio": point.ratio, "initial.primarySpeed": point.speed}
+
+        def read(solver: calls.Instance) -> LinearModel:
+            try:
+                return model_of(solver, frequency, states, sample_time)
+            except (UnitError, NotPhysicalError) as error:
+                raise LinearPointError(f"no linear model {point}: {error}") from error
+
+        model = self._solved({**values, **loads, **start}, point, read)
+        if model.remarks:
+            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
+        return model

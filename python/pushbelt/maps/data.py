@@ -1,0 +1,289 @@
+"""A data set of maps: quantities of steady states over axes, with units, and its files `.nc`, `.npz` and `.json`.
+
+Gaps, which are points without a steady state, have the nearest value along the utilisation. The table `state` marks them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+from zipfile import BadZipFile
+from zlib import error
+
+import numpy as np
+
+from ..errors import PushbeltError
+from ..fmu.geometry import Array
+
+VERSION = 1
+"""Version of the files' content."""
+STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
+"""Meaning of the numbers of the table `state`. The first two are steady states."""
+ROUTE = ("force", "speed", "ratio")
+"""Axes of a line."""
+
+
+class MapError(PushbeltError, ValueError):
+    """A file is not a data set of maps, or its values are not usable."""
+
+
+class Axis(NamedTuple):
+    """An axis of the tables."""
+
+    unit: str
+    description: str
+
+
+AXES: Mapping[str, Axis] = {
+    "force": Axis("N", "Secondary clamping force"),
+    "speed": Axis("rad/s", "Primary speed without slip"),
+    "ratio": Axis("1", "Geometric ratio secondary / primary pitch radius"),
+    "utilisation": Axis(
+        "1",
+        "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives",
+    ),
+    "direction": Axis("1", "-1: the secondary pulley drives, 1: the primary pulley drives"),
+    "slipShare": Axis("1", "Slip / slip at capacity"),
+    "shiftUtilisation": Axis("1", "Torque utilisation at which shifts are measured"),
+    "excess": Axis("1", "ln(F_P/(kappa F_S)), kappa the thrust ratio that holds the ratio"),
+}
+
+
+class Quantity(NamedTuple):
+    """A table: its axes, unit and description."""
+
+    axes: tuple[str, ...]
+    unit: str
+    description: str
+
+
+POINT = (*ROUTE, "utilisation")
+SHIFT = (*ROUTE, "shiftUtilisation")
+TABLES: Mapping[str, Quantity] = {
+    "thrustRatio": Quantity(
+        POINT, "1", "Thrust ratio F_P/F_S that holds the ratio, with the centrifugal force of the belt"
+    ),
+    "slip": Quantity(POINT, "1", "1 - (secondary speed / primary speed) * ratio"),
+    "lossSheaves": Quantity(POINT, "W", "Friction loss between elements and sheaves"),
+    "lossRing": Quantity(POINT, "W", "Friction loss between ring and elements"),
+    "lossLayers": Quantity(POINT, "W", "Friction loss between the layers of the ring sets"),
+    "lossJoints": Quantity(POINT, "W", "Friction loss in the joints of a pull chain"),
+    "lossSpin": Quantity(POINT, "W", "Loss by elements that turn at entry and exit of an arc, an upper bound"),
+    "lossOther": Quantity(POINT, "W", "Loss in dampers"),
+    "lossShafts": Quantity(POINT, "W", "Drag loss of both shafts"),
+    "beltTorqueLoss": Quantity(
+        POINT, "N.m", "Belt torque on the primary pulley - belt torque on the secondary pulley / ratio"
+    ),
+    "torqueLoss": Quantity(
+        POINT,
+        "N.m",
+        "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts",
+    ),
+    "primaryTorque": Quantity(POINT, "N.m", "Belt torque on the primary pulley, positive where it drives"),
+    "efficiency": Quantity(POINT, "1", "Driven / driving shaft power, 0 without power flow"),
+    "bearingLoad": Quantity(POINT, "N", "Resultant of the belt's contact forces on a pulley"),
+    "beltSpeed": Quantity(POINT, "m/s", "Mean pitch-line speed of the elements"),
+    "ringStressMax": Quantity(POINT, "Pa", "Largest stress in the layers of the ring sets"),
+    "state": Quantity(POINT, "1", "State of the point: " + ", ".join(f"{k} {name}" for k, name in enumerate(STATES))),
+    "valid": Quantity(
+        POINT, "1", "1 for a steady state, 0 for a gap, which has the nearest value along the utilisation"
+    ),
+    "capacity": Quantity((*ROUTE, "direction"), "1", "Torque utilisation at capacity"),
+    "capacitySlip": Quantity((*ROUTE, "direction"), "1", "Slip at capacity"),
+    "traction": Quantity((*ROUTE, "slipShare"), "1", "Torque utilisation at a slip"),
+    "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
+    "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
+}
+LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")
+"""Losses of the belt."""
+
+
+@dataclass(frozen=True)
+class Maps:
+    """A data set of maps."""
+
+    axes: Mapping[str, Array]
+    """Ascending values of each axis."""
+    tables: Mapping[str, Array]
+    parameters: Mapping[str, float]
+    """Parameters of the variator, by names of FMU variables."""
+    source: Mapping[str, str] = field(default_factory=dict)
+    """What the maps are from: model, version and GUID of the FMU."""
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    """Why a point has no steady state, by its indices `force/speed/ratio/utilisation`."""
+
+    def __post_init__(self) -> None:
+        if missing := AXES.keys() - self.axes.keys() | TABLES.keys() - self.tables.keys():
+            raise MapError(f"the maps lack {', '.join(sorted(missing))}")
+        for name, axis in self.axes.items():
+            if axis.ndim != 1 or not np.all(np.isfinite(axis)) or not np.all(np.diff(axis) > 0.0):
+                raise MapError(f"the axis {name} does not ascend")
+        for name, quantity in TABLES.items():
+            shape = tuple(len(self.axes[axis]) for axis in quantity.axes)
+            if self.tables[name].shape != shape:
+                raise MapError(f"the table {name} has the shape {self.tables[name].shape} instead of {shape}")
+            if not np.all(np.isfinite(self.tables[name])):
+                raise MapError(f"the table {name} has values that are not finite")
+
+    def __getitem__(self, name: str) -> Array:
+        return self.tables[name]
+
+    @cached_property
+    def valid(self) -> np.ndarray:
+        """Mask of the points with a steady state."""
+        return self.tables["valid"] > 0.0
+
+    def masked(self, name: str) -> Array:
+        """A table over the points, NaN in gaps."""
+        return np.where(self.valid, self.tables[name], np.nan)
+
+    @cached_property
+    def identity(self) -> str:
+        """Hash of axes, tables and parameters."""
+        found = hashlib.sha256(json.dumps(dict(sorted(self.parameters.items()))).encode())
+        for values in (self.axes, self.tables):
+            for name in sorted(values):
+                found.update(name.encode() + np.ascontiguousarray(values[name], dtype="<f8").tobytes())
+        return found.hexdigest()
+
+    def document(self) -> dict[str, Any]:
+        """Everything as JSON values."""
+        return {
+            "format": "pushbelt maps",
+            "version": VERSION,
+            "source": dict(self.source),
+            "parameters": dict(self.parameters),
+            "axes": {
+                name: {**AXES[name]._asdict(), "values": self.axes[name].tolist()} for name in AXES
+            },
+            "tables": {
+                name: {**quantity._asdict(), "values": self.tables[name].tolist()} for name, quantity in TABLES.items()
+            },
+            "reasons": dict(self.reasons),
+        }  # fmt: skip
+
+    @classmethod
+    def of_document(cls, document: Any) -> Maps:
+        """The maps of JSON values. Raises MapError if they are none."""
+        try:
+            if document["format"] != "pushbelt maps" or document["version"] != VERSION:
+                raise MapError(f"these are not pushbelt maps of version {VERSION}")
+            axes = {name: np.array(entry["values"], dtype=float) for name, entry in document["axes"].items()}
+            tables = {name: np.array(entry["values"], dtype=float) for name, entry in document["tables"].items()}
+            parameters = {name: float(value) for name, value in document["parameters"].items()}
+            return cls(axes, tables, parameters, dict(document["source"]), dict(document["reasons"]))
+        except (LookupError, TypeError, AttributeError) as error:
+            raise MapError(f"these are not pushbelt maps: {error!r}") from error
+
+    def write(self, path: Path) -> None:
+        """Writes `.json`, `.npz` or `.nc`."""
+        writers = {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf}
+        if path.suffix not in writers:
+            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        writers[path.suffix](path)
+
+    @classmethod
+    def read(cls, path: Path) -> Maps:
+        """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
+        readers = {".json": _read_json, ".npz": _read_npz, ".nc": _read_netcdf}
+        if path.suffix not in readers:
+            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        path.open("rb").close()
+        try:
+            return cls.of_document(readers[path.suffix](path))
+        except MapError as why:
+            raise MapError(f"{path}: {why}") from why
+        # Readers of damaged files raise any of these.
+        except (
+            ValueError,
+            LookupError,
+            TypeError,
+            AttributeError,
+            EOFError,
+            OSError,
+            RecursionError,
+            BadZipFile,
+            error,
+        ) as why:
+            raise MapError(f"{path} is damaged or no file of maps: {why}") from why
+
+    def _about(self) -> dict[str, str]:
+        """What is not numbers, as JSON texts."""
+        return {
+            "source": json.dumps(dict(self.source)),
+            "parameters": json.dumps(dict(self.parameters)),
+            "reasons": json.dumps(dict(self.reasons)),
+        }
+
+    def _write_json(self, path: Path) -> None:
+        path.write_text(json.dumps(self.document(), allow_nan=False), encoding="utf-8")
+
+    def _write_npz(self, path: Path) -> None:
+        arrays = {f"axis_{name}": values for name, values in self.axes.items()}
+        texts = {name: np.array(text) for name, text in self._about().items()}
+        np.savez_compressed(path, version=np.array(VERSION), **arrays, **texts, **self.tables)  # type: ignore[arg-type]
+
+    def _write_netcdf(self, path: Path) -> None:
+        """NetCDF-3 with coordinate variables, units and CF flag attributes."""
+        from scipy.io import netcdf_file
+
+        with netcdf_file(path, "w", version=2) as file:
+            file.title = b"Steady states and shift rates of a pushbelt variator"
+            file.format_version = np.int32(VERSION)
+            for name, text in self._about().items():
+                setattr(file, name, text.encode())
+            for name, axis in AXES.items():
+                file.createDimension(name, len(self.axes[name]))
+                variable = file.createVariable(name, "d", (name,))
+                variable[:] = self.axes[name]
+                variable.units, variable.long_name = axis.unit.encode(), axis.description.encode()
+            for name, quantity in TABLES.items():
+                variable = file.createVariable(name, "d", quantity.axes)
+                variable[:] = self.tables[name]
+                variable.units, variable.long_name = quantity.unit.encode(), quantity.description.encode()
+                if name == "state":
+                    variable.flag_values = np.arange(len(STATES), dtype=float)
+                    variable.flag_meanings = " ".join(STATES).encode()
+
+
+def _read_json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _read_npz(path: Path) -> Any:
+    with np.load(path, allow_pickle=False) as file:
+        return _of_arrays(
+            int(file["version"]),
+            {name: str(file[name]) for name in ("source", "parameters", "reasons")},
+            {name: file[f"axis_{name}"] for name in AXES},
+            {name: file[name] for name in TABLES},
+        )
+
+
+def _read_netcdf(path: Path) -> Any:
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "r", mmap=False) as file:
+        variables = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
+        return _of_arrays(
+            int(np.asarray(file.format_version).item()),
+            {name: getattr(file, name).decode() for name in ("source", "parameters", "reasons")},
+            {name: variables[name] for name in AXES},
+            {name: variables[name] for name in TABLES},
+        )
+
+
+def _of_arrays(version: int, texts: Mapping[str, str], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> Any:
+    return {
+        "format": "pushbelt maps",
+        "version": version,
+        "axes": {name: {"values": values} for name, values in axes.items()},
+        "tables": {name: {"values": values} for name, values in tables.items()},
+        **{name: json.loads(text) for name, text in texts.items()},
+    }

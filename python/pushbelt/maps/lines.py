@@ -1,0 +1,158 @@
+"""Solved lines of a plan, collected to maps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from pushbelt.errors import ArgumentError
+from pushbelt.fmu.data import torque_capacity
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS
+from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
+from pushbelt.maps.plan import Plan
+from pushbelt.study.tasks import Row
+
+COLUMNS = {
+    "thrustRatio": "thrustRatio",
+    "slip": "slip",
+    "lossSheaves": "loss.sheaves",
+    "lossRing": "loss.ring",
+    "lossLayers": "loss.layers",
+    "lossJoints": "loss.joints",
+    "lossSpin": "loss.spin",
+    "lossOther": "loss.other",
+    "beltTorqueLoss": "beltTorqueLoss",
+    "bearingLoad": "bearingLoad",
+    "beltSpeed": "belt.speed",
+    "ringStressMax": "ring.stressMax",
+}
+"""Tables that are columns of the measured points."""
+
+
+def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
+    """The maps of all lines. Lines without results have those of the nearest line."""
+    found = {index: row for index, row in rows.items() if "points" in row}
+    if not found:
+        reasons = {row.get("reason", "") for row in rows.values()}
+        raise ArgumentError(f"no line has a steady state: {'; '.join(sorted(reasons))}")
+    axes = {
+        "force": np.array(plan.grid.force),
+        "speed": np.array(plan.grid.speed),
+        "ratio": np.array(plan.ratios),
+        "utilisation": np.array(plan.grid.utilisation),
+        "direction": np.array([-1.0, 1.0]),
+        "slipShare": np.array(plan.grid.slip_share),
+        "shiftUtilisation": np.array(plan.grid.shift_utilisation),
+        "excess": np.array(plan.grid.excess),
+    }
+    route = tuple(len(axes[name]) for name in POINT[:3])
+    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
+
+    def gathered(get: Callable[[Mapping[str, Any]], Any]) -> Array:
+        values = np.array([get(found[source]) for source in sources], dtype=float)
+        return values.reshape(*route, *values.shape[1:])
+
+    raw = {name: gathered(lambda row, name=name: row["points"][name]) for name in POINT_COLUMNS}  # type: ignore[misc]
+    state, reasons = _states(plan, rows, raw["macroSlip"], axes["utilisation"])
+    tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
+    tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
+    tables["capacity"] = gathered(lambda row: row["capacity"])
+    tables["capacitySlip"] = gathered(lambda row: row["capacitySlip"])
+    tables["traction"] = gathered(lambda row: row["traction"])
+    tables["shiftRate"] = monotone(gathered(lambda row: row["shiftRate"]), axes["excess"])
+    tables["shiftGain"] = _gains(tables["shiftRate"], axes["excess"])
+    tables |= with_shafts(plan.full, axes, tables)
+    description = plan.description
+    source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
+    assert tables.keys() == TABLES.keys() and axes.keys() == AXES.keys()
+    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons)
+
+
+def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
+    """The nearest line with results, by indices of the axes; a step along the ratio counts least."""
+    weights = np.array([3.0, 2.0, 1.0])
+    place = np.array(np.unravel_index(index, shape))
+    return min(found, key=lambda other: float(weights @ np.abs(np.array(np.unravel_index(other, shape)) - place)))
+
+
+def _states(
+    plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array
+) -> tuple[Array, dict[str, str]]:
+    """The table `state`, and the reasons for missing steady states."""
+    state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
+    for index in range(len(plan.tasks())):
+        place = np.unravel_index(index, state.shape[:3])
+        row = rows.get(index, {})
+        for k, utilisation in enumerate(utilisations):
+            why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")
+            if why is not None:
+                beyond = why.startswith("beyond the capacity")
+                state[(*place, k)] = STATES.index("beyond_capacity" if beyond else "not_found")
+                reasons["/".join(map(str, (*place, k)))] = why
+    return state, reasons
+
+
+def filled(values: Array) -> Array:
+    """Values with gaps (NaN) filled with the nearest value along the last axis."""
+    places = np.arange(values.shape[-1])
+    result = values.copy()
+    for place in np.ndindex(values.shape[:-1]):
+        there = places[np.isfinite(values[place])]
+        if there.size == 0:
+            raise ArgumentError("a line has no steady state")
+        nearest = there[np.argmin(np.abs(places[:, None] - there[None, :]), axis=1)]
+        result[place] = values[place][nearest]
+    return result
+
+
+def monotone(rates: Array, excesses: Array) -> Array:
+    """Shift rates with 0 inserted at excess 0, made to grow with the excess; missing ones (NaN) are those of the nearest excess."""
+    zero = int(np.flatnonzero(excesses == 0.0)[0])
+    full = np.insert(rates, zero, 0.0, axis=-1)
+    full = filled(full)
+    scale = 1e-6 * np.max(np.abs(full), axis=-1, keepdims=True) * np.abs(excesses)
+    above = np.maximum.accumulate(np.maximum(full, scale)[..., zero:], axis=-1)
+    below = np.maximum.accumulate(np.maximum(-full, scale)[..., zero::-1], axis=-1)[..., ::-1]
+    return np.concatenate([-below[..., :-1], above], axis=-1)
+
+
+def _gains(rates: Array, excesses: Array) -> Array:
+    """Slope over the two intervals about excess 0; over one at the border of the axis."""
+    zero = int(np.flatnonzero(excesses == 0.0)[0])
+    low, high = max(zero - 1, 0), min(zero + 1, len(excesses) - 1)
+    if low == high:
+        return np.zeros(rates.shape[:-1])
+    return (rates[..., high] - rates[..., low]) / (excesses[high] - excesses[low])
+
+
+def with_shafts(
+    parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
+    force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
+    per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
+    torque = utilisation * force * per_force[None, None, :, None]
+    # The secondary shaft turns at speed/ratio, the primary one faster by the slip.
+    turning = {"primary": speed / (1.0 - tables["slip"]), "secondary": speed / ratio}
+    drag = {}
+    for pulley, omega in turning.items():
+        lever = parameters[f"{pulley}.bearing.friction"] * parameters[f"{pulley}.bearing.radius"]
+        loaded = parameters[f"{pulley}.drag.constant"] + lever * tables["bearingLoad"]
+        drag[pulley] = np.tanh(omega / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * omega
+    into = torque + drag["primary"]
+    out = ratio * (torque - tables["beltTorqueLoss"]) - drag["secondary"]
+    power_in, power_out = into * turning["primary"], out * turning["secondary"]
+    forward = (power_in > 0.0) & (power_out > 0.0)
+    backward = (power_in < 0.0) & (power_out < 0.0)
+    one = np.ones_like(power_in)
+    efficiency = np.where(forward, power_out / np.where(forward, power_in, one), 0.0)
+    efficiency = np.where(backward, power_in / np.where(backward, power_out, one), efficiency)
+    return {
+        "primaryTorque": torque,
+        "lossShafts": sum(drag[pulley] * turning[pulley] for pulley in turning),
+        "torqueLoss": into - out / ratio,
+        "efficiency": efficiency,
+    }

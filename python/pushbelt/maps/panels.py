@@ -1,0 +1,157 @@
+"""Maps over ratio and torque utilisation: coloured levels, marks of the points, and the capacity as border."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from ..charts import Field, Panel, Series, around
+from ..fmu.geometry import Array
+from ..page import MINUS
+from ..style import COLOUR_SCALE, INK, MUTED, RED, mixed
+
+TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
+ROWS = 61
+"""Number of values over the utilisation in a map with a border."""
+MOST_TICKS = 9
+"""Largest number of ticks of a colour bar."""
+COVER = "#f1f4f7"
+"""Colour of what is beyond the capacity."""
+MARKS = {
+    "solved": {"colour": MUTED, "marker": "circle", "size": 2.5},
+    "slips through": {"colour": INK, "marker": "circle-open", "size": 6.0},
+    "no steady state": {"colour": RED, "marker": "x-thin-open", "size": 7.0},
+}
+"""Kinds of points with their look."""
+
+
+def heading(name: str, unit: str) -> str:
+    """Name of a quantity with its unit, if it has one."""
+    text = f"{name} ({unit})" if unit else name
+    return text[0].upper() + text[1:]
+
+
+def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
+    """Levels of the colours for the range of the values, from the preferred ones if at least two of these are inside."""
+    found = values[np.isfinite(values)]
+    if found.size == 0:
+        return np.array([0.0, 1.0])
+    low, high = float(np.percentile(found, 1)), float(np.percentile(found, 99))
+    if preferred is not None:
+        levels = np.array(preferred, dtype=float)
+        inside = np.flatnonzero((levels >= low) & (levels <= high))
+        if inside.size >= 2:
+            return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
+    return MaxNLocator(12).tick_values(low, max(high, low + 1e-6))
+
+
+def middle_of(levels: Array) -> int | None:
+    """Index of the level 0, from which the colours diverge, if there are levels on both sides."""
+    zero = np.flatnonzero(np.abs(levels) < 1e-9)
+    return int(zero[0]) if zero.size and 0 < zero[0] < len(levels) - 1 else None
+
+
+@dataclass(frozen=True)
+class Border:
+    """Least and greatest utilisation that is carried, shape (2, ratios), NaN where unknown. The colours end there."""
+
+    utilisation: Array
+    values: Array | None = None
+    """Values of the map at the border, where known."""
+
+
+def panel(
+    title: str,
+    quantity: tuple[str, str],
+    axes: tuple[Array, Array],
+    values: Array,
+    levels: Array,
+    kinds: Mapping[str, np.ndarray],
+    border: Border,
+) -> Panel:
+    """A map of a quantity (name, unit); `values` and the masks of `kinds` over ratio × utilisation."""
+    name, unit = quantity
+    ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
+    places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
+    series = []
+    for kind, where in kinds.items():
+        shown = [f"{value:.4g} {unit}" if np.isfinite(value) else kind for value in values[where]]
+        series.append(Series(kind, *places[:, where], kind="points", labels=shown, **MARKS[kind]))  # type: ignore[arg-type]
+    fields: list[Field] = []
+    rows = _rows(utilisation, border)
+    ends = around([rows], 0.04)
+    if min(values.shape) > 1 and np.count_nonzero(np.isfinite(values)) > 3:
+        series = [*_beyond(ratio, ends, border), *series]
+        values = _up_to(border, rows, utilisation, values)
+        # All intervals between levels have the same width on the colour scale.
+        steps = np.where(np.isfinite(values), np.interp(values, levels, np.arange(len(levels))), np.nan)
+        middle, every = middle_of(levels), -(-len(levels) // MOST_TICKS)
+        ticks = tuple((float(k), f"{level:g}".replace("-", MINUS)) for k, level in enumerate(levels))
+        span = (0.0, float(len(levels) - 1), 1.0)
+        fields = [
+            Field(name, ratio, rows, steps.T, span, ticks[(middle or 0) % every :: every], middle=middle, unit=unit)
+        ]
+    return Panel(
+        title,
+        series,
+        "ratio r_S/r_P",
+        "torque utilisation",
+        fields=fields,
+        x_scale="log",
+        x_ticks=TICKS,
+        y_range=ends,
+        height=250,
+    )
+
+
+def _rows(utilisation: Array, border: Border) -> Array:
+    """Closer values over the utilisation with those of the border, up to it if that is less than a step away."""
+    low, high = (
+        np.append(side[np.isfinite(side)], end)
+        for side, end in zip(border.utilisation, utilisation[[0, -1]], strict=True)
+    )
+    step = np.diff(utilisation)[[0, -1]] if len(utilisation) > 1 else np.zeros(2)
+    first, last = max(low.min(), utilisation[0] - step[0]), min(high.max(), utilisation[-1] + step[1])
+    rows = np.concatenate(
+        [utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS), low, high]
+    )
+    return np.unique(rows[(rows >= first) & (rows <= last)])
+
+
+def _beyond(ratio: Array, ends: tuple[float, float], border: Border) -> list[Series]:
+    """The capacity as a line, and what is beyond it as areas without a name, so that the legend does not hide them."""
+    known = [
+        np.where(np.isfinite(side), np.clip(side, *ends), end)
+        for side, end in zip(border.utilisation, ends, strict=True)
+    ]
+    wide = ratio * np.interp(np.arange(len(ratio)), [0, len(ratio) - 1], [0.995, 1.005])
+    return [
+        *(Series("", wide, side, COVER, "band", upper=np.full_like(side, end), opacity=1.0)
+          for side, end in zip(known, ends, strict=True)),
+        *(Series("capacity", ratio, side, INK, width=2.0) for side in border.utilisation),
+    ]  # fmt: skip
+
+
+def _up_to(border: Border, rows: Array, utilisation: Array, values: Array) -> Array:
+    """Values at closer rows, which continue up to the border and under the areas beyond it. Gaps inside the border remain."""
+    nearest = np.abs(rows[:, None] - utilisation).argmin(axis=1)
+    found = np.full((len(values), len(rows)), np.nan)
+    for k, line in enumerate(values):
+        low, high = border.utilisation[:, k]
+        carried = ~((utilisation < low) | (utilisation > high))
+        x, y = utilisation[carried & np.isfinite(line)], line[carried & np.isfinite(line)]
+        if border.values is not None:
+            at = np.isfinite(border.values[:, k]) & np.isfinite(border.utilisation[:, k])
+            x, y = np.append(x, border.utilisation[at, k]), np.append(y, border.values[at, k])
+        if len(x) > 1:
+            gap = carried & ~np.isfinite(line)
+            found[k] = np.where(gap[nearest], np.nan, np.interp(rows, np.sort(x), y[np.argsort(x)]))
+    return found
+
+
+def shades(count: int) -> list[str]:
+    """Colours from light to dark, without the lightest."""
+    return mixed(COLOUR_SCALE[1:], np.linspace(0.0, 1.0, count).tolist())

@@ -1,0 +1,146 @@
+"""`PushbeltMap.fmu`, a variator from maps: its tables as a file in the resources, and copies of the FMU with other maps.
+
+The FMU's token is the exclusive or of a hash of its description and a hash of its tables, so a copy with other tables needs no compiler.
+"""
+
+from __future__ import annotations
+
+import codecs
+import json
+import os
+import re
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import MissingFileError
+from ..fmu.files import DATA, RESOURCES, TREE
+from ..fmu.geometry import Array
+from ..fmu.start_values import DESCRIPTION, checked, write_copy
+from ..fmu.untrusted import described
+from ..whole_file import copy_archive
+from .data import AXES, TABLES, MapError, Maps
+
+NAME = "PushbeltMap.fmu"
+TABLES_FILE = "resources/maps.json"
+"""The tables in the archive."""
+FORMAT, VERSION = "pushbelt map unit", 1
+USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
+"""Tables of the FMU."""
+GEOMETRY = (
+    "geometry.centerDistance",
+    "geometry.beltLength",
+    "geometry.wedgeAngle",
+    "belt.pitchOffset",
+    "friction.fall",
+    "friction.fallSpeed",
+)
+"""Parameters of the variator that the tables contain."""
+DIGITS = 9
+"""Significant digits of the tables."""
+TOKENS = re.compile(r'\b(guid|instantiationToken)="\{([0-9a-f-]{36})\}"')
+_START = 0x6C62272E07BB014262B821756295C58D
+_PRIME = 0x0000000001000000000000000000013B
+
+
+def default_fmu() -> Path:
+    """The FMU that the environment variable `PUSHBELT_MAP_FMU` names, or the one in the wheel, or that in `target`.
+
+    Raises MissingFileError if it is missing.
+    """
+    named = os.environ.get("PUSHBELT_MAP_FMU")
+    path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
+    if not path.is_file():
+        raise MissingFileError(f"there is no FMU at {path}; in the source tree it is built by `cargo fmu build --map`")
+    return path
+
+
+def default_maps() -> Path:
+    """Tables of `bench168`, from `cargo fmu maps -- --ratios 8`."""
+    return RESOURCES / "maps" / "maps.json"
+
+
+def tables_of(maps: Maps) -> bytes:
+    """The content of `resources/maps.json` for maps."""
+    tables = {name: maps[name] for name in USED}
+    # The equations rely on a traction that rises, which holds but for the noise of the solver.
+    tables["traction"] = np.maximum.accumulate(tables["traction"], axis=-1)
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "source": dict(maps.source),
+        "maps": maps.identity,
+        "parameters": {name: maps.parameters[name] for name in GEOMETRY},
+        "startValues": _start_values(maps),
+        "axes": {name: {"unit": AXES[name].unit, "values": maps.axes[name].tolist()} for name in AXES},
+        "tables": {
+            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": _rounded(values)}
+            for name, values in tables.items()
+        },
+    }
+    # Only the numbers of tables are nested lists, so the file is compact without being one line.
+    return (json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n").encode()
+
+
+def _start_values(maps: Maps) -> dict[str, float]:
+    """Parameters of the variator that the FMU has as variables."""
+    pulley = (
+        "inertia",
+        "minRadius",
+        "maxRadius",
+        "drag.constant",
+        "drag.viscous",
+        "bearing.friction",
+        "bearing.radius",
+    )
+    names = ["friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in pulley)]
+    return {name: maps.parameters[name] for name in names}
+
+
+def _rounded(values: Array) -> Any:
+    if values.ndim == 0:
+        return float(f"{float(values):.{DIGITS}g}")
+    return [_rounded(value) for value in values]
+
+
+def hash_of(content: bytes) -> int:
+    """The hash of the tables in the token, without a byte-order mark: FNV-1a with 128 bits (Fowler, Noll, Vo)."""
+    found, mask = _START, (1 << 128) - 1
+    for byte in content.removeprefix(codecs.BOM_UTF8):
+        found = ((found ^ byte) * _PRIME) & mask
+    return found
+
+
+def with_tables(description: str, before: bytes | None, after: bytes) -> str:
+    """A model description whose token is that of other tables; `before` are the present ones, None for none."""
+    change = hash_of(after) ^ (hash_of(before) if before is not None else 0)
+
+    def token(match: re.Match[str]) -> str:
+        digits = f"{int(match[2].replace('-', ''), 16) ^ change:032x}"
+        parts = (digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])
+        return f'{match[1]}="{{{"-".join(parts)}}}"'
+
+    found, count = TOKENS.subn(token, description, count=1)
+    if not count:
+        raise MapError("the model description has no token")
+    return found
+
+
+def write_tables(fmu: Path, copy: Path, tables: bytes) -> None:
+    """Writes a copy of the FMU with other tables. The file is written completely or not at all."""
+    with zipfile.ZipFile(fmu) as source:
+        before = source.read(TABLES_FILE) if TABLES_FILE in source.namelist() else None
+    changed = {DESCRIPTION: lambda xml: with_tables(xml.decode("utf-8"), before, tables).encode("utf-8")}
+    copy_archive(fmu, copy, changed, {TABLES_FILE: tables})
+
+
+def write_fmu(copy: Path, maps: Maps | bytes, fmu: Path | None = None, values: Mapping[str, Any] | None = None) -> None:
+    """Writes an FMU with these maps, with the parameters of their variator as start values, and with other start values."""
+    tables = maps if isinstance(maps, bytes) else tables_of(maps)
+    write_tables(fmu or default_fmu(), copy, tables)
+    given = {**json.loads(tables)["startValues"], **(values or {})}
+    variables = {variable.name: variable for variable in described(copy).modelVariables}
+    write_copy(copy, copy, checked(variables, given))

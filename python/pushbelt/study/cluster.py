@@ -1,0 +1,200 @@
+"""Distribution of tasks to workers by dask, on a local or an existing cluster.
+
+A chunk is a list of numbered tasks. A worker solves it by the method `solver.solve` of a plugin, which returns a row for each task.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import cloudpickle
+from distributed import (
+    CancelledError,
+    Client,
+    Future,
+    KilledWorker,
+    LocalCluster,
+    WorkerPlugin,
+    as_completed,
+    get_worker,
+)
+
+import pushbelt.fmu
+from pushbelt import errors
+from pushbelt.console import interrupts_ignored
+from pushbelt.errors import PushbeltError
+from pushbelt.fmu.unit import Archive
+
+Chunk = Sequence[tuple[int, Any]]
+"""Numbered tasks that a worker solves together."""
+Rows = list[tuple[int, dict[str, Any]]]
+"""Their numbers and results."""
+
+POLL = 0.1
+"""Interval of polling for finished chunks, s."""
+CONNECT_TIMEOUT = 10.0
+"""Timeout for the connection to a scheduler, s."""
+WORKERS_TIMEOUT = 60.0
+"""Timeout for the first worker of a cluster, s."""
+QUEUE_TIMEOUT = 7 * 86400.0
+"""Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s."""
+
+
+class ClusterError(PushbeltError, RuntimeError):
+    """The cluster cannot be reached, or the connection is lost."""
+
+
+@contextmanager
+def connect(scheduler: Any = None, workers: int | None = None) -> Iterator[Client]:
+    """A client of the scheduler at an address such as `tcp://host:port`, of a cluster of dask, or of a new local cluster of processes.
+
+    Raises ClusterError if there is no worker within the timeout.
+    """
+    with ExitStack() as stack:
+        try:
+            timeout = WORKERS_TIMEOUT if scheduler is None or isinstance(scheduler, str) else QUEUE_TIMEOUT
+            if scheduler is None:
+                with interrupts_ignored():
+                    local = LocalCluster(
+                        n_workers=workers, threads_per_worker=1, memory_limit=0, dashboard_address=":0", silence_logs="ERROR"
+                    )
+                scheduler = stack.enter_context(local)
+            client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
+            client.wait_for_workers(1, timeout=timeout)
+        except (OSError, TimeoutError) as error:
+            raise ClusterError(f"{scheduler}: {error or 'no worker'}") from error
+        yield client
+
+
+class UnitPlugin(WorkerPlugin):
+    """Installs an FMU and its solver on every worker, including workers that join later."""
+
+    def __init__(self, name: str, fmu: bytes, load: Callable[[Archive], Any]) -> None:
+        self.name = name
+        self._fmu, self._load = fmu, load
+
+    def setup(self, worker: Any) -> None:
+        """Unpacks the FMU into the worker's folder and loads it."""
+        self._cleanup = ExitStack()
+        folder = Path(worker.local_directory) / self.name
+        folder.mkdir(parents=True, exist_ok=True)
+        file = folder / "unit.fmu"
+        file.write_bytes(self._fmu)
+        archive = Archive.unpack(file, folder / "unpacked")
+        self._cleanup.callback(archive.remove)
+        self.solver = self._load(archive)
+        self._cleanup.callback(self.solver.close)
+
+    def teardown(self, worker: Any) -> None:  # noqa: ARG002
+        """Frees the instances and removes the unpacked FMU."""
+        self._cleanup.close()
+
+
+@contextmanager
+def shipped(
+    client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
+) -> Iterator[Callable[[Chunk], Rows]]:
+    """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there.
+
+    `load` makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which are sent with
+    those of `pushbelt.fmu`.
+
+    Raises ClusterError if a worker cannot load them.
+    """
+    name = f"pushbelt-{client.id}"
+    try:
+        with by_value(pushbelt.fmu, errors, sys.modules[__name__], *modules):
+            client.register_plugin(UnitPlugin(name, fmu, load))
+    except Exception as error:  # Any exception type is possible, since it comes from a worker.
+        raise ClusterError(f"a worker cannot load the FMU: {error}") from error
+    try:
+        yield solver(name)
+    finally:
+        if client.status == "running":
+            client.unregister_worker_plugin(name)
+
+
+def solver(name: str) -> Callable[[Chunk], Rows]:
+    """The function that solves a chunk on a worker.
+
+    It is a local function so that it is pickled by value: scheduler and workers do not have this project's modules.
+    """
+
+    def solve(chunk: Chunk) -> Rows:
+        return get_worker().plugins[name].solver.solve(chunk)
+
+    return solve
+
+
+@contextmanager
+def by_value(*modules: ModuleType) -> Iterator[None]:
+    """Objects of these modules and their submodules are pickled by value."""
+    for module in modules:
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        yield
+    finally:
+        for module in modules:
+            cloudpickle.unregister_pickle_by_value(module)
+
+
+def rows(
+    client: Client,
+    solve: Callable[[Chunk], Rows],
+    chunks: Iterable[Chunk],
+    waiting: Callable[[], object],
+) -> Iterator[Rows]:
+    """Rows of the chunks in the order of completion. `waiting` is called periodically.
+
+    Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its worker is split: its points are solved
+    at the end, one at a time, so that the point that crashes the worker is identified. Its reason is `WORKER_LOST`.
+    """
+    given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
+    suspects: list[Any] = []
+    for future in _finished(as_completed(given), waiting):
+        chunk, result = given.pop(future), _result(future)
+        if result is None:
+            suspects.extend(chunk)
+        else:
+            yield result
+    for suspect in suspects:
+        future = client.submit(solve, [suspect], pure=False)
+        for _ in _finished(as_completed([future]), waiting):
+            result = _result(future)
+            yield [(suspect[0], {"reason": WORKER_LOST, "time": None})] if result is None else result
+
+
+WORKER_LOST = "the worker process crashed repeatedly"
+
+
+def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
+    """Futures as they finish or finally fail."""
+    while not futures.is_empty():
+        if not futures.has_ready():
+            waiting()
+            time.sleep(POLL)
+            continue
+        for future in futures.next_batch(block=False):
+            # A result that was not fetched is lost with its worker and is computed again.
+            if future.status in ("pending", "lost"):
+                futures.add(future)
+            else:
+                yield future
+
+
+def _result(future: Future) -> Rows | None:
+    """Rows of a chunk; None if it lost too many workers."""
+    try:
+        return future.result()
+    except KilledWorker:
+        return None
+    except CancelledError as error:
+        raise ClusterError("the connection to the scheduler is lost") from error
+    finally:
+        future.release()

@@ -1,0 +1,158 @@
+"""Solves the tasks of a study: missing ones are sent to the cluster in chunks, and each finished chunk is stored."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import random
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pushbelt import side_by_side
+from pushbelt.fmu.unit import Archive
+from pushbelt.progress import progress_bar
+
+from . import worker
+from .store import Store
+from .tasks import Row, Tasks
+
+MOST_CHUNKS = 5000
+"""Largest number of chunks. Larger studies have larger chunks, because each chunk is a file."""
+WORKERS_INTERVAL = 1.0
+"""Interval of polling the number of workers, s."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a study."""
+
+    tasks: int
+    done: int
+    """Number of finished tasks, including earlier runs."""
+    failed: int
+    """Number of finished tasks without a result."""
+    workers: int
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Effort of a run."""
+
+    tasks: int
+    """Number of tasks solved in this run."""
+    seconds: float
+    """Wall-clock time including the start of the cluster, s."""
+    processor_time: float
+    """Processor time of all tasks, also of earlier runs, s."""
+
+    def __str__(self) -> str:
+        each = f", {self.tasks / self.seconds:.2f} a second" if self.tasks else ""
+        return f"{self.seconds:.0f} s{each}, processor time {self.processor_time:.1f} s on {os.cpu_count()} processors"
+
+
+def chunks(tasks: Tasks, finished: set[int], size: int) -> list[list[tuple[int, Any]]]:
+    """Missing tasks with their numbers, in chunks of at least `size`. They are shuffled, because neighbours take similar times."""
+    missing = [(number, task) for number, task in enumerate(tasks.tasks()) if number not in finished]
+    random.Random(0).shuffle(missing)
+    size = max(size, -(-len(missing) // MOST_CHUNKS))
+    return [missing[start : start + size] for start in range(0, len(missing), size)]
+
+
+def solve(
+    tasks: Tasks,
+    folder: Path,
+    *,
+    scheduler: Any = None,
+    workers: int | None = None,
+    chunk: int = 1,
+    progress: Callable[[Progress], object] = lambda _: None,
+) -> dict[int, Row]:
+    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them.
+
+    `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local processes are started, one per
+    processor. A program that starts them needs the guard `if __name__ == "__main__":`. `progress` is called about once per second. Tasks
+    that lost their workers are not stored; the next run tries them again.
+
+    Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain stored.
+    """
+    store = Store(folder, tasks)
+    rows = store.rows()
+    missing = chunks(tasks, set(rows), chunk)
+    if not missing:
+        return rows
+    total = len(tasks.tasks())
+    failed = sum(row.get("reason") is not None for row in rows.values())
+    # Only studies on a cluster need the packages of dask.
+    from . import cluster
+
+    with cluster.connect(scheduler, workers) as client:
+        count, asked = 0, -math.inf
+
+        def report() -> None:
+            nonlocal count, asked
+            if time.monotonic() > asked + WORKERS_INTERVAL:
+                count, asked = len(client.nthreads()), time.monotonic()
+            progress(Progress(total, len(rows), failed, count))
+
+        load = partial(worker.Solver, parameters=tasks.common, measure=tasks.measure)
+        with cluster.shipped(client, tasks.archive, load, worker, *tasks.procedure) as solver:
+            for found in map(dict, cluster.rows(client, solver, missing, report)):
+                rows |= found
+                failed += sum(row.get("reason") is not None for row in found.values())
+                if not any(row.get("reason") == cluster.WORKER_LOST for row in found.values()):
+                    store.add(found)
+                report()
+    return rows
+
+
+def solve_in_processes(tasks: Tasks, folder: Path, title: str) -> dict[int, Row]:
+    """The same in processes of this machine, with a progress bar and without dask."""
+    store = Store(folder, tasks)
+    rows = store.rows()
+    missing = chunks(tasks, set(rows), 1)
+    if missing:
+        with Archive.unpack(tasks.fmu) as archive:
+            calls = [(_solve_chunk, (archive, tasks.common, tasks.measure, chunk)) for chunk in missing]
+            for found in map(dict, side_by_side.run_all(calls, len(calls), title, os.cpu_count() or 1)):
+                rows |= found
+                store.add(found)
+    return rows
+
+
+def _solve_chunk(archive: Archive, *arguments: Any) -> list[tuple[int, Row]]:
+    *common, chunk = arguments
+    with closing(worker.Solver(archive, *common)) as solver:
+        found = solver.solve(chunk)
+    side_by_side.tick(len(chunk))
+    return found
+
+
+def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
+    """`solve` with a progress bar and the options of `cli.options.add_cluster`. After Ctrl-C it prints how many tasks are finished."""
+    store, begin = Store(options.output, tasks), time.perf_counter()
+    if options.anew or options.measure:
+        store.clear()
+    total, before = len(tasks.tasks()), len(store.rows())
+    if before:
+        print(f"  {before} of {total} {what} are already stored")
+    with progress_bar(total, what, before) as bar:
+
+        def shown(progress: Progress) -> None:
+            bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
+            bar.update(progress.done - bar.n)
+
+        try:
+            rows = solve(
+                tasks, options.output, scheduler=scheduler or options.scheduler, workers=options.workers, chunk=chunk, progress=shown
+            )
+        except KeyboardInterrupt:
+            print(f"\n{len(store.rows())} of {total} {what} are finished; the same command continues from them.")
+            raise
+    used = sum(row.get("time") or 0.0 for row in rows.values())
+    return rows, Effort(total - before, time.perf_counter() - begin, used)

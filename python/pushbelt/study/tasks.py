@@ -1,0 +1,87 @@
+"""What is solved: an FMU, parameters, and tasks, with an identity of everything that determines the results."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pushbelt.errors import ArgumentError
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.untrusted import OfFmu
+
+Row = dict[str, Any]
+"""The result of a task. `reason` is why it has none; `time` is its processor time, s."""
+
+
+@dataclass(frozen=True)
+class Tasks(OfFmu, ABC):
+    """Tasks for an FMU."""
+
+    fmu: Path
+    parameters: Mapping[str, float]
+    """Start values of the FMU by name."""
+
+    @property
+    @abstractmethod
+    def procedure(self) -> tuple[ModuleType, ...]:
+        """Modules that determine the results. They are sent to the workers."""
+
+    @property
+    @abstractmethod
+    def measure(self) -> Callable[[SteadyStates, Any], Row]:
+        """The function that solves a task. It raises UnitError with the reason if there is no result."""
+
+    @property
+    def common(self) -> Mapping[str, float]:
+        """Start values of all tasks."""
+        return {}
+
+    @abstractmethod
+    def tasks(self) -> Sequence[Any]:
+        """All tasks; their places number them."""
+
+    @abstractmethod
+    def document(self) -> Mapping[str, Any]:
+        """Parameters and points as JSON values, for the identity."""
+
+    @cached_property
+    def identity(self) -> str:
+        """A hash of the FMU, the parameters, the points and the procedure."""
+        document = {
+            "fmu": hashlib.sha256(self.archive).hexdigest(),
+            "procedure": [hashlib.sha256(Path(str(one.__file__)).read_bytes()).hexdigest() for one in self.procedure],
+            **self.document(),
+        }
+        return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def variator(name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Parameters of a published variator (`bench168` or `belt155`) or of a file ….json, with a ring model and changes."""
+    return {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
+
+
+def ascending(name: str, values: Sequence[float], *, positive: bool) -> tuple[float, ...]:
+    """The values of an axis. Raises ArgumentError if they do not ascend, or are not finite or positive."""
+    found = tuple(float(value) for value in values)
+    if not found or any(low >= high for low, high in itertools.pairwise(found)):
+        raise ArgumentError(f"the values of {name} must not be empty and must ascend: {found}")
+    if not all(map(math.isfinite, found)) or (positive and found[0] <= 0.0):
+        raise ArgumentError(f"the values of {name} must be {'positive' if positive else 'finite'}: {found}")
+    return found
+
+
+def spread(low: float, high: float, count: int) -> tuple[float, ...]:
+    """Values evenly spaced in their logarithm, to 1e-6."""
+    step = (high / low) ** (1.0 / max(count - 1, 1))
+    return tuple(round(low * step**k, 6) for k in range(count))

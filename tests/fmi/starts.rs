@@ -1,0 +1,110 @@
+//! Starts: values that fit each other or not, what can hardly be meant, start values in the resources.
+
+use std::fs;
+
+use pushbelt::fmi::log::Status::{self, Error, Ok};
+use pushbelt::fmi::start_values::FILE;
+use pushbelt::fmi::unit::Experiment;
+use pushbelt_lab::shared_library::{Library, OK, path};
+use pushbelt_lab::shared_library3::Watches;
+
+use crate::importer::{BOTH, Handles, Message};
+use crate::variator::{Importer, reference};
+
+#[test]
+fn values_that_do_not_fit_each_other_are_named() {
+    for version in BOTH {
+        for (name, value, words) in [
+            (
+                "geometry.beltLength",
+                0.3,
+                "geometry.beltLength = 0.3 is out of range: between",
+            ),
+            ("initial.ratio", 5.0, "initial.ratio = 5 is out of range: 0.3"),
+            ("friction.pulley", 0.3, "geometry.wedgeAngle = 0.19"),
+        ] {
+            let importer = Importer::coarse(version, Handles::default());
+            importer.put(name, value);
+            assert_eq!(importer.enter(Experiment::default()), Ok);
+            assert_eq!(importer.exit(), Error);
+            importer.assert_logged(words);
+            assert_eq!(importer.reset(), Ok);
+            importer.make_coarse();
+            importer.start();
+            importer.advance(0.0, 0.001);
+        }
+    }
+}
+
+/// Removed variables of earlier versions give an error that names the replacement.
+#[test]
+fn variables_of_earlier_versions_are_named() {
+    let importer = Importer::new(BOTH[0]);
+    for (reference, words) in [
+        (
+            1036,
+            "belt.contactStrain (value reference 1036) was removed: set belt.roughness",
+        ),
+        (
+            1045,
+            "ring.elements (value reference 1045) was removed: the FMU of the comparison",
+        ),
+        (1048, "ring.referenceDirections (value reference 1048) was removed"),
+        (1075, "mesh.aligned (value reference 1075) was removed"),
+    ] {
+        assert_eq!(importer.set(reference, 0.0), Error);
+        importer.assert_logged(words);
+    }
+}
+
+/// The log has what can hardly be meant, as a warning; a hopeless start is an error that names variable and value.
+#[test]
+fn implausible_loads_are_logged() {
+    for version in BOTH {
+        let logged = |name: &str, value: f64, part: &str| -> (Status, Message) {
+            let importer = Importer::coarse(version, Handles::default());
+            importer.flag("initial.steady", true);
+            importer.put(name, value);
+            assert_eq!(importer.enter(Experiment::default()), Ok);
+            let status = importer.exit();
+            let messages = importer.record.messages.borrow();
+            let found = messages.iter().find(|(_, _, text)| text.contains(part));
+            (status, found.unwrap_or_else(|| panic!("{messages:?}")).clone())
+        };
+        let (status, (level, category, _)) = logged("initial.primarySpeed", 2000.0, "initial.primarySpeed in rpm");
+        assert_eq!((status, level, &*category), (Ok, 1, "logStatusWarning"));
+        let (status, (level, category, text)) =
+            logged("secondary.clampingForce", 13.5, "secondary.clampingForce = 13.5 N");
+        assert_eq!((status, level, &*category), (Error, 3, "logStatusError"));
+        assert!(text.contains("kN"), "{text}");
+    }
+}
+
+/// The importer passes no location: the library looks beside itself.
+#[test]
+fn a_library_finds_start_values_beside_the_folder_of_binaries() {
+    let unpacked = std::env::temp_dir().join(format!("pushbelt unpacked {}", std::process::id()));
+    let folder = |name: &str| {
+        let folder = unpacked.join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        folder
+    };
+    let binary = folder("binaries/linux64").join("PushbeltVariator.so");
+    fs::copy(path(), &binary).expect("a copy");
+    fs::write(folder("resources").join(FILE), "friction.pulley = 0.085").expect("a file");
+    let library = Library::load_from(&binary);
+    let (f, f3) = (&library.functions, &library.functions3);
+    let (c, c3) = (f.instantiate(), f3.instantiate(Watches::default()));
+    let (friction, mut values) = (reference("friction.pulley"), [0.0; 2]);
+    // SAFETY: instances, and places for values.
+    unsafe {
+        f.make_cheap(c);
+        assert_eq!((f.fmi2EnterInitializationMode)(c), OK);
+        assert_eq!((f.fmi2GetReal)(c, &friction, 1, &raw mut values[0]), OK);
+        (f.fmi2FreeInstance)(c);
+        assert_eq!((f3.fmi3GetFloat64)(c3, &friction, 1, &raw mut values[1], 1), OK);
+        (f3.fmi3FreeInstance)(c3);
+    }
+    fs::remove_dir_all(&unpacked).expect("removed");
+    assert_eq!(values, [0.085; 2]);
+}

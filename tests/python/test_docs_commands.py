@@ -1,0 +1,111 @@
+"""The book's command lines against the parsers, its generated pages against their sources, and the files that it names."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import shlex
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import page_programs
+import pytest
+
+from pushbelt import cli
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+TOOL = (ROOT / "fmu-build" / "src" / "commands" / "program.rs").read_text(encoding="utf-8")
+
+sys.path.insert(0, str(ROOT / "python"))
+reference = importlib.import_module("reference")
+
+
+def modules() -> dict[tuple[str, str], str]:
+    """The Python module behind a command of `cargo fmu`, by its name and the option that selects another one."""
+    found = {}
+    for name, rest in re.findall(r'Program \{\s+name: "(\w+)",(.*?)\n    \}', TOOL, re.DOTALL):
+        found |= {(name, ""): module for module in re.findall(r'module: "([\w.]+)"', rest)}
+        found |= {(name, option): module for option, module in re.findall(r'\("(--\w+)", &\["([\w.]+)"', rest)}
+    return found
+
+
+def lines() -> Iterator[tuple[str, str]]:
+    """Command lines of all pages, in fenced blocks and between backticks, each with its page."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for language, block in re.findall(r"```(\w*)\n(.*?)```", text, re.DOTALL):
+            yield from ((page.name, line.split(" # ")[0].strip()) for line in block.splitlines() if not language)
+        yield from ((page.name, span) for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", text))
+
+
+def program_lines() -> list[tuple[str, str]]:
+    """Those that start a Python program and have more than its name."""
+    named = "|".join({*cli.PROGRAMS, *(name for name, _ in modules())})
+    starts = re.compile(rf"(pushbelt [a-z]|cargo fmu ({named})\b)\S* \S")
+    return sorted({(page, line) for page, line in lines() if starts.match(line) and "…" not in line and "COMMAND" not in line})
+
+
+@pytest.mark.parametrize(("page", "line"), program_lines())
+def test_a_command_line_of_the_book_is_one_of_its_program(page: str, line: str) -> None:
+    words = shlex.split(line)
+    own = words[0] == "pushbelt"
+    name, words = (words[1], words[2:]) if own else (words[2], words[3:])
+    words = words[1:] if words[:1] == ["--"] else words
+    other = next((modules()[name, word] for word in words if (name, word) in modules()), None)
+    if name == "bench" and other is None:
+        source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "benches" / "variator").rglob("*.rs"))
+        for option in (word[2:].replace("-", "_") for word in words if word.startswith("--")):
+            assert re.search(rf"\b{option}: ", source), f"{page}: cargo fmu bench has no --{option}"
+        return
+    words = [word for word in words if (name, word) not in modules()]
+    if other is None and (own or name in cli.PROGRAMS):
+        parser = reference.parser_of(cli.main, [name, *words, *["--fmu", "x.fmu"] * (name in cli.PROGRAMS)])
+        words = words if name in cli.PROGRAMS else [name, *words]
+    else:
+        module = importlib.import_module(other or modules()[name, ""])
+        program = importlib.import_module(f"{module.__name__}.__main__") if hasattr(module, "__path__") else module
+        parser = reference.parser_of(program.main, words)
+    # `cargo fmu` adds the other options that a program requires.
+    needed = [action.option_strings for action in parser._actions if action.required and action.option_strings]
+    parser.parse_args([*words, *(word for options in needed if not {*options} & {*words} for word in (options[-1], "x"))])
+
+
+@pytest.mark.parametrize("page", reference.PAGES)
+def test_generated_pages_are_up_to_date(page: str) -> None:
+    written = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    assert written == reference.PAGES[page](), f"write docs/{page} anew by `cargo fmu describe`"
+
+
+@pytest.mark.parametrize("page", page_programs.PAGES)
+def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.chdir(tmp_path)
+    assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
+
+
+def test_files_that_the_book_names_are_there() -> None:
+    missing = []
+    for page, line in lines():
+        for path in re.findall(r"(?<![\w/.])(?:examples|tests|docs|python|crates|src|benches|resources|fmu-build)/[\w./-]*\w", line):
+            missing += [f"{page}: {path}"] * (not (ROOT / path).exists())
+        for kind, name in re.findall(r"--(example|test) ([a-z]\w+)", line):
+            places = [ROOT / f"{kind}s", ROOT / "paper" / f"{kind}s", ROOT / "crates" / "map-unit" / f"{kind}s"]
+            there = any((place / found).exists() for place in places for found in (f"{name}.rs", name))
+            missing += [f"{page}: --{kind} {name}"] * (not there)
+    assert not missing
+
+
+def test_the_controller_on_the_page_is_that_of_the_example() -> None:
+    (shown,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8"), re.DOTALL)
+    program = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
+    assert {line.strip() for line in shown.splitlines()} <= {line.strip() for line in program.splitlines()}
+
+
+def test_the_readme_has_the_verdicts_of_the_validation() -> None:
+    results = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))
+    said = re.findall(r"\*\*(\w+): (\d+) of (\d+) goals met", (ROOT / "README.md").read_text(encoding="utf-8"))
+    parts = ("verification", "measurements")
+    assert said == [(part.capitalize(), str(results[part]["met"]), str(results[part]["goals"])) for part in parts]

@@ -1,0 +1,63 @@
+//! The manoeuvre in the resources of the FMU.
+
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::Parameters;
+
+use crate::variators::inputs;
+
+/// Lines of `resources/manoeuvre.csv`: time, torques of P and S, clamping forces of P and S; linear between lines.
+#[derive(Debug)]
+pub struct Manoeuvre {
+    rows: Vec<[f64; 5]>,
+}
+
+impl Manoeuvre {
+    /// Reads the file.
+    pub fn read() -> Self {
+        let text = include_str!("../../../resources/manoeuvre.csv");
+        let rows = text.lines().skip(1).map(|line| {
+            let mut values = line.split(',').map(|x| x.parse().expect("a number"));
+            std::array::from_fn(|_| values.next().expect("five columns"))
+        });
+        Self { rows: rows.collect() }
+    }
+
+    /// Its end, s.
+    pub fn end(&self) -> f64 {
+        self.rows[self.rows.len() - 1][0]
+    }
+
+    /// Inputs at time `t`.
+    pub fn at(&self, t: f64) -> Inputs {
+        let right = self
+            .rows
+            .partition_point(|row| row[0] <= t)
+            .clamp(1, self.rows.len() - 1);
+        let (a, b) = (&self.rows[right - 1], &self.rows[right]);
+        let share = ((t - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
+        let value = |k: usize| a[k] + share * (b[k] - a[k]);
+        inputs((value(1), value(3)), (value(2), value(4)))
+    }
+
+    /// Inputs at the start of every step of `step`, s.
+    pub fn trace(&self, step: f64) -> Vec<Inputs> {
+        let count = (self.end() / step).round() as u32;
+        (0..count).map(|k| self.at(f64::from(k) * step)).collect()
+    }
+
+    /// Its variator: a vehicle's inertia on the secondary shaft, at a standstill in underdrive.
+    pub fn variator(mut parameters: Parameters) -> Parameters {
+        parameters.secondary.inertia = 4.0;
+        parameters.initial.ratio = 2.2;
+        parameters.initial.primary_speed = 0.0;
+        parameters
+    }
+
+    /// The same, in the steady state near that of the manoeuvre before the over-torque.
+    pub fn before_over_torque(parameters: Parameters) -> Parameters {
+        let mut parameters = Self::variator(parameters);
+        parameters.initial.ratio = 0.8;
+        parameters.initial.primary_speed = 120.0;
+        parameters
+    }
+}

@@ -1,0 +1,62 @@
+"""The report: one self-contained HTML file, the tables as CSV and Markdown, the verdicts as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pushbelt import page, tables
+
+from . import results as documents
+from .outcome import Part, Section, Verdict
+from .runs import Results
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The verdict of a section: `met` if all its goals are met, `reported` if there is none."""
+
+    key: str
+    title: str
+    part: str
+    verdict: str
+    met: int
+    goals: int
+    used: float | None = None
+    """Largest share of a tolerance that is used."""
+
+
+def summary(section: Section) -> Summary:
+    """The verdict of a section."""
+    verdicts = [check.verdict for check in section.checks]
+    met, missed = verdicts.count(Verdict.MET), verdicts.count(Verdict.MISSED)
+    verdict = Verdict.MISSED if missed else Verdict.MET if met else Verdict.REPORTED
+    used = max((check.used for check in section.checks if check.used is not None), default=None)
+    return Summary(section.key, section.title, section.part.value, verdict.value, met, met + missed, used)
+
+
+def write(results: Results, folder: Path) -> dict[str, Any]:
+    """Writes report.html, results.json, tables.md and a CSV file for each table into a folder; returns the document."""
+    folder.mkdir(parents=True, exist_ok=True)
+    found = documents.document(results)
+    documents.write(folder / "results.json", found)
+    for one in (one for section in results.sections for one in section.tables):
+        tables.write(folder / f"{one.key}.csv", one.titles, one.rows)
+    (folder / "tables.md").write_text(markdown(results), encoding="utf-8")
+    context = {
+        "results": results,
+        "found": found,
+        "steps": [section for section in results.sections if section.part is Part.STEPS],
+        "missed": [check for check in found["checks"] if check["verdict"] == Verdict.MISSED.value],
+        "summary": {section.key: summary(section) for section in results.sections},
+        "sources": {s.key: list(dict.fromkeys(check.source for check in s.checks)) for s in results.sections},
+    }
+    page.write_html("validate.html.j2", context, folder / "report.html", Path(__file__).parent)
+    return found
+
+
+def markdown(results: Results) -> str:
+    """All tables."""
+    found = [one for section in results.sections for one in section.tables]
+    return "\n".join(f"### {one.title}\n\n{documents.rows([c.heading for c in one.columns], one.shown())}" for one in found)

@@ -1,0 +1,126 @@
+"""Verdicts as data: what the command writes as JSON, what is pinned, and the page of the book that is made from it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from .measured import cause
+from .outcome import Check, Part, Section, Verdict
+from .runs import Results
+
+ROOT = Path(__file__).parents[2]
+PINNED = ROOT / "validation" / "results.json"
+"""Results of the last reviewed run. `cargo fmu validate -- --pin` renews it, and the page."""
+PAGE = ROOT / "docs" / "validation-results.md"
+
+
+def document(results: Results) -> dict[str, Any]:
+    """Everything that the book and the pins need."""
+    steps = next((s for s in results.sections if s.part is Part.STEPS), None)
+    return {
+        "version": results.version,
+        **{part.value: counts(results, part) for part in (Part.VERIFICATION, Part.MEASUREMENTS)},
+        "checks": [_check(section, check) for section in results.sections for check in section.checks],
+        "steps": None if steps is None else {
+            "told": steps.lead,
+            "columns": [column.name for column in steps.tables[0].columns],
+            "rows": steps.tables[0].shown(),
+            "note": steps.tables[0].note,
+        },
+    }  # fmt: skip
+
+
+def counts(results: Results, part: Part) -> dict[str, int]:
+    """Numbers of met goals, of goals, and of values that are reported without one."""
+    verdicts = [check.verdict for section in results.sections if section.part is part for check in section.checks]
+    met, missed = verdicts.count(Verdict.MET), verdicts.count(Verdict.MISSED)
+    return {"met": met, "goals": met + missed, "reported": len(verdicts) - met - missed}
+
+
+def sentence(found: Mapping[str, Any]) -> str:
+    """The verdicts in numbers."""
+    return ", ".join(f"{part}: {found[part]['met']} of {found[part]['goals']} goals met" for part in ("verification", "measurements"))
+
+
+def _check(section: Section, check: Check) -> dict[str, Any]:
+    found = {
+        "part": section.part.value, "section": section.title, "key": check.key, "statement": check.statement, "goal": check.goal,
+        "found": check.found, "verdict": check.verdict.value, "source": check.source.text, "certainty": check.source.certainty,
+    }  # fmt: skip
+    if check.verdict is Verdict.MISSED:
+        reason, decides = cause(check.key)
+        found |= {"by": check.by, "cause": reason, "decides": decides}
+    return found
+
+
+def verdicts(found: Mapping[str, Any]) -> dict[str, str]:
+    """The verdict of each goal, by its key: what is pinned."""
+    return {check["key"]: check["verdict"] for check in found["checks"] if check["verdict"] != Verdict.REPORTED.value}
+
+
+def write(path: Path, found: Mapping[str, Any]) -> None:
+    """Writes the document as JSON."""
+    path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def pin(found: Mapping[str, Any]) -> None:
+    """Renews the pinned results, the page of the book, and the numbers of goals in other pages."""
+    write(PINNED, found)
+    PAGE.write_text(page(json.loads(PINNED.read_text(encoding="utf-8"))), encoding="utf-8")
+    for path in telling():
+        path.write_text(renewed(path.read_text(encoding="utf-8"), found), encoding="utf-8")
+
+
+def telling() -> list[Path]:
+    """The README and the pages of the book."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def renewed(text: str, found: Mapping[str, Any]) -> str:
+    """A text with the numbers of met and missed goals of a document."""
+    for part in ("verification", "measurements"):
+        met, goals = found[part]["met"], found[part]["goals"]
+        text = re.sub(rf"(?i)({part}: )\d+ of \d+( goals met)", rf"\g<1>{met} of {goals}\g<2>", text)
+        text = re.sub(rf"(?i)({part}: {met} of {goals} goals met\W*)\d+ missed", rf"\g<1>{goals - met} missed", text)
+    return text
+
+
+# The page of the book
+
+
+def page(found: Mapping[str, Any]) -> str:
+    """The page, from the document."""
+    of = {part: [check for check in found["checks"] if check["part"] == part] for part in ("verification", "measurements")}
+    missed = [check for check in of["measurements"] if check["verdict"] == "missed"]
+    others = [check for check in of["measurements"] if check["verdict"] != "missed"]
+    steps = found["steps"]
+    parts = [
+        "# Results of the validation\n",
+        f"Written by `cargo fmu validate -- --pin`; do not edit. {sentence(found)[0].upper()}{sentence(found)[1:]}.\n",
+        "## From the theory to the belt\n",
+        f"{steps['told']} {steps['note']}\n",
+        rows(steps["columns"], steps["rows"]),
+        "## Verification\n",
+        rows(("theory in its limit", "goal", "found", "verdict"), [[c["statement"], c["goal"], c["found"], c["verdict"]] for c in of["verification"]]),
+        "## Measurements: missed goals\n",
+        rows(
+            ("goal", "allowed", "found", "cause, as far as known", "what decides it on a rig"),
+            [[c["statement"], c["goal"], f"{c['found']}; {c['by']}", c["cause"], c["decides"]] for c in missed],
+        ),
+        "## Measurements: met goals and reported values\n",
+        rows(
+            ("statement", "goal", "found", "verdict", "source, certainty"),
+            [[c["statement"], c["goal"], c["found"], c["verdict"], f"{c['source']} ({c['certainty']})"] for c in others],
+        ),
+    ]  # fmt: skip
+    return "\n".join(parts)
+
+
+def rows(header, lines) -> str:
+    """A table in Markdown."""
+    every = [list(header), ["---"] * len(list(header)), *map(list, lines)]
+    return "".join("| " + " | ".join(str(cell).replace("|", "\\|") for cell in line) + " |\n" for line in every)
