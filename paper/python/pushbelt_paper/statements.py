@@ -350,7 +350,7 @@ def _other_belts(_: PaperResults) -> Finding:
 
 
 def _separated_integration(_: PaperResults) -> Finding:
-    return Verdict.ASIDE, "docs/lab/experiments.md"
+    return Verdict.ASIDE, "docs/notebook/experiments.md"
 
 
 _reduced_overlay = _separated_integration
