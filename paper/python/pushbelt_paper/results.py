@@ -103,11 +103,11 @@ class CaseRun:
     load_torque: float
     """Secondary torque, the same for all models, N·m."""
     window: Window
-    """Sampled under a constant load only."""
+    """Under a constant load only."""
     steady: bool
     """Whether the run started from the requested steady state."""
     times: Mapping[str, str | float]
-    """Processor times and work, a row of `times`."""
+    """Processor times and work."""
 
 
 @dataclass(frozen=True)
