@@ -306,7 +306,7 @@ def test_units_are_declared_with_their_dimensions(xml: ElementTree.Element) -> N
         total: dict[str, int] = {}
         for place, factor in enumerate(name.split("/")):
             for part in factor.split("."):
-                symbol, power = (part[:-1], int(part[-1])) if part[-1] == "2" else (part, 1)
+                symbol, power = (part[:-1], int(part[-1])) if part[-1] in "23" else (part, 1)
                 for unit, exponent in base[symbol].items():
                     total[unit] = total.get(unit, 0) + exponent * power * (-1 if place else 1)
         return {unit: exponent for unit, exponent in total.items() if exponent}
