@@ -1,7 +1,7 @@
 //! Runs that start at a time of today, in seconds since 1970, and stored states with wild numbers.
 
 use pushbelt::fmi::log::Log;
-use pushbelt::fmi::slave::{CallError, Master, Type};
+use pushbelt::fmi::slave::{CallError, Master, Type, Version};
 use pushbelt::fmi::unit::Experiment;
 use pushbelt::fmi::{Slave, hash};
 use pushbelt::unit::{Settings, VariatorUnit};
@@ -22,7 +22,7 @@ fn settings(mode: Mode) -> Settings {
 }
 
 fn running(mode: Mode, start: f64) -> Result<Variator, CallError> {
-    let mut slave = Slave::with(Master::default(), Log::new(None, false), settings(mode));
+    let mut slave = Slave::with(Master::default(), Log::new(Version::Two, None, false), settings(mode));
     slave.initialize(Experiment {
         start,
         ..Experiment::default()

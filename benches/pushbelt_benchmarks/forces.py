@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pushbelt import console
-from pushbelt.fmu.unit import Variator as Unit
+from pushbelt.fmu.unit import Instance
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
@@ -45,17 +45,17 @@ class Counter:
     @contextmanager
     def counting(self) -> Iterator[None]:
         """Counts inside the context."""
-        original = Unit.initialise
+        original = Instance.initialise
 
-        def counted(unit: Unit) -> None:
+        def counted(unit: Instance) -> None:
             self.solved += 1
             original(unit)
 
-        Unit.initialise = counted  # type: ignore[method-assign]
+        Instance.initialise = counted  # type: ignore[method-assign]
         try:
             yield
         finally:
-            Unit.initialise = original  # type: ignore[method-assign]
+            Instance.initialise = original  # type: ignore[method-assign]
 
     @contextmanager
     def adding_to(self, work: Work) -> Iterator[None]:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 POINT = {
     "initial.ratio": 1.5,
@@ -32,7 +32,7 @@ SHOWN = ("thrustRatio", "slip", "loss.sheaves", "loss.ring", "loss.layers", "los
 
 def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:
     """Outputs of the steady state."""
-    with Variator(archive, {**parameters, **POINT}) as unit:
+    with Instance(archive, {**parameters, **POINT}) as unit:
         unit.initialise()
         return unit.outputs()
 
@@ -41,7 +41,7 @@ def main() -> None:
     """Prints one line per parameter: relative change of each output, %."""
     base = parameter_set("bench168")
     with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
-        with Variator(archive, {}) as unit:
+        with Instance(archive, {}) as unit:
             known = {name: float(variable.start or 0.0) for name, variable in unit.variables.items()
                      if variable.type == "Real" and variable.causality == "parameter"}  # fmt: skip
         start = steady(archive, base)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import Drive
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 STEP = 1e-2
 VELOCITIES = (5e-4, 2.5e-4, 5e-5)
@@ -17,10 +17,10 @@ LAUNCH_TORQUE, LAUNCH_TIME, LAUNCH_READ = 80.0, 0.5, 0.6
 
 
 @contextmanager
-def at_rest(archive: Archive, velocity: float, start: dict[str, float]) -> Iterator[Variator]:
+def at_rest(archive: Archive, velocity: float, start: dict[str, float]) -> Iterator[Instance]:
     """An initialised variator at standstill in underdrive."""
     values = {"friction.velocity": velocity, "initial.ratio": RATIO, "initial.primarySpeed": 0.0, **start}
-    with Variator(archive, {**parameter_set("bench168"), **values}) as unit:
+    with Instance(archive, {**parameter_set("bench168"), **values}) as unit:
         unit.initialise()
         yield unit
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pushbelt.fmu.enumerations import Axial
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 START = {
     "initial.ratio": 1.5,
@@ -18,7 +18,7 @@ START = {
 
 def run(archive: Archive, step: float, changes: dict[str, float], duration: float = 0.5) -> dict[str, float]:
     """Outputs after a while with the sheave held at its ratio."""
-    with Variator(archive, {**START, "primary.axial": Axial.HELD, **changes}) as unit:
+    with Instance(archive, {**START, "primary.axial": Axial.HELD, **changes}) as unit:
         unit.initialise()
         for k in range(round(duration / step)):
             unit.step_to((k + 1) * step)

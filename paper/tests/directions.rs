@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use pushbelt::unit::Rings;
-use pushbelt::variator::belt_ring::{Ale, BeltRing};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::load_case_with;
 use pushbelt_lab::variators::{inputs, variator};
-use pushbelt_paper::belts::Rotated;
+use pushbelt_paper::belts::{Forward, Rotated};
 use pushbelt_paper::unit::PaperRings;
 
 /// Fixed directions and those of the curve, in the plane.
@@ -21,6 +21,23 @@ fn plane() -> [Arc<dyn BeltRing>; 2] {
 /// The same in space.
 fn space() -> [Arc<dyn BeltRing>; 2] {
     [Arc::new(Ale::<3>), Arc::new(Rotated::<3>)]
+}
+
+/// Derivatives by forward differentiation: the same belt, whose Newton iterations differ by rounding only.
+#[test]
+fn forward_differentiation_has_the_same_steady_states() {
+    let pairs: [[Arc<dyn BeltRing>; 2]; 2] = [
+        [Arc::new(Ale::<2>), Arc::new(Forward(Ale::<2>))],
+        [Arc::new(Ale0), Arc::new(Forward(Ale0))],
+    ];
+    for (pair, model) in pairs.into_iter().zip([RingModel::Ale, RingModel::Ale0]) {
+        let parameters = variator(model);
+        for case in LoadCase::three(&parameters, 50.0) {
+            let [hand, forward] = pair.clone().map(|ring| load_case_with(&parameters, ring, &case));
+            let off = forward.outputs.thrust_ratio / hand.outputs.thrust_ratio - 1.0;
+            assert!(off.abs() < 1e-9, "{model:?}, {}: {off}", case.name);
+        }
+    }
 }
 
 /// The two choices interpolate differently between nodes. Their difference is that of the discretisation, and smaller

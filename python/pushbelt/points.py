@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import ArgumentError, MissingPackageError, PushbeltError, warn
 from .fmu import capacity
@@ -15,6 +16,7 @@ from .fmu.data import clamping_force, pitch_radius, torque_capacity
 from .fmu.results import SteadyState
 from .fmu.start_values import StartValueError, checked
 from .fmu.starts import driven_by_torque
+from .fmu.steady import SteadyStates
 from .fmu.unit import Archive, UnitError
 from .fmu.variables import Variables
 
@@ -35,6 +37,22 @@ OVERRUN = 0.5
 """Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger."""
 
 Read = TypeVar("Read")
+
+
+def over(
+    axes: Mapping[str, Iterable[Any]], solve: Callable[..., Any], *lost: type[Exception]
+) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
+    """Results of `solve` for all combinations of the values of the axes, and why it has none: the text of an error `lost`."""
+    lists = {name: list(values) for name, values in axes.items()}
+    shape = tuple(map(len, lists.values()))
+    found, reasons = np.full(shape, None, dtype=object), np.full(shape, "", dtype=object)
+    for place in np.ndindex(shape):
+        try:
+            found[place] = solve(**{name: values[k] for (name, values), k in zip(lists.items(), place, strict=True)})
+        except lost as error:
+            reasons[place] = str(error)
+    return found, reasons
+
 
 Values = Mapping[str, Any]
 """Values by names of FMU variables, in SI units; enumerations by name or number."""
@@ -74,16 +92,14 @@ class WorkingPoints:
         """`values` are start values, of which all that are needed are checked."""
         self._archive, self._values = archive, dict(values)
         self._declared = archive.variables
-        self._solver: calls.Variator | None = None
+        self._states = SteadyStates(archive)
         self._last_steady: tuple[Values, SteadyState] | None = None
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
     def close(self) -> None:
         """Frees the instance."""
-        if self._solver is not None:
-            self._solver.free()
-        self._solver = None
+        self._states.close()
 
     def steady(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
@@ -123,26 +139,13 @@ class WorkingPoints:
             )
         return state
 
-    def _solved(self, values: Values, point: Point, read: Callable[[calls.Variator], Read]) -> Read:
+    def _solved(self, values: Values, point: Point, read: Callable[[calls.Instance], Read]) -> Read:
         """Result of `read` for an instance that starts in the steady state of these start values."""
         values = checked(self._declared, {**values, "initial.equilibrium": False})
-        solver = self._solver or calls.Variator(self._archive, {})
-        # An instance in which a call failed cannot be used any more.
-        self._solver = None
         try:
-            solver.restart(values)
-            solver.initialise()
-            if solver.not_steady:
-                raise SteadyStateError(f"no steady state {point}: {solver.not_steady}")
-            found = read(solver)
+            return read(self._states.at(values))
         except UnitError as error:
-            solver.free()
             raise SteadyStateError(f"no steady state {point}: {error}") from error
-        except RuntimeError:
-            self._solver = solver
-            raise
-        self._solver = solver
-        return found
 
     def least_force(
         self,
@@ -228,17 +231,15 @@ class WorkingPoints:
 
         ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
-        values = np.full((len(names), len(ratios), len(torques)), np.nan)
-        reasons = np.full((len(ratios), len(torques)), "", dtype=object)
-        for m, n in np.ndindex(reasons.shape):
-            used = math.nan if force is None else force
-            try:
-                used = self.least_force(ratios[m], torques[n], safety, speed=speed) if force is None else force
-                state = self.steady(ratios[m], torques[n], speed=speed, force=used)
-            except SteadyStateError as error:
-                reasons[m, n] = str(error)
-            else:
-                values[:, m, n] = [*(state[name] for name in names[:-1]), used]
+
+        def row(ratio: float, torque: float) -> list[float]:
+            used = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
+            state = self.steady(ratio, torque, speed=speed, force=used)
+            return [*(state[name] for name in names[:-1]), used]
+
+        found, reasons = over({"ratio": ratios, "torque": torques}, row, SteadyStateError)
+        gap = [np.nan] * len(names)
+        values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         axes = ("ratio", "torque")
         about = {"clampingForce": {"units": "N", "long_name": "Secondary clamping force"}}
         for name in names[:-1]:

@@ -63,8 +63,14 @@ def _number(value: float, digits: int | None) -> str:
     return repr(float(value)) if digits is None else f"{value:.{digits}g}"
 
 
-def by_name(path: Path) -> list[dict[str, str]]:
-    """Rows of a file of `write`, by the names of the columns without their units."""
+def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:
+    """Units by the names of the columns, and the rows of a file of `write` or of another tool. Lines that start with `#` are left out."""
     with path.open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(line for line in file if not line.startswith("#"))
-    return [dict(zip((split(text)[0] for text in header), row, strict=True)) for row in rows]
+        header, *rows = [*csv.reader(line for line in file if not line.startswith("#"))] or [[]]
+    return dict(map(split, header)), rows
+
+
+def by_name(path: Path) -> list[dict[str, str]]:
+    """Rows by the names of the columns without their units."""
+    units, rows = read(path)
+    return [dict(zip(units, row, strict=True)) for row in rows]

@@ -84,7 +84,7 @@ class Variator(LinearPoints):
         Raises StartValueError for a name or a value that the FMU does not accept, InputFileError or OSError for files
         that cannot be read.
         """
-        self._unit: calls.Variator | None = None
+        self._unit: calls.Instance | None = None
         self._name = (
             parameters
             if isinstance(parameters, str)
@@ -109,7 +109,7 @@ class Variator(LinearPoints):
         self._now: NDArray[np.float64] | None = None
         """The present row of outputs; None before the start."""
         self._warned = 0
-        self._unit = calls.Variator(archive, self._start)
+        self._unit = calls.Instance(archive, self._start)
         self._reals = self._unit.reals(names)
 
     def __enter__(self) -> Variator:
@@ -324,12 +324,12 @@ class Variator(LinearPoints):
         return dataframe(self.outputs).set_index("time")
 
     @property
-    def _open(self) -> calls.Variator:
+    def _open(self) -> calls.Instance:
         if self._unit is None:
             raise UnitError("the variator is closed")
         return self._unit
 
-    def _running(self, what: str) -> calls.Variator:
+    def _running(self, what: str) -> calls.Instance:
         """The instance of a run that has started."""
         unit = self._open
         if self._now is None:

@@ -1,8 +1,10 @@
-"""Files that are written completely or not at all."""
+"""Files, and copies of archives, that are written completely or not at all."""
 
 from __future__ import annotations
 
 import os
+import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 
@@ -17,3 +19,22 @@ def write_whole(path: Path, contents: bytes) -> None:
         passing.replace(path)
     finally:
         passing.unlink(missing_ok=True)
+
+
+def copy_archive(
+    archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes | None]
+) -> None:
+    """Writes a copy of an archive with changed files, and with others added or replaced; None removes one. `copy` may be the archive."""
+    draft = copy.with_name(f"{copy.name}.part")
+    try:
+        with zipfile.ZipFile(archive) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
+            for entry in source.infolist():
+                if entry.filename not in added:
+                    content = source.read(entry)
+                    target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
+            for name, content in added.items():
+                if content is not None:
+                    target.writestr(name, content)
+        draft.replace(copy)
+    finally:
+        draft.unlink(missing_ok=True)

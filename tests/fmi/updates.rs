@@ -11,7 +11,7 @@ use crate::variator::{Importer, reference};
 
 /// An importer that is called back and may return early.
 fn watching(early_return: bool) -> Importer {
-    let required = ["primary.torque", "primary.speed"].map(reference);
+    let required = ["primary.torque", "primary.speed", "primary.externalTorque"].map(reference);
     let handles = Handles::of(false, early_return, &required);
     Importer::coarse(Three, handles)
 }
@@ -20,11 +20,14 @@ fn watching(early_return: bool) -> Importer {
 fn outputs_can_be_read_at_own_steps() {
     let importer = watching(true);
     importer.start();
+    importer.put("primary.torque", 80.0);
     let seen = Rc::new(RefCell::new(Vec::new()));
     let (alias, record) = (importer.alias(), Rc::clone(&seen));
+    // The torque is that of the ramp at the time of the update.
+    let outputs = |of: &Importer| ["primary.speed", "primary.externalTorque"].map(|name| of.get(name));
     importer.answer(move |update| {
         assert_eq!(alias.get("time"), update.time);
-        record.borrow_mut().push((update.time, alias.get("primary.speed")));
+        record.borrow_mut().push((update.time, outputs(&alias)));
         None
     });
     let ended = importer.step(0.0, 5e-3);
@@ -32,7 +35,7 @@ fn outputs_can_be_read_at_own_steps() {
     let seen = seen.borrow();
     assert!(seen.len() > 3, "{} own steps", seen.len());
     assert!(seen.windows(2).all(|pair| pair[0].0 < pair[1].0), "times rise");
-    assert_eq!(*seen.last().expect("some"), (5e-3, importer.get("primary.speed")));
+    assert_eq!(*seen.last().expect("some"), (5e-3, outputs(&importer)));
     let updates = importer.record.updates.borrow();
     let (last, others) = updates.split_last().expect("some");
     assert!(

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
-from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
+from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
 from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
@@ -96,19 +96,19 @@ def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def variator(archive: Archive) -> Iterator[Callable[..., Variator]]:
+def variator(archive: Archive) -> Iterator[Callable[..., Instance]]:
     """Creates instances, and frees them at the end of the test."""
     with ExitStack() as instances:
-        yield lambda values=CHEAP, name="variator": instances.enter_context(Variator(archive, values, name))
+        yield lambda values=CHEAP, name="variator": instances.enter_context(Instance(archive, values, name))
 
 
-def readings(unit: Variator) -> list[float]:
+def readings(unit: Instance) -> list[float]:
     """All real outputs and locals, fields along the belt included."""
     names = (v.name for v in unit.variables.values() if v.type == "Real" and v.initial == "calculated")
     return unit.get_reals(unit.reals(names)).tolist()
 
 
-def run(unit: Variator, steps: range = range(20)) -> list[list[float]]:
+def run(unit: Instance, steps: range = range(20)) -> list[list[float]]:
     """Runs steps of 1 ms with a growing load; returns the readings after each."""
     rows = []
     for k in steps:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt_cosim.masters import load_tbb
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 STEP = 1e-3
 """Communication step, s."""
@@ -22,7 +22,7 @@ def with_fmpy(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """fmpy, call by call."""
-    with Archive.unpack(fmu) as archive, Variator(archive, {**start, **inputs(0.0)}) as unit:
+    with Archive.unpack(fmu) as archive, Instance(archive, {**start, **inputs(0.0)}) as unit:
         unit.initialise()
         reals = unit.reals(outputs)
         rows = [unit.get_reals(reals)]

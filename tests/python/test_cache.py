@@ -69,11 +69,11 @@ def test_a_folder_without_execution_is_named(fmu: Path, monkeypatch: pytest.Monk
     path = library(archive)
     path.write_bytes(bytes(path.stat().st_size))
     with pytest.raises(pushbelt.UnitError, match=path.name):
-        unit.Variator(archive, {})
+        unit.Instance(archive, {})
     assert os.getcwd() == here
     monkeypatch.setattr(unit.os, "statvfs", lambda _: SimpleNamespace(f_flag=os.ST_NOEXEC))
     with pytest.raises(pushbelt.UnitError, match="noexec") as caught:
-        unit.Variator(archive, {})
+        unit.Instance(archive, {})
     assert str(archive.directory) in str(caught.value) and "PUSHBELT_CACHE" in str(caught.value)
     with pytest.raises(pushbelt.UnitError, match="TMPDIR"):
-        unit.Variator(unit.Archive(archive.directory, archive.description), {})
+        unit.Instance(unit.Archive(archive.directory, archive.description), {})

@@ -30,8 +30,8 @@ def belt(fmu: Path) -> Iterator[Variator]:
 @pytest.fixture
 def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """One entry for each initial state that an FMU solves."""
-    calls, original = [], unit.Variator.initialise
-    monkeypatch.setattr(unit.Variator, "initialise", lambda self: (calls.append(self), original(self))[1])
+    calls, original = [], unit.Instance.initialise
+    monkeypatch.setattr(unit.Instance, "initialise", lambda self: (calls.append(self), original(self))[1])
     return calls
 
 

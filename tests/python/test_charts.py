@@ -231,4 +231,4 @@ def test_narrow_figures_are_legible(tmp_path: Path) -> None:
     chart = charts.html(Chart(panels, "Narrow figures"))
     text = f"<!DOCTYPE html><meta charset='utf-8'><meta name='viewport' content='width=device-width'><style>{template('style.css')}</style><main>{chart}</main>"
     path.write_text(with_scripts(text), encoding="utf-8")
-    reports.look_at(path)
+    reports.look_at(path, whole=True)

@@ -40,7 +40,7 @@ from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
 
 ROOT = Path(__file__).parents[2]
@@ -504,7 +504,7 @@ def test_warnings_are_not_among_the_results(fmu: Path, tmp_path: Path) -> None:
 
 
 def test_a_freed_instance_is_not_called(archive: Archive) -> None:
-    with Variator(archive, {}) as unit:
+    with Instance(archive, {}) as unit:
         unit.initialise()
         assert unit.not_steady is None
     for call in (lambda: unit.not_steady, unit.outputs, lambda: unit.step_to(0.1)):
@@ -562,7 +562,7 @@ def test_forces_of_the_map_hold_its_ratio(archive: Archive, table: ThrustMap, ra
             "primary.clampingForce": share * table.thrust_ratio(ratio, 0.5) * thrust_map.FORCE,
             "secondary.clampingForce": thrust_map.FORCE,
         }
-        with Variator(archive, start) as unit:
+        with Instance(archive, start) as unit:
             unit.initialise()
             for step in range(20):
                 unit.step_to((step + 1) * STEP)

@@ -107,7 +107,7 @@ def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, xml2: Eleme
     assert files[fmu] == files[fmu3]
     terminals = ElementTree.fromstring(files[fmu]["terminalsAndIcons/terminalsAndIcons.xml"])
     found = {terminal.get("name"): terminal for terminal in terminals.iter("Terminal")}
-    assert set(found) == {"primaryShaft", "secondaryShaft", "primaryClamp", "secondaryClamp"}
+    assert set(found) == {f"{pulley}{what}" for pulley in ("primary", "secondary") for what in ("Shaft", "Clamp", "Port")}
     causalities = {v.get("name"): v.get("causality") for v in xml2.iter("ScalarVariable")}
     for terminal in found.values():
         members = [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]

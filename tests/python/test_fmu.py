@@ -20,7 +20,7 @@ from conftest import CHEAP, ROOT, readings, run
 from fmpy.validation import validate_fmu
 
 from pushbelt.fmu.enumerations import Axial, Drive, RingModel, StartState
-from pushbelt.fmu.unit import UnitError, Variator
+from pushbelt.fmu.unit import Instance, UnitError
 
 # ------------------------------------------------------------------------------------------------------ first use
 
@@ -89,7 +89,7 @@ def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
 
 # ------------------------------------------------------------------------------------------------------- instances
 
-New = Callable[..., Variator]
+New = Callable[..., Instance]
 
 
 def test_two_instances_at_once_do_not_share_anything(variator: New) -> None:
@@ -121,7 +121,7 @@ def test_a_stored_state_is_continued_bit_for_bit(variator: New) -> None:
     unit.step_to(0.005)
     state = unit.get_state()
 
-    def go_on(instance: Variator) -> list[float]:
+    def go_on(instance: Instance) -> list[float]:
         instance.step_to(0.01)
         return readings(instance)
 
@@ -140,9 +140,9 @@ from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
 from conftest import run
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
-with Archive.unpack(Path(sys.argv[2])) as archive, Variator(archive, {}, "another process") as unit:
+with Archive.unpack(Path(sys.argv[2])) as archive, Instance(archive, {}, "another process") as unit:
     unit.set_state(unit.deserialise(Path(sys.argv[3]).read_bytes(), 5e-3))
     print([value.hex() for row in run(unit, range(5, 15)) for value in row])
 """
@@ -306,7 +306,7 @@ def test_units_are_declared_with_their_dimensions(xml: ElementTree.Element) -> N
         total: dict[str, int] = {}
         for place, factor in enumerate(name.split("/")):
             for part in factor.split("."):
-                symbol, power = (part[:-1], int(part[-1])) if part[-1] == "2" else (part, 1)
+                symbol, power = (part[:-1], int(part[-1])) if part[-1] in "23" else (part, 1)
                 for unit, exponent in base[symbol].items():
                     total[unit] = total.get(unit, 0) + exponent * power * (-1 if place else 1)
         return {unit: exponent for unit, exponent in total.items() if exponent}
@@ -385,7 +385,7 @@ def test_the_ring_model_is_a_choice_of_four() -> None:
     assert list(RingModel.__members__) == ["ALE0", "ALE"]
 
 
-def test_a_step_that_is_rounding_alone_changes_nothing(variator: Callable[..., Variator]) -> None:
+def test_a_step_that_is_rounding_alone_changes_nothing(variator: Callable[..., Instance]) -> None:
     unit = variator()
     unit.initialise()
     unit.step_to(0.1)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 INPUTS = {
     "primary.torque": 60.0,
@@ -42,7 +42,7 @@ def test_an_importer_in_rust_finds_what_fmpy_finds(importer: Path, fmu: Path) ->
     done = subprocess.run([importer, fmu, str(STEPS)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     found = {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
-    with Archive.unpack(fmu) as archive, Variator(archive, {}) as unit:
+    with Archive.unpack(fmu) as archive, Instance(archive, {}) as unit:
         unit.initialise()
         unit.set(INPUTS)
         for step in range(STEPS):

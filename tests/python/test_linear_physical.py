@@ -35,7 +35,7 @@ def belt(fmu: Path) -> Iterator[Variator]:
 
 @pytest.fixture(scope="module")
 def grid(belt: Variator) -> LinearGrid:
-    return belt.linear_grid([0.7, 0.8, 1.5], [35.0, 700.0], force=11e3, states="physical", sample_time=0.004)
+    return belt.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
 
 
 def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3) -> LinearModel:
@@ -136,7 +136,7 @@ def test_what_has_no_physical_coordinates_is_refused() -> None:
 
 
 def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
-    modal, found = belt.linearize(0.8, 35.0, force=11e3, frequency=120.0), grid[1, 0]
+    modal, found = belt.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
     assert found.coordinates == "physical" and len(found.states) == 3
     w, loads = np.array([0.3, 2.0]), ["primary.clampingForce", "secondary.torque"]
     expected = modal.select(["ratio.geometric", "primary.speed"], loads).response(w)
@@ -144,7 +144,7 @@ def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
     assert np.abs(near - expected).max(axis=0) == pytest.approx(0.0, abs=0.02 * np.abs(expected).max())
     assert found.poles[:2] == pytest.approx(modal.poles[:2], rel=1e-5)
     with pytest.raises(ValueError, match="states = 'physic' is not one of modal, physical"):
-        belt.linearize(0.8, 35.0, force=11e3, states="physic")
+        belt.linearize(0.8, 30.0, force=11e3, states="physic")
 
 
 def test_more_modes_are_searched_until_they_are_enough() -> None:
@@ -231,7 +231,7 @@ def test_poles_at_zero_integrate() -> None:
 
 def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> None:
     for k, ratio in enumerate((0.7, 0.8, 1.5)):
-        found = grid.interpolate(ratio=ratio, torque=35.0)
+        found = grid.interpolate(ratio=ratio, torque=30.0)
         for name in "abcd":
             expected = getattr(grid[k, 0], name)
             assert np.abs(getattr(found, name) - expected).max() < 1e-8 * np.abs(expected).max()
@@ -240,13 +240,13 @@ def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> Non
 
 def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variator) -> None:
     """The elements of A by themselves do not have this property."""
-    found, ends = grid.interpolate(ratio=0.75, torque=35.0), (grid[0, 0], grid[1, 0])
+    found, ends = grid.interpolate(ratio=0.75, torque=30.0), (grid[0, 0], grid[1, 0])
     for k in range(2):
         low, high = sorted(end.poles[k].real for end in ends)
         assert low - 0.15 < found.poles[k].real < high + 0.15
     elements = 0.5 * ends[0].a + 0.5 * ends[1].a
     assert abs(np.sort(np.linalg.eigvals(elements).real)[-2] - found.poles[1].real) > 0.5
-    there = belt.linearize(0.75, 35.0, force=11e3)
+    there = belt.linearize(0.75, 30.0, force=11e3)
     assert found.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
 
 
@@ -262,8 +262,8 @@ def test_interpolation_is_linear_in_its_parts() -> None:
     ("point", "why"),
     [
         ({"ratio": 0.75}, "a value of torque is missing: the grid has 2 values"),
-        ({"ratio": 0.6, "torque": 35.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
-        ({"ratio": 0.75, "torque": 35.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
+        ({"ratio": 0.6, "torque": 30.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
+        ({"ratio": 0.75, "torque": 30.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
         ({"ratio": 0.75, "torque": 300.0}, "no linear model next to .*700 N·m.*the capacity is"),
     ],
 )

@@ -23,7 +23,7 @@ from pushbelt.drive.cycle import CYCLES
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps
 
@@ -75,10 +75,10 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
         ("other.fmu", same, "belongs to another binary"),
     ):
         with Archive.unpack(variant(name, content)) as archive, pytest.raises(UnitError, match=reason):
-            Variator(archive, {})
+            Instance(archive, {})
     copy = tmp_path / "copy.fmu"
     map_unit.write_tables(map_fmu, copy, same)
-    with Archive.unpack(copy) as archive, Variator(archive, {}) as unit:
+    with Archive.unpack(copy) as archive, Instance(archive, {}) as unit:
         unit.initialise()
     back = tmp_path / "back.fmu"
     map_unit.write_tables(copy, back, tables)
@@ -87,13 +87,13 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
 
 
 def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Archive, tmp_path: Path) -> None:
-    with Variator(maps_archive, LOADS) as unit:
+    with Instance(maps_archive, LOADS) as unit:
         unit.initialise()
         unit.step_to(0.1)
         data = unit.serialise(unit.get_state())
         unit.step_to(0.5)
         expected = unit.outputs()
-    with Variator(maps_archive, LOADS) as other:
+    with Instance(maps_archive, LOADS) as other:
         other.set_state(other.deserialise(data, 0.1))
         other.step_to(0.5)
         assert other.outputs() == expected
@@ -101,12 +101,12 @@ def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Arch
     with zipfile.ZipFile(map_fmu) as archive:
         tables = archive.read(map_unit.TABLES_FILE)
     map_unit.write_tables(map_fmu, copy, tables + b"\n")
-    with Archive.unpack(copy) as archive, Variator(archive, {}) as other, pytest.raises(UnitError, match="GUID"):
+    with Archive.unpack(copy) as archive, Instance(archive, {}) as other, pytest.raises(UnitError, match="GUID"):
         other.deserialise(data, 0.1)
 
 
 def test_the_state_beyond_the_tables_is_logged_once(maps_archive: Archive) -> None:
-    with Variator(maps_archive, {**LOADS, "secondary.clampingForce": 1e5, "primary.clampingForce": 1.4e5}) as unit:
+    with Instance(maps_archive, {**LOADS, "secondary.clampingForce": 1e5, "primary.clampingForce": 1.4e5}) as unit:
         unit.initialise()
         for k in range(3):
             unit.step_to(0.01 * (k + 1))
@@ -128,7 +128,7 @@ def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_arc
         }
         found = []
         for unpacked in (archive, maps_archive):
-            with Variator(unpacked, values) as unit:
+            with Instance(unpacked, values) as unit:
                 unit.initialise()
                 unit.step_to(0.01)
                 found.append(unit.outputs())
@@ -146,7 +146,7 @@ def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
     start = {**parameter_set("bench168"), **manoeuvre.START_VALUES, **inputs.at(0.0)}
     names = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"]
     rows = []
-    with Variator(unpacked, {name: value for name, value in start.items() if name in known}) as unit:
+    with Instance(unpacked, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
         for k in range(round(duration / 0.01)):
             unit.set(inputs.at(0.01 * k))
@@ -211,7 +211,7 @@ def test_the_whole_wltc(archive: Archive, maps_archive: Archive, fmu: Path, driv
 
 def test_it_is_fast_in_fmpy(maps_archive: Archive) -> None:
     """At least 400 times faster than real time in steps of 10 ms, by processor time."""
-    with Variator(maps_archive, LOADS) as unit:
+    with Instance(maps_archive, LOADS) as unit:
         unit.initialise()
         inputs, outputs = unit.reals(LOADS), unit.reals(["primary.speed", "secondary.speed", "ratio.geometric"])
         begin = time.process_time()
@@ -239,7 +239,7 @@ def test_map_variator_has_the_equations_of_the_fmu(
     loads = (torque, -torque * ratio, thrust * force, force)
     own = MapVariator(parameters=inertias, count=3)
     own.start(ratio, speed)
-    with Variator(maps_archive, {**start, **inertias, **dict(zip(LOADS, loads, strict=True))}) as unit:
+    with Instance(maps_archive, {**start, **inertias, **dict(zip(LOADS, loads, strict=True))}) as unit:
         unit.initialise()
         for k in range(500):
             unit.step_to(1e-3 * (k + 1))
@@ -253,7 +253,7 @@ def test_map_variator_has_the_equations_of_the_fmu(
 
 def test_map_variator_error_is_of_first_order(maps_archive: Archive) -> None:
     loads = (70.0, -60.0, 15e3, 1e4)
-    with Variator(
+    with Instance(
         maps_archive, {"initial.steady": False, "inputs.ramp": 0.0, **dict(zip(LOADS, loads, strict=True))}
     ) as unit:
         unit.initialise()
@@ -311,7 +311,7 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     words = ["map-fmu", str(copy), "--maps", str(path), "--fmu", str(map_fmu), "--set", "secondary.inertia=2"]
     assert cli.main(words) == 0
     assert str(copy) in capsys.readouterr().out
-    with Archive.unpack(copy) as unpacked, Variator(unpacked, {}) as unit:
+    with Archive.unpack(copy) as unpacked, Instance(unpacked, {}) as unit:
         unit.initialise()
         assert unit.get("friction.pulley") == 0.08
         assert unit.get("secondary.inertia") == 2.0

@@ -222,11 +222,11 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
 def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, maps: Maps) -> None:
     """`loss.shafts` and `efficiency` of the FMU with its own drag, at the torque of a point."""
     from pushbelt.fmu.starts import driven_by_torque
-    from pushbelt.fmu.unit import Variator
+    from pushbelt.fmu.unit import Instance
 
     place = (1, 1, 2, 3)
     torque = maps["primaryTorque"][place]
-    with Variator(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+    with Instance(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
         unit.initialise()
         drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
         unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))

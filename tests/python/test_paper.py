@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 import reports
 
@@ -21,8 +22,9 @@ from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt_paper import __main__, cases, figures, report, tracer
-from pushbelt_paper.results import Times, Window
+from pushbelt_paper import __main__, cases, figures, profiles, report, rings, runs, times
+from pushbelt_paper.results import Window
+from pushbelt_paper.statements import evaluate
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
@@ -38,7 +40,7 @@ def test_a_revolution_takes_the_pitch_line_over_the_speed() -> None:
     turn = (CURVE.length - 2.0 * math.pi * OFFSET) / speed
     time = np.linspace(0.0, turn, 301)
     start = CURVE.borders[2]
-    path = tracer.follow(CURVE, OFFSET, time, np.full_like(time, speed), start)
+    path = profiles.follow(CURVE, OFFSET, time, np.full_like(time, speed), start)
     assert path.xi[0] == pytest.approx(start)
     assert path.xi[-1] == pytest.approx(start + CURVE.length)
     assert np.all(np.diff(path.xi) > 0.0)
@@ -48,18 +50,18 @@ def test_an_element_gains_on_the_centre_line_of_an_arc() -> None:
     time, speed = np.linspace(0.0, 1e-3, 11), np.full(11, 5.0)
     _, s_end, p_start, *_ = CURVE.borders
     for start, radius in ((0.0, CURVE.secondary_radius), (p_start, CURVE.primary_radius)):
-        path = tracer.follow(CURVE, OFFSET, time, speed, start)
+        path = profiles.follow(CURVE, OFFSET, time, speed, start)
         assert path.xi[-1] - start == pytest.approx(5e-3 * radius / (radius - OFFSET))
-    on_strand = tracer.follow(CURVE, OFFSET, time, speed, s_end)
+    on_strand = profiles.follow(CURVE, OFFSET, time, speed, s_end)
     assert on_strand.xi[-1] - s_end == pytest.approx(5e-3)
 
 
 def test_an_element_meets_the_field_at_its_place_and_time() -> None:
     position = CURVE.length * np.arange(72) / 72
     time = np.linspace(0.0, 0.2, 201)
-    path = tracer.follow(CURVE, OFFSET, time, 7.0 + 20.0 * time, 0.0)
+    path = profiles.follow(CURVE, OFFSET, time, 7.0 + 20.0 * time, 0.0)
     wave = np.sin(2.0 * np.pi * (position[None, :] / CURVE.length)) * (1.0 + time[:, None])
-    met = tracer.along(path, position, wave, CURVE.length)
+    met = profiles.along(path, position, wave, CURVE.length)
     assert met == pytest.approx(np.sin(2.0 * np.pi * path.xi / CURVE.length) * (1.0 + time), abs=2e-3)
 
 
@@ -97,15 +99,33 @@ def test_ripple_ignores_a_trend() -> None:
     assert part.ripple("force") == pytest.approx(3.0 / math.sqrt(2.0) / 110.0, rel=1e-2)
 
 
-def test_times_are_summed_up_by_median_and_spread() -> None:
-    times = Times((1.0, 1.5, 1.2), (0.1, 0.1, 0.1), 0.05)
-    assert (times.median, times.spread) == pytest.approx((1.2, 0.5 / 1.2))
-
-
 def test_the_load_swings_below_that_of_the_case() -> None:
-    loads = [cases.wave(-50.0, k / (40.0 * cases.WAVE_FREQUENCY)) for k in range(41)]
-    assert (min(loads), max(loads)) == pytest.approx((-50.0, -50.0 * (1.0 - cases.WAVE_DEPTH)))
+    loads = [times.wave(-50.0, k / (40.0 * times.WAVE_FREQUENCY)) for k in range(41)]
+    assert (min(loads), max(loads)) == pytest.approx((-50.0, -50.0 * (1.0 - times.WAVE_DEPTH)))
     assert loads[0] == loads[-1] == pytest.approx(-50.0)
+
+
+# Computing times
+
+
+def test_ratios_of_times_are_products_of_their_factors() -> None:
+    columns = ("case", "model", "load", "start", "settled", "looked", *times.COUNTS)
+    rows = [
+        ("a", "RCM", "constant", 0.1, 1.0, 3.0, 100, 200, 50),
+        ("b", "RCM", "constant", 0.1, 2.0, 4.0, 100, 300, 50),
+        # The order of cases differs, and each is repeated.
+        *(("b", "ALE", "constant", 0.2, 0.2, 0.3 + 0.1 * k, 10, 30, 2) for k in (1, 2, 3)),
+        *(("a", "ALE", "constant", 0.4, 0.4, 1.6, 10, 40, 4) for _ in range(3)),
+    ]
+    measured = pd.DataFrame(rows, columns=columns)
+    ratios = times.ratios(measured)["constant", "ALE"]
+    assert ratios.to_dict() == pytest.approx({"a": 2.0 / 4.0, "b": 0.7 / 6.0})
+    found = times.factors(measured).loc["constant", "ALE"]
+    assert (found["min"], found["max"], found["start"]) == pytest.approx((0.7 / 6.0, 0.5, 0.3))
+    assert found["steps"] == pytest.approx(0.1)
+    product = found["steps"] * found["residuals a step"] * found["time a residual"]
+    assert product == pytest.approx(math.sqrt(0.5 * 0.7 / 6.0))
+    assert times.spread(measured) == pytest.approx(0.2 / 0.7)
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +141,7 @@ def test_an_evenly_spaced_mesh_gets_near_when_fine_and_balances_energy_less_well
     names = ("aligned", "even", "even, fine")
     states = {name: cases.steady(paper_archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
     # Long enough that an arc border passes a quadrature point of the even mesh.
-    shifts = cases.shift_on_meshes(paper_archive, parameters, 0.1)
+    shifts = cases.shifts(paper_archive, parameters, 0.1)
     worst = {name: abs(shift.residual).max() / shift.stored.max() for name, shift in shifts.items()}
     thrust = {name: state["thrustRatio"] for name, state in states.items()}
     tension = {name: state["ring.tensionMin"] / state["ring.tensionMax"] for name, state in states.items()}
@@ -168,10 +188,10 @@ def test_lines_of_figures_7_and_8_keep_a_distance_from_the_frame(monkeypatch: py
     monkeypatch.setattr(figures.profiles, "element", lambda *_: (path, 700.0 * np.sin(30.0 * path.time)))
     monkeypatch.setattr(figures.profiles, "curve", lambda *_: CURVE)
     monkeypatch.setattr(figures.profiles, "arc", lambda *_: (np.linspace(0.0, 1.0, 20), np.linspace(-1e-4, 2e-4, 20)))
-    results = SimpleNamespace(parameters={})
     run = SimpleNamespace(case=SimpleNamespace(name="underdrive-30"), window=None)
-    inside(figures.push_force(results, lambda _: run))
-    inside(figures.spiral_running(results, lambda _: run))
+    results = SimpleNamespace(parameters={}, chosen=lambda _: run)
+    inside(figures.push_force(results))
+    inside(figures.spiral_running(results))
 
 
 # All of it
@@ -205,11 +225,16 @@ def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path
         for place, title in enumerate(header):
             fractions = [row[place] for row in rows if "." in row[place] and re.fullmatch(r"[-\d.]+e-?\d+", row[place])]
             assert not fractions or split(title)[1] is not None, f"{path.name}: {title}"
-    from pushbelt_paper import rings
-
     found = rings.read(tmp_path / "rings")
     assert [check for check in found.checks if check.passed is False] == []
-    assert {check.number for check in found.checks} >= {"1", "2", "3", "4", "5"}
+    assert {check.check for check in found.checks} >= {"1", "2", "3", "4", "5"}
     drift = found.motions["6", "ALE0"].drift
     assert np.abs(drift).max() < 1e-9
     reports.look_at(tmp_path / "report.html")
+
+
+@pytest.mark.slow
+def test_verdicts_of_a_full_run_are_pinned(paper_fmu: Path, rings_program: Path, tmp_path: Path) -> None:
+    """`cargo fmu paper --store` renews them; a change is a reviewed change."""
+    statements = evaluate(runs.run_all(paper_fmu, rings_program, tmp_path, runs.FULL))
+    assert {s.key: s.verdict.value for s in statements} == {s.key: s.pinned for s in statements}

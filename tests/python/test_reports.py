@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import browser
@@ -12,10 +13,10 @@ import pictures
 import pytest
 import reports
 from conftest import ROOT
-from test_charts import BENCH
+from test_charts import BENCH, EVERYTHING, TABLE
 
 from pushbelt import belt_view, charts, page
-from pushbelt.charts import Chart, Panel, Series
+from pushbelt.charts import Chart, Mark, Panel, Series
 from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
 
@@ -41,8 +42,8 @@ def belt() -> str:
     return belt_view.belt_view(belt_view.motion(states, BENCH, turned), BENCH, "A belt", group="one")
 
 
-def written(folder: Path) -> Path:
-    """A page with two linked panels and the belt."""
+def written(folder: Path, *, whole: bool = True) -> Path:
+    """A page with two linked panels and the belt; with `whole` also a figure of every kind, facts and a table."""
     time = np.linspace(0.0, 1.0, 101)
     panels = [
         Panel("First", [Series("a", time, time, width=3.2, opacity=0.5), Series("b", time, 2.0 * time, dash="dashdot")], "time (s)", x_range=(0.0, 1.0)),
@@ -54,10 +55,15 @@ def written(folder: Path) -> Path:
         ),
     ]
     chart = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
+    more = ""
+    if whole:
+        every = replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")])
+        facts = '<div class="facts"><div><b>12</b><span>points</span></div></div>'
+        more = f"{facts}{TABLE}{charts.html(Chart([every], 'Every kind of figure'))}"
     style = (ROOT / "python" / "pushbelt" / "style.css").read_text(encoding="utf-8")
     head = f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><style>{style}</style></head>'
     path = folder / "report.html"
-    path.write_text(page.with_scripts(f"{head}<body><main>{belt()}{chart}</main></body></html>"), encoding="utf-8")
+    path.write_text(page.with_scripts(f"{head}<body><main>{belt()}{chart}{more}</main></body></html>"), encoding="utf-8")
     return path
 
 
@@ -65,7 +71,7 @@ def written(folder: Path) -> Path:
 def test_pointer_moves_one_cursor_through_panels_and_belt(tmp_path: Path) -> None:
     assert PROGRAM is not None, "no Chromium on the search path: install the package chromium"
     with browser.page(PROGRAM) as opened:
-        opened.open(written(tmp_path), 1280)
+        opened.open(written(tmp_path, whole=False), 1280)
         opened.run("document.querySelector('.plot').scrollIntoView({ block: 'center' })")
         x, y, width = opened.run(
             "(({ left, top, height, width }) => [left, top + height / 2, width])"
@@ -154,14 +160,14 @@ def test_the_look_at_a_report_finds(what: str, tmp_path: Path, monkeypatch: pyte
     report.write_text(broken, encoding="utf-8")
     monkeypatch.setattr(browser, "PATIENCE", 3.0)
     with pytest.raises((AssertionError, TimeoutError, RuntimeError)):
-        reports.look_at(report)
+        reports.look_at(report, whole=True)
 
 
 @needs_browser
 def test_a_sound_page_passes(tmp_path: Path) -> None:
     report = written(tmp_path)
     reports.stands_alone(report)
-    reports.look_at(report)
+    reports.look_at(report, whole=True)
 
 
 @pytest.mark.parametrize(

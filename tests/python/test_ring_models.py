@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.unit import Archive, UnitError, Variator
-from pushbelt_paper.belts import RingModel
+from pushbelt.fmu.unit import Archive, Instance, UnitError
+from pushbelt_paper.cases import RingModel
 
 RIG = {
     "primary.drive": Drive.SPEED,
@@ -96,6 +96,6 @@ def test_parameters_that_do_not_fit_a_ring_are_refused(paper_fmu: Path, values: 
     with (
         Archive.unpack(paper_fmu) as archive,
         pytest.raises(UnitError, match=re.escape(f"{message} is out of range")),
-        Variator(archive, values) as unit,
+        Instance(archive, values) as unit,
     ):
         unit.initialise()

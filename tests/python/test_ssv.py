@@ -15,7 +15,7 @@ from pushbelt import cli
 from pushbelt.fmu import ssv
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 FOLDER = ROOT / "resources" / "parameters"
 
@@ -76,7 +76,7 @@ def test_the_command_takes_a_set(fmu: Path, tmp_path: Path, capsys: pytest.Captu
     words = ["fmu", str(copy), "--fmu", str(fmu), "--ssv", str(FOLDER / "belt155.ssv"), "--set", "belt.play=3e-4"]
     assert cli.main(words) == 0
     expected = {**parameter_set("belt155"), "belt.play": 3e-4}
-    with Archive.unpack(copy) as archive, Variator(archive, {}) as unit:
+    with Archive.unpack(copy) as archive, Instance(archive, {}) as unit:
         unit.enter_initialisation()
         assert {name: unit.get(name) for name in expected} == expected
     capsys.readouterr()

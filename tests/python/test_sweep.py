@@ -24,7 +24,7 @@ import pytest
 import reports
 from distributed import Client
 
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, chunks
 from pushbelt.study.store import Store
@@ -176,6 +176,7 @@ def test_store_keeps_whole_files_only(study: Study, tmp_path: Path) -> None:
     for content in (b"", (store.folder / "tasks-5-7.json.gz").read_bytes()[:100], gzip.compress(b"[[1,")):
         (store.folder / "tasks-5-7.json.gz").write_bytes(content)
         assert sorted(Store(tmp_path, study).rows()) == list(range(5))
+        assert [path.name for path in store.folder.glob("tasks-*.gz")] == ["tasks-0-4.json.gz"]
     store.add(some(rows, range(3, 9)))
     assert store.rows() == some(rows, range(9))
     assert table(study, store.rows()).equals(table(study, some(rows, range(9))))
@@ -313,7 +314,7 @@ def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
 
 def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     for point in (study.grid.points()[k] for k in (2, 13)):
-        with Variator(archive, study.start_values(point)) as unit:
+        with Instance(archive, study.start_values(point)) as unit:
             unit.initialise()
             unit.step_to(1e-3)
             outputs = unit.outputs()
@@ -351,7 +352,7 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
 
 def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     first = study.start_values(study.grid.points()[0])
-    with Variator(archive, first) as unit:
+    with Instance(archive, first) as unit:
         unit.initialise()
         with pytest.raises(UnitError):
             unit.step_to(-1.0)

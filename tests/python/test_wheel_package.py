@@ -93,7 +93,7 @@ def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name:
 
 def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
     values = {**data.parameter_set("bench168"), **COARSE, "ring.model": RingModel.ALE0}
-    with unit.Variator(archive, values) as other:
+    with unit.Instance(archive, values) as other:
         other.initialise()
         for k in range(20):
             inputs = {"primary.torque": 50.0 + k, "primary.clampingForce": 12e3}
@@ -159,7 +159,7 @@ def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
 
 
 def test_two_variators_have_a_log_each(archive: unit.Archive) -> None:
-    with unit.Variator(archive, CHEAP) as one, unit.Variator(archive, CHEAP, "other") as other:
+    with unit.Instance(archive, CHEAP) as one, unit.Instance(archive, CHEAP, "other") as other:
         one.set({"friction.pulley": 0.5})
         with pytest.raises(pushbelt.UnitError, match="friction.pulley = 0.5"):
             one.initialise()

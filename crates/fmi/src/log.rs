@@ -1,5 +1,7 @@
 //! Messages to the importer.
 
+use crate::slave::Version;
+
 /// Status of a call, numbered as in the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
@@ -75,24 +77,15 @@ pub struct Log {
 }
 
 impl Log {
-    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are not debug messages, and in FMI
-    /// 2.0 (section 2.1.5) `loggingOn` is about these. An importer that does not use them passes no logger.
-    const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
-
-    /// A log into `sink`, if there is one, for FMI 2.0.
+    /// A log into `sink`, if there is one. Without debug logging FMI 2.0 has errors, warnings and discarded steps: they are no debug
+    /// messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2 forbids any message,
+    /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
     #[must_use]
-    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::with(sink, debug, &Self::QUIET)
-    }
-
-    /// A log that has errors only without debug logging, for FMI 3.0. Section 2.3.1 of 3.0.2 forbids any message then, but 3.0.3
-    /// corrects that: errors are always logged. A host that reads none passes no function for messages.
-    #[must_use]
-    pub fn errors_without_debug(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::with(sink, debug, &[Category::Error])
-    }
-
-    fn with(sink: Option<Box<dyn Sink>>, debug: bool, quiet: &'static [Category]) -> Self {
+    pub fn new(version: Version, sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        let quiet: &[Category] = match version {
+            Version::Two => &[Category::Error, Category::Warning, Category::Discard],
+            Version::Three => &[Category::Error],
+        };
         let mut log = Self {
             sink,
             enabled: 0,

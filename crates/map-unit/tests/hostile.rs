@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pushbelt_fmi::log::Log;
-use pushbelt_fmi::slave::{CallError, Master, Type};
+use pushbelt_fmi::slave::{CallError, Master, Type, Version};
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
 use pushbelt_fmi::{Slave, Tape};
 use pushbelt_map_unit::file::FILE;
@@ -200,7 +200,7 @@ fn deeply_nested_lists_are_refused() {
 // Times
 
 fn running(settings: &Settings, start: f64) -> Result<Slave<MapUnit>, CallError> {
-    let mut slave = Slave::with(Master::default(), Log::new(None, false), settings.clone());
+    let mut slave = Slave::with(Master::default(), Log::new(Version::Two, None, false), settings.clone());
     slave.initialize(Experiment {
         start,
         ..Experiment::default()

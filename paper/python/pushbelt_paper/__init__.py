@@ -4,8 +4,8 @@ Grundl, Schindler, Ulbrich, Rixen: ALE beam using reference dynamics, 2019. Numb
 the paper's.
 
 - `rings`: runs the Rust program `paper_rings` and reads its results.
-- `cases`: the load cases through the FMU, one model after the other, with computing times.
-- `tracer`: the path of one element around the belt.
-- `statements`: statements of the paper, and the results for them.
+- `cases`, `runs`: the load cases through the FMU with every model; `times`: their computing times.
+- `profiles`: fields along the belt, and the path of one element.
+- `statements`: the results for the statements of the paper.
 - `figures`, `report`: figures and page of the report.
 """

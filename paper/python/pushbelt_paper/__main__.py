@@ -7,23 +7,14 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt import console, provenance, tables
+from pushbelt import console, provenance
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 
 from . import report, runs, times
 from .rings import RingsError
-from .statement import Statement
-from .statements_variator import evaluate
-
-PINNED = times.STORED.with_name("verdicts.csv")
-"""Verdicts of a full run. A test compares them."""
-
-
-def verdicts(statements: list[Statement]) -> list[list[str]]:
-    """Rows of the pinned file."""
-    return [[s.source, s.claim, s.verdict.value] for s in statements]
+from .statements import PINNED, evaluate, pin
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -34,28 +25,26 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
     chosen = parser.add_mutually_exclusive_group()
     chosen.add_argument("--short", action="store_true", help="run two load cases and coarse tests of rings")
-    chosen.add_argument("--pin", action="store_true", help=f"also store the verdicts in paper/{PINNED.name}")
-    text = f"only measure computing times of whole simulations, PASSES times, and store them in paper/{times.STORED.name}"
-    chosen.add_argument("--times", type=int, metavar="PASSES", help=text)
+    text = f"also run with swinging loads, and store all computing times in paper/{times.STORED.name} and the verdicts in paper/{PINNED.name}"
+    chosen.add_argument("--store", action="store_true", help=text)
     options = parser.parse_args(arguments)
     provenance.begin("paper", arguments, "pushbelt_paper")
     begin = time.perf_counter()
     options.output.mkdir(parents=True, exist_ok=True)
-    path = times.STORED if options.times else options.output / "report.html"
+    path = options.output / "report.html"
+    plan = runs.SHORT if options.short else runs.FULL._replace(swinging=options.store)
     try:
-        if options.times:
-            times.write(*runs.whole_times(options.fmu, options.times))
-        else:
-            plan = runs.SHORT if options.short else runs.FULL
-            results = runs.run_all(options.fmu, options.rings, options.output, plan)
-            statements = evaluate(results)
-            report.write_tables(results, statements, options.output)
-            report.write_html(results, statements, path)
-            if options.pin:
-                tables.write(PINNED, ["source", "claim", "verdict"], verdicts(statements))
+        results = runs.run_all(options.fmu, options.rings, options.output, plan)
     except (UnitError, NotFoundError, RingsError, InputFileError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
+    if options.store:
+        times.write(results.times, results.fmu_version)
+    statements = evaluate(results)
+    report.write_tables(results, statements, options.output)
+    report.write_html(results, statements, path)
+    if options.store:
+        pin(statements)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

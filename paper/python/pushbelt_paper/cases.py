@@ -11,7 +11,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from itertools import pairwise
 
 import numpy as np
 
@@ -21,8 +20,9 @@ from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 from pushbelt.fmu.tilt import RIGID
-from pushbelt.fmu.unit import Archive, Variator, output_names
+from pushbelt.fmu.unit import Archive, Instance, output_names
 
+from . import times
 from .results import CaseRun, Effort, Shift, Window
 
 
@@ -93,7 +93,7 @@ def shifts(archive: Archive, parameters: Parameters, duration: float) -> dict[st
     found = {}
     for name, changes in (("aligned", {}), ("even", EVEN), ("directions", {"ring.referenceDirections": True})):
         start = {**parameters, **changes, "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
-        with Variator(archive, start) as unit:
+        with Instance(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
             outputs = unit.reals(("ratio.geometric", "energy.residual", "stored.energy"))
@@ -107,52 +107,70 @@ def shifts(archive: Archive, parameters: Parameters, duration: float) -> dict[st
     return found
 
 
-def held(parameters: Parameters, model: str, case: LoadCase, load: float) -> dict[str, float]:
-    """Start values of a case: the primary sheave and the primary speed are held."""
-    values = held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force)
-    return {**values, "ring.model": RingModel[model], "secondary.torque": load}
-
-
-def revolution(parameters: Parameters, state: SteadyState) -> float:
-    """Duration of a revolution of the belt, s."""
-    return (parameters["geometry.beltLength"] - 2.0 * np.pi * parameters["belt.pitchOffset"]) / state["belt.speed"]
-
-
 def run(
     archive: Archive,
     parameters: Parameters,
-    model: str,
+    variant: str,
     case: LoadCase,
     state: SteadyState,
+    load: str,
     effort: Effort,
     progress: Callable[[float], None],
 ) -> CaseRun:
-    """Runs a load case with a ring model and samples the end of the run. `state` is the steady state of `ALE`; `progress` is called
-    with the revolutions of each step."""
-    turn = revolution(parameters, state)
-    load = state.load_torque
-    start = effort.settling * turn
-    times = start + turn * np.linspace(0.0, effort.looking, round(effort.looking * effort.samples) + 1)
-    with Variator(archive, held(parameters, model, case, load)) as unit:
+    """Runs a load case with one of `times.VARIANTS`, and measures it. `state` is the steady state of `ALE`; `progress` is called with the
+    revolutions of each step."""
+    turn = (parameters["geometry.beltLength"] - 2.0 * np.pi * parameters["belt.pitchOffset"]) / state["belt.speed"]
+    settling, looking = effort.settling * turn, times.duration(effort.looking * turn, load)
+    spent = {"start": 0.0, "settled": 0.0, "looked": 0.0}
+    begin = time.process_time()
+    with Instance(archive, _start_values(parameters, variant, case, state.load_torque, turn)) as unit:
         unit.initialise()
+        spent["start"] = time.process_time() - begin
         is_steady = unit.not_steady is None
-        for before, moment in pairwise((0.0, *moments(start))):
+
+        def step_to(moment: float, part: str) -> None:
+            progress((moment - unit.time) / turn)
+            begin = time.process_time()
+            if load == times.SWINGING:
+                unit.set({"secondary.torque": times.wave(state.load_torque, unit.time)})
             unit.step_to(moment)
-            progress((moment - before) / turn)
-        outputs = unit.reals(output_names(unit.variables.values()))
-        rows, push, radial, slipped = [], [], [], False
-        for moment in times:
-            if moment > unit.time:
-                progress((moment - unit.time) / turn)
-                unit.step_to(float(moment))
-            rows.append(unit.get_reals(outputs))
-            slipped |= bool(unit.get("macroSlip"))
-            profile = unit.profile()
-            push.append(profile.push_force)
-            radial.append(profile.radial_deviation)
-        columns = dict(zip(outputs.names, np.array(rows).T, strict=True))
-        window = Window(Trace(times - start, columns), np.array(push), np.array(radial), profile.position)
-        return CaseRun(model, case, load, window, slipped, is_steady)
+            spent[part] += time.process_time() - begin
+
+        for moment in moments(settling):
+            step_to(moment, "settled")
+        window = None
+        if load == times.SWINGING:
+            for moment in moments(looking):
+                step_to(settling + moment, "looked")
+        else:
+            places = np.linspace(0.0, effort.looking, round(effort.looking * effort.samples) + 1)
+            window = _sampled(unit, settling + turn * places, lambda moment: step_to(moment, "looked"))
+        counts = {count: int(unit.get(f"solver.{count}")) for count in times.COUNTS}
+    row = {"case": case.name, "model": variant, "load": load, "settling": settling, "looking": looking, **spent, **counts}
+    return CaseRun(variant, case, state.load_torque, window, is_steady, row)
+
+
+def _start_values(parameters: Parameters, variant: str, case: LoadCase, load: float, turn: float) -> dict[str, float]:
+    """The primary sheave and the primary speed are held."""
+    values = held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force)
+    model = {"ring.model": RingModel[variant.partition(",")[0]], "secondary.torque": load}
+    return {**values, **model, **times.changes(variant, turn)}
+
+
+def _sampled(unit: Instance, moments: Array, step_to: Callable[[float], None]) -> Window:
+    """Outputs and fields along the belt at times; the first one is that of the unit."""
+    outputs = unit.reals(output_names(unit.variables.values()))
+    rows, push, radial, slipped = [], [], [], False
+    for moment in moments.tolist():
+        if moment > unit.time:
+            step_to(moment)
+        rows.append(unit.get_reals(outputs))
+        slipped |= bool(unit.get("macroSlip"))
+        profile = unit.profile()
+        push.append(profile.push_force)
+        radial.append(profile.radial_deviation)
+    columns = dict(zip(outputs.names, np.array(rows).T, strict=True))
+    return Window(Trace(moments - moments[0], columns), np.array(push), np.array(radial), profile.position, slipped)
 
 
 def moments(end: float) -> list[float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,12 +18,12 @@ from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 from . import profiles, times
 from .results import MODELS, OTHERS, PULLEYS, REFERENCE, CaseRun, PaperResults
 from .rings import Motion, Rings
-from .statements_rings import REFERENCE_DIRECTIONS
+from .statements import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
 
-HAND = f"ALE{times.BY_HAND}"
-COLOURS = {HAND: GREEN, "RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
+FORWARD = f"ALE0{times.FORWARD}", f"ALE{times.FORWARD}"
+COLOURS = {FORWARD[0]: RED, FORWARD[1]: GREEN, "RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
 SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"width": 3.2, "opacity": 0.5}, "ANCF": {"dash": "dash"}}
 """Drawing order: the reference model is below the others."""
@@ -31,14 +32,14 @@ BELT_RING = "ring of bench168"
 TIME = "time (ms)"
 
 
-def label(model: str) -> str:
-    """A model's name in a legend."""
-    return SHORT_NAMES.get(model, model)
-
-
 def _of(model: str, x: Array, y: Array, **look: object) -> Series:
     """A line of a model."""
-    return Series(label(model), x, y, COLOURS.get(model, MUTED), **{**LINES.get(model, {}), **look})  # type: ignore[arg-type]
+    return Series(SHORT_NAMES.get(model, model), x, y, COLOURS.get(model, MUTED), **{**LINES.get(model, {}), **look})  # type: ignore[arg-type]
+
+
+def _lines(motions: Mapping[str, Motion], field: str, factor: float = 1.0) -> list[Series]:
+    """A quantity of several models over time in ms."""
+    return [_of(name, 1e3 * motion.time, factor * getattr(motion, field)) for name, motion in motions.items()]
 
 
 def reference_oscillation(rings: Rings) -> Chart:
@@ -50,21 +51,13 @@ def reference_oscillation(rings: Rings) -> Chart:
         ("bending, above its minimum", motion.bending - motion.bending.min(), ORANGE, "dash"),
         ("sum", motion.total - motion.total[0] + np.ptp(motion.bending), INK, ""),
     )
+    coordinates = [Series("Θ", time, motion.theta, BLUE), Series("s (m)", time, motion.drift, ORANGE, dash="dash")]
+    sums = [Series(name, time, 1e-3 * values, colour, dash=dash) for name, values, colour, dash in energies]
     return Chart(
         [
             _stages(motion, shapes),
-            Panel(
-                "Ratio coordinate and drift",
-                [Series("Θ", time, motion.theta, BLUE), Series("s (m)", time, motion.drift, ORANGE, dash="dash")],
-                TIME,
-                height=280,
-            ),
-            Panel(
-                "Energy (kJ)",
-                [Series(name, time, 1e-3 * values, colour, dash=dash) for name, values, colour, dash in energies],
-                TIME,
-                height=280,
-            ),
+            Panel("Ratio coordinate and drift", coordinates, TIME, height=280),
+            Panel("Energy (kJ)", sums, TIME, height=280),
         ],
         "Outlines, coordinates and energies of the reference oscillation",
         columns=3,
@@ -73,10 +66,11 @@ def reference_oscillation(rings: Rings) -> Chart:
 
 def mesh_energy(rings: Rings) -> Chart:
     """Energy error of fig. 6 and 7 on the two meshes."""
-    titles = ("Reference motion", "Deformable ring")
-    models = (("6", ("ALE0, 24 elements", "ALE0, evenly spaced mesh")), ("7", ("ALE", EVEN)))
     panels = []
-    for title, (number, names) in zip(titles, models, strict=True):
+    for title, number, names in (
+        ("Reference motion", "6", ("ALE0, 24 elements", "ALE0, evenly spaced mesh")),
+        ("Deformable ring", "7", ("ALE", EVEN)),
+    ):
         series = []
         for model, name, colour in zip(names, ("borders on the arcs", "evenly spaced"), (BLUE, RED), strict=True):
             motion = rings.motions[number, model]
@@ -87,53 +81,51 @@ def mesh_energy(rings: Rings) -> Chart:
     return Chart(panels, "Energy errors on both meshes over time", columns=2, common_legend=True)
 
 
+def _stages_of(ale: Motion, rcm: Motion) -> tuple[float, float]:
+    """Times of the largest Θ of ALE, and of the oval of RCM, s."""
+    return float(ale.time[ale.theta.argmax()]), float(rcm.time[rcm.ovality.argmin()])
+
+
 def deformable_ring(rings: Rings) -> tuple[Chart, Chart]:
     """Fig. 7: outlines at four times; Θ, ovality and energies over time."""
-    names = [name for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS) if ("7", name) in rings.motions]
-    ale, rcm = rings.motions["7", "ALE"], rings.motions["7", "RCM"]
-    kinked = float(ale.time[int(np.argmax(ale.theta))])
-    oval = float(rcm.time[int(np.argmin(rcm.ovality))])
-    outlines = [_outlines(rings, names, k, moment) for k, moment in enumerate((0.0, 2e-4, kinked, oval))]
+    models = ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS)
+    motions = {name: rings.motions["7", name] for name in models if ("7", name) in rings.motions}
+    moments = (0.0, 2e-4, *_stages_of(motions["ALE"], rcm := motions["RCM"]))
+    outlines = [_outlines(rings, list(motions), k, moment) for k, moment in enumerate(moments)]
     lines = [one for panel in outlines for one in panel.series]
     x_range, y_range = (around([getattr(one, axis) for one in lines]) for axis in "xy")
     outlines = [replace(panel, x_range=x_range, y_range=y_range) for panel in outlines]
-    eulerian = [name for name in names if name in ("ALE", REFERENCE_DIRECTIONS)]
-    motions = {name: rings.motions["7", name] for name in names}
-    energies = (("kinetic", rcm.kinetic, BLUE), ("bending", rcm.bending, ORANGE), ("membrane", rcm.membrane, GREEN), ("sum", rcm.total, INK))  # fmt: skip
-    over_time = [
-        Panel(
-            "Ratio coordinate Θ of the Eulerian rings",
-            [_of(name, 1e3 * motions[name].time, motions[name].theta) for name in eulerian],
-            TIME,
-        ),
-        Panel(
-            "Ovality ∮(x² − y²)/L about the centre (cm²)",
-            [_of(name, 1e3 * motions[name].time, 1e4 * motions[name].ovality) for name in names],
-            TIME,
-        ),
-        Panel(
-            "Energies of RCM (MJ)",
-            [Series(name, 1e3 * rcm.time, 1e-6 * values, colour) for name, values, colour in energies],
-            TIME,
-        ),
+    eulerian = {name: motion for name, motion in motions.items() if name.startswith("ALE")}
+    energies = (("kinetic", BLUE), ("bending", ORANGE), ("membrane", GREEN), ("total", INK))
+    sums = [
+        Series(name.replace("total", "sum"), 1e3 * rcm.time, 1e-6 * getattr(rcm, name), colour) for name, colour in energies
     ]
+    over_time = [
+        Panel("Ratio coordinate Θ of the Eulerian rings", _lines(eulerian, "theta"), TIME),
+        Panel("Ovality ∮(x² − y²)/L about the centre (cm²)", _lines(motions, "ovality", 1e4), TIME),
+        Panel("Energies of RCM (MJ)", sums, TIME),
+    ]
+    said = "Outlines of the deformable ring for all models"
     return (
-        Chart(
-            outlines, "Outlines of the deformable ring for all models", columns=4, common_legend=True, least_width=230
-        ),
+        Chart(outlines, said, columns=4, common_legend=True, least_width=230),
         Chart(over_time, "Θ, ovality and energies of the deformable ring over time", columns=3, linked=True),
     )
+
+
+def _at(shapes: Mapping[float, Array], moment: float) -> Array | None:
+    """The outline in mm near a time, as two rows; none if the run had ended before."""
+    nearest = min(shapes, key=lambda t: abs(t - moment))
+    return 1e3 * shapes[nearest].T if abs(nearest - moment) <= 0.6 * sorted(shapes)[1] else None
 
 
 def _outlines(rings: Rings, names: Sequence[str], number: int, moment: float) -> Panel:
     series = []
     for name in names:
-        shapes = rings.shapes["7", name]
-        nearest = min(shapes, key=lambda t: abs(t - moment))
-        if abs(nearest - moment) < 6e-5:
-            series.append(_of(name, *(1e3 * shapes[nearest]).T))
+        outline = _at(rings.shapes["7", name], moment)
+        if outline is not None:
+            series.append(_of(name, *outline))
             if name == "ALE":
-                x, y = 1e3 * shapes[nearest][0]
+                x, y = outline[:, 0]
                 series.append(Series("locked node of ALE", [x], [y], BLUE, "points", size=7))
     return Panel(f"t{number} = {1e3 * moment:.2f} ms", series, "x (mm)", equal=True, height=250)
 
@@ -143,34 +135,29 @@ def belt_ring(rings: Rings) -> tuple[Chart, Chart]:
     reference = rings.motions["6 belt", BELT_RING]
     moving = {name: motion for (figure, name), motion in rings.motions.items() if figure == "7 belt"}
     coarse, fine, rcm = (next(name for name in moving if word in name) for word in (", 8 el", ", 40 el", "RCM"))
-    kinked = float(moving[coarse].time[int(np.argmax(moving[coarse].theta))])
-    oval = float(moving[rcm].time[int(np.argmin(moving[rcm].ovality))])
-    looks = {rcm: ("RCM", INK, LINES["RCM"]), coarse: ("ALE, 8 elements", BLUE, {}), fine: ("ALE, 40 elements", GREEN, {"dash": "dash"})}
+    kinked, oval = _stages_of(moving[coarse], moving[rcm])
+    looks: dict[str, tuple[str, str, dict[str, Any]]] = {
+        rcm: ("RCM", INK, LINES["RCM"]), coarse: ("ALE, 8 elements", BLUE, {}), fine: ("ALE, 40 elements", GREEN, {"dash": "dash"}),
+    }  # fmt: skip
     panels = [_stages(reference, rings.shapes["6 belt", BELT_RING])]
     for number, moment in enumerate((0.2 * kinked, kinked, oval), start=1):
-        series = []
-        for name, (said, colour, look) in looks.items():
-            shapes = rings.shapes["7 belt", name]
-            nearest = min(shapes, key=lambda t: abs(t - moment))
-            # A run of ALE ends where Θ reaches its limit.
-            if abs(nearest - moment) <= 0.51 * sorted(shapes)[1]:
-                series.append(Series(said, *(1e3 * shapes[nearest]).T, colour, **look))  # type: ignore[arg-type]
+        outlines = {name: _at(rings.shapes["7 belt", name], moment) for name in looks}
+        series = [
+            Series(looks[name][0], *outline, looks[name][1], **looks[name][2])
+            for name, outline in outlines.items()
+            if outline is not None
+        ]
         panels.append(Panel(f"7: t{number} = {1e3 * moment:.1f} ms", series, "x (mm)", equal=True, height=250))
+    thetas, stretches = [], []
+    for name, (said, colour, look) in looks.items():
+        motion = moving[name]
+        stretches.append(Series(said, 1e3 * motion.time, motion.membrane / motion.total[0], colour, **look))
+        if name != rcm:
+            thetas.append(Series(said, 1e3 * motion.time, motion.theta, colour))
     over_time = [
         Panel("6: ratio coordinate Θ", [Series("Θ", 1e3 * reference.time, reference.theta, BLUE)], TIME),
-        Panel(
-            "7: ratio coordinate Θ",
-            [Series(looks[name][0], 1e3 * moving[name].time, moving[name].theta, looks[name][1]) for name in (coarse, fine)],
-            TIME,
-        ),
-        Panel(
-            "7: energy of stretch / energy at the start",
-            [
-                Series(said, 1e3 * moving[name].time, moving[name].membrane / moving[name].total[0], colour, **look)  # type: ignore[arg-type]
-                for name, (said, colour, look) in looks.items()
-            ],
-            TIME,
-        ),
+        Panel("7: ratio coordinate Θ", thetas, TIME),
+        Panel("7: energy of stretch / energy at the start", stretches, TIME),
     ]
     return (
         Chart(panels, "Outlines of the ring of a belt", columns=4, least_width=230),
@@ -181,7 +168,7 @@ def belt_ring(rings: Rings) -> tuple[Chart, Chart]:
 def _stages(motion: Motion, shapes: Mapping[float, Array]) -> Panel:
     """Outlines of the reference oscillation at four times of its first half."""
     falling = np.nonzero(motion.theta < 0.0)[0]
-    half = motion.time[int(np.argmin(motion.theta[: 2 * falling[0] + 1]))]
+    half = motion.time[motion.theta[: 2 * falling[0] + 1].argmin()]
     outlines = []
     for k, (share, colour) in enumerate(zip((0.0, 0.3, 0.5, 1.0), (INK, BLUE, GREEN, ORANGE), strict=True)):
         moment = min(shapes, key=lambda t, share=share: abs(t - share * half))
@@ -193,27 +180,19 @@ def convergence(rings: Rings) -> Chart:
     """Frequency of the free ring compared with the analytic one for a series of meshes, and the orders in time."""
     space, time = [], []
     for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS):
-        ladder = sorted((f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case)
-        space.append(_of(name, *np.array(ladder, dtype=float).T, marker="circle"))
-        steps = [(o.resolution, o.error) for o in rings.orders if o.model == name and "shape in time" in o.quantity]
-        if steps:
-            resolution, error = np.array(steps).T
-            time.append(_of(name, resolution, 1e6 * error, marker="circle"))
-    panels = [
-        Panel(
-            "Free ring: error of the first frequency against the thin ring", space, "elements", scale="log", x_scale="log",
-            x_ticks=_ticks({f.elements for f in rings.frequencies if "small" in f.case}), height=280,
-        )
-    ]  # fmt: skip
-    if time:
-        ticks = _ticks({round(o.resolution) for o in rings.orders if "shape in time" in o.quantity})
-        title = "Free ring: error of the shape after 1.2 periods (µm)"
-        panels.append(Panel(title, time, "steps a period", scale="log", x_scale="log", x_ticks=ticks, height=280))
+        space.append((name, [(f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case]))
+        steps = [(o.resolution, 1e6 * o.error) for o in rings.orders if o.model == name and "shape in time" in o.quantity]
+        time.append((name, steps))
+    panels = []
+    for title, ladders, said in (
+        ("Free ring: error of the first frequency against the thin ring", space, "elements"),
+        ("Free ring: error of the shape after 1.2 periods (µm)", time, "steps a period"),
+    ):
+        series = [_of(name, *np.array(ladder, dtype=float).T, marker="circle") for name, ladder in ladders if ladder]
+        ticks = tuple((place, f"{place:g}") for place in sorted({place for _, ladder in ladders for place, _ in ladder}))
+        if series:
+            panels.append(Panel(title, series, said, scale="log", x_scale="log", x_ticks=ticks, height=280))
     return Chart(panels, "Errors of the frequency over elements, of the shape over steps", columns=2)
-
-
-def _ticks(places: set[int]) -> tuple[Tick, ...]:
-    return tuple((float(place), str(place)) for place in sorted(places))
 
 
 def _cases(cases: Sequence[LoadCase]) -> tuple[Tick, ...]:
@@ -226,8 +205,8 @@ def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun
     series = []
     for model in models:
         runs = results.of(model)
-        slipped = [run.slipped for run in runs]
-        labels = [run.case.name + (", slips" if run.slipped else "") for run in runs]
+        slipped = [run.window.slipped for run in runs]
+        labels = [run.case.name + (", slips" if run.window.slipped else "") for run in runs]
         values = [value(run) for run in runs]
         series.append(_bar(model, values, hatched=slipped, labels=labels))
     return series
@@ -235,7 +214,7 @@ def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun
 
 def _bar(model: str, values: Sequence[float], **look: object) -> Series:
     """Bars of a model, one a case."""
-    return Series(label(model), np.arange(len(values)), values, COLOURS.get(model, MUTED), "bars", **look)  # type: ignore[arg-type]
+    return Series(SHORT_NAMES.get(model, model), np.arange(len(values)), values, COLOURS.get(model, MUTED), "bars", **look)  # type: ignore[arg-type]
 
 
 def thrust_and_efficiency(results: PaperResults) -> Chart:
@@ -308,7 +287,7 @@ def computing_times(measured: pd.DataFrame) -> Chart:
     panels = []
     for load in times.LOADS:
         series = []
-        for model in (*MODELS, HAND):
+        for model in (REFERENCE, "ANCF", *FORWARD, *MODELS[2:]):
             value, low, high = (of[load][model] for of in (ratios, *ends))
             errors = ((value - low).to_numpy(), (high - value).to_numpy())
             series.append(_bar(model, value.to_numpy(), errors=errors, labels=list(value.index)))

@@ -11,39 +11,9 @@ import numpy as np
 from pushbelt import page, tables
 from pushbelt.fmu.data import load_case_speed
 
-from . import cases, figures, profiles, statements_variator, times
+from . import cases, figures, profiles, times
 from .results import MODELS, PULLEYS, REFERENCE, PaperResults
-from .statement import Statement, Verdict, signed
-
-ABOUT = {
-    "ALE": (
-        "Deflections over a moving reference curve; the mesh is fixed and material flows through it",
-        "Default: spiral running, steady states, linear models, drivetrain simulation",
-    ),
-    "ALE0": (
-        "The reference curve alone, with free centres of the arcs: drift and ratio, and a tension that friction transports",
-        "Controller design and drive cycles with many runs",
-    ),
-    "ANCF": (
-        "Absolute nodal coordinates on a mesh that travels with the ring",
-        "Independent comparison: large deflections without a reference curve",
-    ),
-    "RCM": (
-        "Co-rotational elements in redundant coordinates on a mesh that travels with the ring",
-        "Reference for checks of ALE: large deflections, no membrane locking",
-    ),
-}
-"""Description and purpose of each model."""
-
-CHECKS = {
-    "1": "Derivatives: P (12), −∂V/∂q (18), inertia (13), (14)",
-    "2": "Reference motion alone (fig. 6)",
-    "3": "Deformable ring (fig. 7)",
-    "4": "Running ring on a circle",
-    "5": "Free ring",
-    "6": "Orders of convergence",
-}
-"""Groups of checks of rings alone."""
+from .statements import Statement, Verdict, signed
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -54,20 +24,18 @@ def _ends(values: Iterable[float]) -> tuple[float, float]:
 
 
 def choices(results: PaperResults) -> list[dict[str, Any]]:
-    """Table for the choice of a model, with ALE first: ranges of its differences to the reference model and of spiral running in m,
+    """Figures for the choice of a model, with ALE first: ranges of its differences to the reference model and of spiral running in m,
     numbers of load cases that start steady and that slip, and mean times of whole simulations as the FMU has the model."""
     ratios = times.factors(times.stored()[0])["mean"]
     return [
         {
             "model": model,
-            "what": ABOUT[model][0],
-            "use": ABOUT[model][1],
             "thrust": _ends(map(results.thrust_difference, runs)) if model != REFERENCE else None,
             "efficiency": _ends(map(results.efficiency_difference, runs)) if model != REFERENCE else None,
             "spiral": _ends(value for run in runs for value in run.window.spiral),
             "steady": sum(run.steady for run in runs),
-            "slipping": sum(run.slipped for run in runs),
-            "time": [ratios.get((load, f"{model}{times.BY_HAND}"), ratios[load, model]) for load in times.LOADS],
+            "slipping": sum(run.window.slipped for run in runs),
+            "time": [ratios[load, model] for load in times.LOADS],
         }
         for model in sorted(MODELS, key=lambda name: name != "ALE")
         for runs in [results.of(model)]
@@ -92,15 +60,11 @@ def context(results: PaperResults, statements: list[Statement]) -> dict[str, Any
     """Values for the template."""
     rings = results.rings
     judged = [check.passed for check in rings.checks if check.passed is not None]
-    outlines, over_time = figures.deformable_ring(rings)
-    belt_outlines, belt_over_time = figures.belt_ring(rings)
     stored, measured = times.stored()
     pictures = {
         "figure6": figures.reference_oscillation(rings),
-        "figure7": outlines,
-        "figure7_over_time": over_time,
-        "belt_ring": belt_outlines,
-        "belt_ring_over_time": belt_over_time,
+        "figure7": figures.deformable_ring(rings),
+        "belt_ring": figures.belt_ring(rings),
         "meshes": figures.mesh_energy(rings),
         "convergence": figures.convergence(rings),
         "levels": figures.thrust_and_efficiency(results),
@@ -117,21 +81,19 @@ def context(results: PaperResults, statements: list[Statement]) -> dict[str, Any
         "choices": choices(results),
         "statements": statements,
         "counts": {verdict.value: sum(s.verdict is verdict for s in statements) for verdict in Verdict},
-        "checks": [(name, [c for c in rings.checks if c.check == number]) for number, name in CHECKS.items()],
         "checks_passed": sum(judged),
         "checks_judged": len(judged),
         "rows": [(case, [results.run(case, model) for model in MODELS]) for case in results.cases],
         "speed": load_case_speed() * 30.0 / np.pi,
         "times": times,
         "measured": measured,
-        "repetitions": int(stored.loc[stored["model"] == REFERENCE, "repetition"].max()),
         "spread": times.spread(stored),
-        "factors": [(title, times.factors(of)) for title, of in (("stored", stored), ("this run", results.short_times))],
+        "factors": [(title, times.factors(of)) for title, of in (("stored", stored), ("this run", results.times))],
         "seconds": times.whole(stored),
         "step": cases.STEP,
         "mesh_names": [name for name in cases.MESHES if name != "fine"],
         "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
-        "label": figures.label,
+        "label": lambda model: figures.SHORT_NAMES.get(model, model),
         "pictures": pictures,
     }
 
@@ -147,7 +109,7 @@ def write_tables(results: PaperResults, statements: list[Statement], folder: Pat
          "efficiencyDifference [1]", "spiral.primary [m]", "spiral.secondary [m]", "slips", "steady", "change [1]"],
         (
             [run.case.name, run.model, run.load_torque, run.window.thrust_ratio, run.window.efficiency, run.window.loss,
-             results.thrust_difference(run), results.efficiency_difference(run), *run.window.spiral, int(run.slipped), int(run.steady),
+             results.thrust_difference(run), results.efficiency_difference(run), *run.window.spiral, int(run.window.slipped), int(run.steady),
              run.window.change]
             for run in results.runs
         ),
@@ -182,7 +144,7 @@ def write_tables(results: PaperResults, statements: list[Statement], folder: Pat
             for mesh, values in states.items()
         ),
     )
-    times.write(results.short_times, results.fmu_version, folder / "figure-9.csv")
+    times.write(results.times, results.fmu_version, folder / "figure-9.csv")
     tables.write(
         folder / "statements.csv",
         ["source", "claim", "verdict", "found", "reason"],

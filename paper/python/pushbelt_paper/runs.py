@@ -1,11 +1,10 @@
-"""The simulations of the report, and those of the computing times."""
+"""The simulations of the report."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -23,42 +22,29 @@ VARIATOR = "bench168"
 """Parameter set of the load cases."""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """Extent of the runs."""
+class Plan(NamedTuple):
+    """Extent of the runs: names of the load cases (None for all), primary speeds of steady states at 50 N·m relative to the load cases',
+    load cases whose steady states are also solved with `ALE0` about the axes and with rigid sheaves, duration of the shift in s, and
+    whether the load cases are also run with a swinging load."""
 
     effort: Effort
     cases: tuple[str, ...] | None
-    """Names of the load cases; None for all."""
-    timed: tuple[str, ...]
-    """Load cases of the short form of the computing times, which simulates `clocked` revolutions."""
-    clocked: float
     speeds: tuple[float, ...]
-    """Primary speeds of steady states of the `timed` cases, relative to the load cases'."""
     sheaves: tuple[str, ...]
-    """Load cases whose steady states are also solved with `ALE0` about the axes and with rigid sheaves."""
     shift: float
-    """Duration of the shift on two meshes, s."""
     short: bool
+    swinging: bool = False
 
 
 FULL = Plan(
     Effort(settling=0.4, looking=1.0, samples=480),
     None,
-    ("overdrive-50", "medium-50", "underdrive-50"),
-    0.02,
     (0.5, 1.0, 1.5),
     ("overdrive-30", "overdrive-50", "overdrive-100"),
     shift=0.3,
     short=False,
 )
-SHORT = Plan(
-    Effort(settling=0.02, looking=0.05, samples=480), ("medium-50", CHOSEN_CASE), ("medium-50",), 0.02, (), (), shift=0.1, short=True
-)
-WHOLE = (0.4, 1.0)
-"""Revolutions of settling, and least of the evaluated part, of the long form of the computing times."""
-SLOW = ("RCM", "ANCF")
-"""Models that a long form runs once a pass; the others take so little time that each pass runs them thrice."""
+SHORT = Plan(Effort(settling=0.02, looking=0.05, samples=480), ("medium-50", CHOSEN_CASE), (), (), shift=0.1, short=True)
 
 RINGS_WEIGHT = 20.0
 """Share of the tests of rings alone in the progress bar."""
@@ -77,45 +63,24 @@ def _rings(program: Path, output: Path, short: bool) -> Rings:
     return rings.run(program, output, short, lambda share: tick(RINGS_WEIGHT * share))
 
 
-def _case(archive: Archive, model: str, case: LoadCase, state: SteadyState, effort: Effort) -> CaseRun | Failure:
-    parameters = parameter_set(VARIATOR)
-    try:
-        return cases.run(archive, parameters, model, case, state, effort, lambda turns: tick(_weight(model) * turns))
-    except UnitError as error:
-        return Failure(model, case, str(error))
-
-
-def _time(archive: Archive, case: LoadCase, state: SteadyState, variant: str, *what: object) -> dict[str, str | float]:
+def _case(
+    archive: Archive, variant: str, case: LoadCase, state: SteadyState, load: str, effort: Effort
+) -> list[CaseRun] | Failure:
+    """All repetitions of a run."""
     parameters, progress = parameter_set(VARIATOR), lambda turns: tick(_weight(variant) * turns)
-    return times.measure(archive, parameters, case, state, variant, *what, progress)  # type: ignore[arg-type]
-
-
-def _time_calls(
-    archive: Archive, states: dict[LoadCase, SteadyState], repetitions: Iterable[int], revolutions: tuple[float, float]
-) -> tuple[list[Call], float]:
-    """Calls of all models beside each other, so that other load on the machine is the same for them, and their weight."""
-    calls: list[Call] = []
-    total = 0.0
-    for repetition, (case, state), load, variant in product(repetitions, states.items(), times.LOADS, times.VARIANTS):
-        turn = cases.revolution(parameter_set(VARIATOR), state)
-        for again in range(1 if variant in SLOW else 3):
-            number = repetition if variant in SLOW else 3 * (repetition - 1) + again + 1
-            calls.append((_time, (archive, case, state, variant, load, number, revolutions)))
-            total += _weight(variant) * sum(times.spans(turn, load, *revolutions)) / turn
-    return calls, total
+    try:
+        return [
+            cases.run(archive, parameters, variant, case, state, load, effort, progress)
+            for _ in range(1 if variant in times.SLOW else 3)
+        ]
+    except UnitError as error:
+        return Failure(variant, case, str(error))
 
 
 def _states(archive: Archive, names: tuple[str, ...] | None) -> dict[LoadCase, SteadyState]:
     parameters = parameter_set(VARIATOR)
     chosen = [case for case in load_cases(parameters) if names is None or case.name in names]
     return {case: cases.steady(archive, parameters, case) for case in chosen}
-
-
-def whole_times(fmu: Path, repetitions: int) -> tuple[pd.DataFrame, str]:
-    """Computing times of whole simulations, and the FMU's version. The first failure is raised."""
-    with Archive.unpack(fmu) as archive:
-        calls, total = _time_calls(archive, _states(archive, None), range(1, repetitions + 1), WHOLE)
-        return pd.DataFrame(side_by_side.run_all(calls, total, "whole simulations", WORKERS)), archive.version
 
 
 def run_all(fmu: Path, program: Path, output: Path, plan: Plan) -> PaperResults:
@@ -128,32 +93,30 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
     parameters = parameter_set(VARIATOR)
     states = _states(archive, plan.cases)
     calls: list[Call] = [(_rings, (program, output / "rings", plan.short))]
-    # The longest runs start first.
-    models = sorted(MODELS, key=lambda model: -_weight(model))
-    calls += [(_case, (archive, model, case, states[case], plan.effort)) for model in models for case in states]
-    total = RINGS_WEIGHT + len(states) * (plan.effort.settling + plan.effort.looking) * sum(map(_weight, MODELS))
-    timed = {case: state for case, state in states.items() if case.name in plan.timed}
-    clocks, weight = _time_calls(archive, timed, [1], (0.0, plan.clocked))
-    found, *done = side_by_side.run_all([*calls, *clocks], total + weight, "rings alone and load cases", WORKERS)
-    runs, short_times = done[: len(calls) - 1], pd.DataFrame(done[len(calls) - 1 :])
+    total = RINGS_WEIGHT
+    # All models beside each other, so that other load on the machine is the same for them.
+    for case, load, variant in product(states, times.LOADS[: 1 + plan.swinging], times.VARIANTS):
+        calls.append((_case, (archive, variant, case, states[case], load, plan.effort)))
+        total += _weight(variant) * (plan.effort.settling + plan.effort.looking)
+    found, *runs = side_by_side.run_all(calls, total, "rings alone and load cases", WORKERS)
     failures = tuple(run for run in runs if isinstance(run, Failure))
     left_out = {failure.case for failure in failures}
     if left_out == set(states):
         raise UnitError("; ".join(f"{f.case.name}, {f.model}: {f.reason}" for f in failures))
     left = [case for case in states if case not in left_out]
+    repeated = [run for run in runs if not isinstance(run, Failure) and run[0].case in left]
     speeds = tuple(factor * load_case_speed() for factor in plan.speeds)
     return PaperResults(
         fmu_version=archive.version,
         parameters=parameters,
-        # In the paper's order.
-        runs=tuple(run for model in MODELS for run in runs if run.model == model and run.case not in left_out),
+        runs=tuple(run for model in MODELS for run, *_ in repeated if run.model == model and run.window is not None),
         rings=found,
-        speeds={c.name: cases.at_speeds(archive, parameters, c, speeds) for c in left if c.name in plan.timed and speeds},
+        speeds={c.name: cases.at_speeds(archive, parameters, c, speeds) for c in left if c.torque == 50.0 and speeds},
         sheaves={c.name: cases.on_sheaves(archive, parameters, c) for c in left if c.name in plan.sheaves},
         meshes={c.name: cases.on_meshes(archive, parameters, c) for c in left},
         shifts=cases.shifts(archive, parameters, plan.shift),
         misaligned=cases.misaligned(archive, parameters, left[0]),
-        short_times=short_times,
+        times=pd.DataFrame([run.times for repetitions in repeated for run in repetitions]),
         failures=failures,
         effort=plan.effort,
         short=plan.short,

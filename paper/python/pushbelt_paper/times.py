@@ -1,15 +1,12 @@
-"""Computing times of whole simulations of the load cases (fig. 9).
+"""Computing times of the simulations of the load cases (fig. 9).
 
-All models start in the steady state of ALE, or of ALE0, at a part of the load torque. The load of the case is applied at the start
-of the run, so none of them is at rest. A whole simulation is the settling and at least one revolution of the belt: exactly one under a
-constant load, whole periods under a load that swings. The time of the start is recorded separately.
+All models start in the steady state of ALE, or of ALE0, and settle for a part of a revolution; the evaluated part is a revolution under a
+constant load, or the whole periods of a swinging load that are at least a revolution. The time of the start is recorded separately.
 """
 
 from __future__ import annotations
 
 import platform
-import time
-from collections.abc import Callable
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -17,28 +14,24 @@ import numpy as np
 import pandas as pd
 
 from pushbelt import tables
-from pushbelt.fmu.results import LoadCase, SteadyState
-from pushbelt.fmu.unit import Archive, Variator
 
-from . import cases
-from .cases import Parameters
 from .results import REFERENCE
 from .rings import table
 
 STORED = Path(__file__).parents[2] / "figure-9.csv"
-"""The long form's result."""
+"""The times that the report shows: those of a full run."""
 
-START_LOAD = 0.8
-"""Load torque of the start, relative to that of the case."""
 WAVE_FREQUENCY = 50.0
 """Frequency of the swinging load torque, Hz."""
 WAVE_DEPTH = 0.4
 """Largest reduction of the swinging load torque, relative to the load of the case."""
-LOADS = ("constant", "swinging")
+LOADS = CONSTANT, SWINGING = "constant", "swinging"
 
-BY_HAND, SHORT_STEPS = ", derivatives by hand", ", steps of RCM"
-VARIANTS = ("RCM", "ANCF", "ALE0", "ALE", f"ALE0{BY_HAND}", f"ALE{BY_HAND}", f"ALE{SHORT_STEPS}")
-"""Models with derivatives by forward differentiation, then as the FMU has them, and with steps as long as those of RCM."""
+FORWARD, SHORT_STEPS = ", forward", ", steps of RCM"
+VARIANTS = ("RCM", "ANCF", f"ALE0{FORWARD}", f"ALE{FORWARD}", "ALE0", "ALE", f"ALE{FORWARD}{SHORT_STEPS}")
+"""All models with derivatives by forward differentiation, then with the FMU's, and with steps as long as those of RCM."""
+SLOW = ("RCM", "ANCF")
+"""Models that run once; the others take so little time that they run thrice."""
 STEPS_OF_RCM = 32 * 180
 """Steps of RCM in a revolution: a passage of its mesh over the cells is resolved (`PASSING` in `paper/src/belts.rs`)."""
 COUNTS = ("steps", "residuals", "jacobians")
@@ -49,56 +42,22 @@ def wave(load: float, moment: float) -> float:
     return load * (1.0 - 0.5 * WAVE_DEPTH * (1.0 - np.cos(2.0 * np.pi * WAVE_FREQUENCY * moment)))
 
 
-def spans(turn: float, load: str, settling: float, looking: float) -> tuple[float, float]:
-    """Durations of settling and of the evaluated part, s, from that of a revolution and from numbers of revolutions."""
-    periods = np.ceil(looking * turn * WAVE_FREQUENCY)
-    return settling * turn, looking * turn if load == "constant" else float(periods / WAVE_FREQUENCY)
+def duration(least: float, load: str) -> float:
+    """Duration of the evaluated part, s: `least`, or the whole periods that are at least as long."""
+    return least if load == CONSTANT else float(np.ceil(least * WAVE_FREQUENCY) / WAVE_FREQUENCY)
 
 
-def measure(
-    archive: Archive,
-    parameters: Parameters,
-    case: LoadCase,
-    state: SteadyState,
-    variant: str,
-    load: str,
-    repetition: int,
-    revolutions: tuple[float, float],
-    progress: Callable[[float], None],
-) -> dict[str, str | float]:
-    """Processor times and work of one simulation. `progress` is called with the revolutions of each step."""
-    turn = cases.revolution(parameters, state)
-    settling, looking = spans(turn, load, *revolutions)
-    model = variant.partition(",")[0]
-    values = cases.held(parameters, model, case, START_LOAD * state.load_torque)
-    values["solver.forward"] = model.startswith("ALE") and not variant.endswith(BY_HAND)
-    if variant.endswith(SHORT_STEPS):
-        values["solver.maxStep"] = turn / STEPS_OF_RCM
-    clocks = [time.process_time()]
-    with Variator(archive, values) as unit:
-        unit.initialise()
-        clocks.append(time.process_time())
-        unit.set({"secondary.torque": state.load_torque})
-        for begin, part in ((0.0, settling), (settling, looking)):
-            for moment in cases.moments(part) if part else ():
-                if load == "swinging":
-                    unit.set({"secondary.torque": wave(state.load_torque, unit.time)})
-                before = unit.time
-                unit.step_to(begin + moment)
-                progress((unit.time - before) / turn)
-            clocks.append(time.process_time())
-        work = [int(unit.get(f"solver.{count}")) for count in COUNTS]
-    keys = ("case", "model", "load", "repetition", "settling", "looking", "start time", "settling time", "looking time", *COUNTS)
-    row = (case.name, variant, load, repetition, settling, looking, *np.diff(clocks).tolist(), *work)
-    return dict(zip(keys, row, strict=True))
+def changes(variant: str, turn: float) -> dict[str, float]:
+    """Start values of a variant; `turn` is the duration of a revolution, s."""
+    values = {"solver.forward": True} if FORWARD in variant else {}
+    return {**values, "solver.maxStep": turn / STEPS_OF_RCM} if SHORT_STEPS in variant else values
 
 
 def write(frame: pd.DataFrame, version: str, path: Path = STORED) -> None:
     """Stores times with date, machine and version of the FMU."""
-    units = ["", "", "", "", *5 * [" [s]"], *len(COUNTS) * [""]]
     date = datetime.now(timezone.utc).date()
     remark = f"{date}, {machine()}, PushbeltPaper.fmu {version}; processor times of one thread"
-    header = [name + unit for name, unit in zip(frame.columns, units, strict=True)]
+    header = [tables.title(name, "s") if frame[name].dtype == float else name for name in frame.columns]
     tables.write(path, header, frame.itertuples(index=False), digits=6, remark=remark)
 
 
@@ -119,7 +78,7 @@ def stored() -> tuple[pd.DataFrame, str]:
 
 def whole(times: pd.DataFrame, of: str = "median") -> pd.Series:
     """Time of whole simulations, s, median or another value of the repetitions, by load, model and case."""
-    total = times["settling time"] + times["looking time"]
+    total = times["settled"] + times["looked"]
     return total.groupby([times["load"], times["model"], times["case"]], sort=False).agg(of)
 
 
@@ -146,7 +105,7 @@ def factors(times: pd.DataFrame) -> pd.DataFrame:
     }
     by = ["load", "model"]
     found = {name: ratio.groupby(by, sort=False).agg(name) for name in ("mean", "min", "max")}
-    found["start"] = times.groupby(by, sort=False)["start time"].mean()
+    found["start"] = times.groupby(by, sort=False)["start"].mean()
     for name, of in parts.items():
         found[name] = np.exp(np.log(_relative(of, of)).groupby(by, sort=False).mean())
     return pd.DataFrame(found)

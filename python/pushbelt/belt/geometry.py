@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -58,82 +58,42 @@ class BeltError(PushbeltError, ValueError):
     """Dimensions that do not belong to a belt."""
 
 
-@dataclass(frozen=True)
-class Range:
-    """Name and range of a dimension."""
-
-    name: str
-    low: float
-    high: float
-    unit: str = "m"
-
-
-RANGES = {
-    "width": Range("the width of the elements", 0.01, 0.1),
-    "layers": Range("the number of layers", 1, 30, ""),
-    "length": Range("the length of the belt", *BELT_LENGTH),
-    "center_distance": Range("the center distance", 0.05, 2.0),
-    "element_thickness": Range("the thickness of an element", 0.0005, 0.01),
-    "layer_thickness": Range("the thickness of a layer", 0.00005, 0.001),
-    "layer_width": Range("the width of a layer", 0.001, 0.05),
-    "element_mass": Range("the mass of an element", 0.0001, 0.05, "kg"),
-    "element_height": Range("the height of an element", 0.004, 0.04),
-    "elements": Range("the number of elements", 50, 5000, ""),
-    "play": Range("the end play", 0.0, MOST_PLAY),
-    "pitch_offset": Range("the pitch offset", 0.0, 0.01),
-    "young": Range("Young's modulus of the ring", 1e11, 3e11, "Pa"),
-    "density": Range("the density of the ring", 6000.0, 10000.0, "kg/m3"),
-    "wedge_angle": Range("the half wedge angle", 0.08, 0.35, "rad"),
-    "min_radius": Range("the smallest pitch radius", 0.01, 0.5),
-    "max_radius": Range("the largest pitch radius", 0.02, 1.0),
-}
-"""Ranges of the dimensions. A value outside is most likely in another unit."""
+def _of(name: str, low: float, high: float, unit: str = "m", **default: Any) -> Any:
+    """A dimension with its range. A value outside is most likely in another unit."""
+    return field(metadata={"name": name, "low": low, "high": high, "unit": unit}, **default)
 
 
 @dataclass(frozen=True)
 class Dimensions:
-    """Dimensions of a belt. Those with the default None follow from the others."""
+    """Dimensions of a belt, SI. Those with the default None follow from the others.
 
-    width: float
-    """Width of the elements at the pitch line, m."""
-    layers: int
-    """Layers of each of the two ring sets."""
-    length: float
-    """Length of the unstretched ring at its centre line, m."""
-    center_distance: float
-    """Distance of the pulley axes, m."""
-    element_thickness: float | None = None
-    """Thickness of an element, m."""
-    layer_thickness: float = 0.000185
-    """Thickness of a layer, m."""
-    layer_width: float | None = None
-    """Width of a layer, m."""
-    element_mass: float | None = None
-    """Mass of an element, kg."""
-    element_height: float = HEIGHT
-    """Height of an element, m."""
-    elements: int | None = None
-    """Number of elements."""
-    play: float | None = None
-    """End play: pitch-line length less the stacked thickness of all elements, m."""
-    pitch_offset: float | None = None
-    """Distance from the rocking edge to the centre line of the ring, m."""
-    young: float = 1.86e11
-    """Young's modulus of the ring, Pa."""
-    density: float = 8000.0
-    """Density of the ring, kg/m³."""
-    wedge_angle: float = math.radians(11.0)
-    """Half wedge angle of the sheaves, rad."""
-    min_radius: float = MIN_RADIUS
-    """Smallest pitch radius on a pulley, m."""
-    max_radius: float | None = None
-    """Largest pitch radius on a pulley, m."""
+    Width, length and pitch offset are those at the pitch line, of the unstretched centre line of the ring, and of this line from the
+    rocking edge. The end play is the length of the pitch line less that of the stacked elements.
+    """
+
+    width: float = _of("the width of the elements", 0.01, 0.1)
+    layers: int = _of("the number of layers of each ring set", 1, 30, "")
+    length: float = _of("the length of the belt", *BELT_LENGTH)
+    center_distance: float = _of("the center distance", 0.05, 2.0)
+    element_thickness: float | None = _of("the thickness of an element", 0.0005, 0.01, default=None)
+    layer_thickness: float = _of("the thickness of a layer", 0.00005, 0.001, default=0.000185)
+    layer_width: float | None = _of("the width of a layer", 0.001, 0.05, default=None)
+    element_mass: float | None = _of("the mass of an element", 0.0001, 0.05, "kg", default=None)
+    element_height: float = _of("the height of an element", 0.004, 0.04, default=HEIGHT)
+    elements: int | None = _of("the number of elements", 50, 5000, "", default=None)
+    play: float | None = _of("the end play", 0.0, MOST_PLAY, default=None)
+    pitch_offset: float | None = _of("the pitch offset", 0.0, 0.01, default=None)
+    young: float = _of("Young's modulus of the ring", 1e11, 3e11, "Pa", default=1.86e11)
+    density: float = _of("the density of the ring", 6000.0, 10000.0, "kg/m3", default=8000.0)
+    wedge_angle: float = _of("the half wedge angle", 0.08, 0.35, "rad", default=math.radians(11.0))
+    min_radius: float = _of("the smallest pitch radius", 0.01, 0.5, default=MIN_RADIUS)
+    max_radius: float | None = _of("the largest pitch radius", 0.02, 1.0, default=None)
 
     def __post_init__(self) -> None:
-        for field, limit in RANGES.items():
-            value = getattr(self, field)
-            if value is not None and not limit.low <= value <= limit.high:
-                raise BeltError(f"{limit.name} is {value:g} {limit.unit}".rstrip() + f", not within {limit.low:g} to {limit.high:g}")
+        for one in fields(self):
+            value, of = getattr(self, one.name), one.metadata
+            if value is not None and not of["low"] <= value <= of["high"]:
+                raise BeltError(f"{of['name']} is {value:g} {of['unit']}".rstrip() + f", not within {of['low']:g} to {of['high']:g}")
         if self.length <= 2.0 * self.center_distance:
             raise BeltError(
                 f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than "

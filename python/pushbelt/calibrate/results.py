@@ -46,11 +46,6 @@ class Row:
         """Model minus measurement after the fit, in standard deviations."""
         return None if self.residual is None else self.residual / self.measured.deviation
 
-    @property
-    def relative_before(self) -> float | None:
-        """Model minus measurement at the start values, in standard deviations."""
-        return None if self.before is None else (self.before - self.measured.value) / self.measured.deviation
-
 
 @dataclass(frozen=True)
 class Results:

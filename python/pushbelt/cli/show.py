@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import difflib
-from typing import Any
 
 from ..errors import ArgumentError
 
@@ -27,46 +26,28 @@ def show_variables(options: argparse.Namespace) -> int:
     """`pushbelt variables`."""
     from ..fmu.files import default_fmu
     from ..fmu.untrusted import described
+    from ..fmu.variables import Variables
 
     words = [word.lower() for word in options.words]
-    variables = described(options.fmu or default_fmu()).modelVariables
+    variables = Variables(described(options.fmu or default_fmu()).modelVariables)
+    fields = "profile." in " ".join(words)
     found = [
         one
-        for one in variables
+        for one in variables.values()
         if (options.kind is None or one.causality == options.kind)
-        and all(word in f"{one.name} {one.description or ''}".lower() for word in words)
-        and ("profile." in " ".join(words) or not one.name.startswith(("profile.", "profile_")))
+        and all(word in f"{one.name} {one.description}".lower() for word in words)
+        and (fields or not one.name.startswith(("profile.", "profile_")))
     ]
     if not found:
-        near = difflib.get_close_matches(" ".join(options.words), [one.name for one in variables], n=3)
+        near = difflib.get_close_matches(" ".join(options.words), variables, n=3)
         hint = f"; similar names: {', '.join(near)}" if near else ""
         raise ArgumentError(
             f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{hint}"
         )
     for one in found:
-        unit = "" if one.unit in (None, "1") else f" {one.unit}"
-        parts = [one.causality]
-        if one.start is not None:
-            parts.append(f"start {_item_name(one, one.start)}{unit}")
-        if one.min is not None and one.max is not None and one.type in ("Real", "Integer"):
-            parts.append(f"range {float(one.min):g} to {float(one.max):g}{unit}")
-        elif one.type == "Enumeration":
-            parts.append(f"one of {', '.join(item.name for item in one.declaredType.items)}")
-        elif unit:
-            parts.append(unit.strip())
-        print(f"{one.name}\n    {', '.join(parts)}\n    {one.description}")
-    print(
-        f"{len(found)} of {len(variables)} variables"
-        + ("" if "profile." in " ".join(words) else "; `pushbelt variables profile.` lists the fields")
-    )
+        print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
+    print(f"{len(found)} of {len(variables)} variables" + ("" if fields else "; `pushbelt variables profile.` lists the fields"))
     return 0
-
-
-def _item_name(variable: Any, value: Any) -> str:
-    """A start value; that of an enumeration by name."""
-    if variable.type != "Enumeration":
-        return str(value)
-    return next((item.name for item in variable.declaredType.items if str(item.value) == str(value)), str(value))
 
 
 def show_docs(options: argparse.Namespace) -> int:

@@ -19,7 +19,7 @@ def write_fmu(options: argparse.Namespace) -> int:
     from ..fmu import cache, flat, start_values
     from ..fmu.data import parameter_set
     from ..fmu.files import default_fmu
-    from ..fmu.unit import UnitError, Variator
+    from ..fmu.unit import Instance, UnitError
     from ..fmu.untrusted import described
 
     if options.copy.suffix != ".fmu":
@@ -42,7 +42,7 @@ def write_fmu(options: argparse.Namespace) -> int:
     given |= dict(options.set)
     values = start_values.checked(variables, given)
     try:
-        with Variator(archive, values) as unit:
+        with Instance(archive, values) as unit:
             unit.initialise()
             remarks = unit.warnings
     except UnitError as error:
@@ -59,7 +59,7 @@ def write_fmu(options: argparse.Namespace) -> int:
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
     from ..maps import unit as map_unit
-    from ..fmu.unit import Archive, UnitError, Variator
+    from ..fmu.unit import Archive, Instance, UnitError
     from ..maps.data import Maps
 
     if options.copy.suffix != ".fmu":
@@ -74,7 +74,7 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     map_unit.write_fmu(options.copy, maps, options.fmu, dict(options.set))
     try:
-        with Archive.unpack(options.copy) as archive, Variator(archive, {}) as unit:
+        with Archive.unpack(options.copy) as archive, Instance(archive, {}) as unit:
             unit.initialise()
             remarks = unit.warnings
     except UnitError as error:

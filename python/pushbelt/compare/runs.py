@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from pushbelt import tables
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
-from pushbelt.tables import split
 
 TIME = "time"
 SAME = 1e-9
@@ -108,54 +107,50 @@ def pairs(a: Path, b: Path) -> list[Pair]:
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
         raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
-    return [Pair(name, paths, (read(paths[0]), read(paths[1])), _units(*paths)) for name, paths in both.items()]
+    return [_pair(name, *paths) for name, paths in both.items()]
 
 
-def _units(*paths: Path) -> dict[str, str]:
-    """Units in the headers by name. Raises CompareError if the files have different ones."""
-    found: dict[str, str] = {}
-    for path in paths:
-        for name, unit in map(split, _titles(path)):
-            if unit is not None and found.setdefault(name, unit) != unit:
-                raise CompareError(f"{name} is in {found[name]} in {paths[0]}, and in {unit} in {path}")
-    return found
+def _pair(name: str, a: Path, b: Path) -> Pair:
+    """Raises CompareError if the files have different units in their headers."""
+    units: dict[str, str] = {}
+    runs = []
+    for path in (a, b):
+        run, own = read(path)
+        runs.append(run)
+        for column, unit in own.items():
+            if unit is not None and units.setdefault(column, unit) != unit:
+                raise CompareError(f"{column} is in {units[column]} in {a}, and in {unit} in {path}")
+    return Pair(name, (a, b), (runs[0], runs[1]), units)
 
 
 def _files(path: Path) -> Mapping[str, Path]:
     """Result files of a folder, or the file itself, by name."""
     if path.is_dir():
-        return {file.stem: file for file in sorted(path.glob("*.csv")) if _header(file)[:1] == [TIME]}
+        return {file.stem: file for file in sorted(path.glob("*.csv")) if next(iter(tables.read(file)[0]), "") == TIME}
     if not path.is_file():
         raise CompareError(f"{path} does not exist")
     return {path.stem: path}
 
 
-def _titles(path: Path) -> list[str]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return next(csv.reader(file), [])
-
-
-def _header(path: Path) -> list[str]:
-    """Names of the columns, without units."""
-    return [split(text)[0] for text in _titles(path)]
-
-
-def read(path: Path) -> Trace:
-    """Reads a result file. Columns that are not numeric are skipped."""
-    header = _header(path)
-    if TIME not in header:
+def read(path: Path) -> tuple[Trace, dict[str, str | None]]:
+    """A result file, and the units in its header. Columns that are not numeric are skipped."""
+    units, rows = tables.read(path)
+    if TIME not in units:
         raise CompareError(f"{path} is not a run: it has no column `{TIME}`")
-    lines = path.read_text(encoding="utf-8").splitlines()[1:]
-    if not lines:
+    if not rows:
         raise CompareError(f"{path} has no rows below its header")
-    try:
-        rows = np.genfromtxt(lines, delimiter=",", ndmin=2)
-    except ValueError as error:
-        raise CompareError(f"{path} is not a table of numbers: {str(error).splitlines()[0]}") from error
-    if rows.shape[1] != len(header):
-        raise CompareError(f"{path} has {rows.shape[1]} columns below {len(header)} names")
-    columns = {name: rows[:, k] for k, name in enumerate(header) if np.isfinite(rows[:, k]).any()}
+    if wrong := next((k for k, row in enumerate(rows, 2) if len(row) != len(units)), None):
+        raise CompareError(f"{path} is not a table of numbers: line {wrong} has not {len(units)} cells, as its header has")
+    values = np.array([[_number(cell) for cell in row] for row in rows])
+    columns = {name: values[:, k] for k, name in enumerate(units) if np.isfinite(values[:, k]).any()}
     time = columns.pop(TIME, None)
     if time is None or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
         raise CompareError(f"the times of {path} do not ascend")
-    return Trace(time, columns)
+    return Trace(time, columns), units
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")

@@ -9,7 +9,7 @@ import numpy as np
 
 from pushbelt.fmu.data import InputTable
 from pushbelt.fmu.results import Profile, Trace
-from pushbelt.fmu.unit import Archive, Variator, output_names
+from pushbelt.fmu.unit import Archive, Instance, output_names
 
 from .results import ManoeuvreResult
 
@@ -41,7 +41,7 @@ def run(
     stop = float(inputs.time[-1]) if duration is None else duration
     steps = round(stop / STEP)
     begin = time.perf_counter()
-    with Variator(archive, {**parameters, **START_VALUES, **inputs.at(0.0)}) as unit:
+    with Instance(archive, {**parameters, **START_VALUES, **inputs.at(0.0)}) as unit:
         unit.initialise()
         outputs = unit.reals(output_names(unit.variables.values()))
         rows = np.empty((steps + 1, len(outputs.names)))

@@ -8,7 +8,7 @@ from math import pi
 from pushbelt.fmu.data import EfficiencyPoint, clamping_force, measured_efficiencies, pitch_radius
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Instance
 
 from .results import MeasuredPoint
 
@@ -29,7 +29,7 @@ def _at(archive: Archive, parameters: Mapping[str, float], point: EfficiencyPoin
     friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
     force = max(clamping_force(point.torque, radius, friction, wedge_angle, SAFETY), LEAST_FORCE)
     start_values = driven_by_torque(parameters, point.ratio, point.speed * pi / 30.0, point.torque, force)
-    with Variator(archive, start_values) as unit:
+    with Instance(archive, start_values) as unit:
         unit.initialise()
         if unit.not_steady:
             raise NotFoundError(

@@ -13,7 +13,7 @@ from pushbelt.fmu.data import parameter_set, slip_torque
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import BeltState
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 
 from .car import Car
 from .control import Friction, Measured
@@ -187,7 +187,7 @@ class Record:
         self._moments = {round((moment - start) / step): moment for moment in setup.snapshots}
         self.snapshots: dict[float, BeltState] = {}
 
-    def add(self, unit: Variator, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
+    def add(self, unit: Instance, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
         """Adds the values at a communication point and the signals over the step that follows."""
         k = len(self._signals)
         # A variator from maps has fewer outputs.
@@ -258,7 +258,7 @@ def run(
     begin = clock.process_time()
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
     known = {variable.name for variable in archive.description.modelVariables}
-    with Variator(archive, {name: value for name, value in start.items() if name in known}) as unit:
+    with Instance(archive, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
         _advance(unit, vehicle, control, setup, record, count, progress)
         messages = tuple(unit.warnings)
@@ -274,7 +274,7 @@ def run(
 
 
 def _advance(
-    unit: Variator,
+    unit: Instance,
     vehicle: Vehicle,
     control: TransmissionControl,
     setup: Setup,

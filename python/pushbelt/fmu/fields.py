@@ -5,18 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .geometry import Array, TwoPulleyCurve
-from .results import Profile
 
 EDGE = 0.012
 """Least distance from the arcs at which a field on a strand is read, m. Pressure extends some millimetres beyond the arcs."""
-
-
-def mean_between(profile: Profile, values: Array, start: float, stop: float) -> float:
-    """Mean of a field between two places, m; interpolated between the two nearest points if none is inside."""
-    inside = (profile.position >= start) & (profile.position <= stop)
-    if inside.any():
-        return float(values[inside].mean())
-    return float(np.interp(0.5 * (start + stop), profile.position, values))
 
 
 def push_force_gains(curve: TwoPulleyCurve, position: Array, push_force: Array) -> tuple[float, float, float]:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 from lxml import etree
 
+from ..whole_file import copy_archive
 from .start_values import DESCRIPTION
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
@@ -45,26 +46,16 @@ def flat(names: Iterable[str]) -> dict[str, str]:
 
 def write_copy(fmu: Path, copy: Path) -> None:
     """Writes the copy, completely or not at all. `copy` may be the FMU itself."""
-    draft = copy.with_name(f"{copy.name}.part")
-    try:
-        with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
-            description = etree.fromstring(source.read(DESCRIPTION))
-            variables = description.find("ModelVariables")
-            named = [*variables, *variables.iter("Alias")]
-            names = flat(one.get("name") for one in named)
-            for one in named:
-                one.set("name", names[one.get("name")])
-            description.set("variableNamingConvention", "flat")
-            changed: dict[str, Callable[[bytes], bytes]] = {
-                DESCRIPTION: lambda _: _written(description),
-                TERMINALS: lambda xml: _terminals(xml, names),
-            }
-            for entry in source.infolist():
-                content = source.read(entry)
-                target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
-        draft.replace(copy)
-    finally:
-        draft.unlink(missing_ok=True)
+    with zipfile.ZipFile(fmu) as source:
+        description = etree.fromstring(source.read(DESCRIPTION))
+    variables = description.find("ModelVariables")
+    named = [*variables, *variables.iter("Alias")]
+    names = flat(one.get("name") for one in named)
+    for one in named:
+        one.set("name", names[one.get("name")])
+    description.set("variableNamingConvention", "flat")
+    changed = {DESCRIPTION: lambda _: _written(description), TERMINALS: lambda xml: _terminals(xml, names)}
+    copy_archive(fmu, copy, changed, {})
 
 
 def _terminals(xml: bytes, names: dict[str, str]) -> bytes:

@@ -13,7 +13,7 @@ from .data import load_case_speed
 from .geometry import ratio_of
 from .results import LoadCase, LoadCaseResult, SteadyState
 from .starts import driven_at_speed
-from .unit import Archive, Variator
+from .unit import Archive, Instance
 
 TORQUE_TOLERANCE = 1e-4
 """Relative tolerance of the belt torque."""
@@ -92,7 +92,7 @@ def steady_state(
     Belt torque on P (N·m) and secondary clamping force (N) are specified.
     """
     start_values = held_primary(parameters, ratio, speed, force)
-    with Variator(archive, start_values) as unit:
+    with Instance(archive, start_values) as unit:
         return _solve(unit, start_values, torque, _first_guess(torque, ratio) if load_guess is None else load_guess)
 
 
@@ -101,7 +101,7 @@ def _first_guess(torque: float, ratio: float) -> float:
     return -0.98 * torque * ratio
 
 
-def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, load_guess: float) -> SteadyState:
+def _solve(unit: Instance, start_values: Mapping[str, float], torque: float, load_guess: float) -> SteadyState:
     """Initialises an instance in the steady state with a belt torque on P, N·m."""
 
     def belt_torque(load: float) -> float:
@@ -115,7 +115,7 @@ def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, loa
     return SteadyState(unit.outputs(), unit.profile(), load)
 
 
-def _drift(unit: Variator) -> float:
+def _drift(unit: Instance) -> float:
     """Relative change of the thrust ratio when an instance in a steady state is advanced by `DRIFT_TIME`."""
     before = unit.get("thrustRatio")
     for step in range(round(DRIFT_TIME / DRIFT_STEP)):
@@ -127,6 +127,6 @@ def run(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> Lo
     """Runs one load case."""
     ratio = ratio_of(case.theta)
     start_values = held_primary(parameters, ratio, load_case_speed(), case.clamping_force)
-    with Variator(archive, start_values) as unit:
+    with Instance(archive, start_values) as unit:
         steady = _solve(unit, start_values, case.torque, _first_guess(case.torque, ratio))
         return LoadCaseResult(case, steady, _drift(unit))

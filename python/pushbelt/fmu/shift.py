@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .geometry import Array
-from .unit import Variator
+from .unit import Instance
 
 LOG_STEP = 0.3
 """Step of ln F_P."""
@@ -61,7 +61,7 @@ def mean_rate(time: Array, speed_ratio: Array) -> float:
     return (stop - start) / (WINDOW[1] - WINDOW[0])
 
 
-def shift(unit: Variator, log_step: float = LOG_STEP) -> ShiftRun:
+def shift(unit: Instance, log_step: float = LOG_STEP) -> ShiftRun:
     """Simulates the step from a steady state at time 0 with both clamping forces specified."""
     force, start = unit.get("primary.axialForce"), 1.0 / unit.get("ratio.geometric")
     thrust_ratio = unit.get("thrustRatio")

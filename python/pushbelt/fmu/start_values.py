@@ -13,6 +13,7 @@ from typing import Any
 from lxml import etree
 
 from ..errors import PushbeltError
+from ..whole_file import copy_archive
 
 DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"
@@ -108,22 +109,12 @@ def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
     set start values. Start values of an earlier copy remain unless they are specified again. The GUID is the copy's own: the
     library does not run it without its list, and importers that remember FMUs by their GUID tell copies apart.
     """
-    draft = copy.with_name(f"{copy.name}.part")
-    try:
-        with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
-            listed = _listed(source) | {name: _written(value) for name, value in values.items()}
-            lines = [f"{name} = {value}" for name, value in listed.items()]
-            for entry in source.infolist():
-                if entry.filename != LIST:
-                    content = source.read(entry)
-                    described = entry.filename == DESCRIPTION and bool(lines)
-                    target.writestr(entry, _described(content, values, lines) if described else content)
-            if lines:
-                head = "# Start values of this copy, read by the library. Written by `pushbelt fmu`."
-                target.writestr(LIST, "\n".join([head, *lines]) + "\n")
-        draft.replace(copy)
-    finally:
-        draft.unlink(missing_ok=True)
+    with zipfile.ZipFile(fmu) as source:
+        listed = _listed(source) | {name: _written(value) for name, value in values.items()}
+    lines = [f"{name} = {value}" for name, value in listed.items()]
+    head = "# Start values of this copy, read by the library. Written by `pushbelt fmu`."
+    changed = {DESCRIPTION: lambda xml: _described(xml, values, lines)} if lines else {}
+    copy_archive(fmu, copy, changed, {LIST: ("\n".join([head, *lines]) + "\n").encode()} if lines else {})
 
 
 def _listed(fmu: zipfile.ZipFile) -> dict[str, str]:

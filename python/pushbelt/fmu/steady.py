@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from .unit import Archive, UnitError, Variator
+from .unit import Archive, Instance, UnitError
 
 
 class SteadyStates:
@@ -17,9 +17,9 @@ class SteadyStates:
     """
 
     def __init__(self, archive: Archive, parameters: Mapping[str, float] | None = None) -> None:
-        """`parameters` are start values of all states. The FMU is loaded, so that its errors are raised here."""
+        """`parameters` are start values of all states. The FMU is loaded at the first state."""
         self.archive, self.parameters = archive, dict(parameters or {})
-        self._unit: Variator | None = Variator(archive, {})
+        self._unit: Instance | None = None
 
     def __enter__(self) -> SteadyStates:
         return self
@@ -34,17 +34,24 @@ class SteadyStates:
         self._unit = None
 
     @property
-    def unit(self) -> Variator:
+    def unit(self) -> Instance:
         """The instance."""
         if self._unit is None:
-            self._unit = Variator(self.archive, {})
+            self._unit = Instance(self.archive, {})
         return self._unit
 
-    def at(self, values: Mapping[str, float]) -> Variator:
+    def at(self, values: Mapping[str, float]) -> Instance:
         """The instance in the steady state of the parameters and these start values.
 
         Raises UnitError with the reason if there is none.
         """
+        unit = self.started(values)
+        if unit.not_steady:
+            raise UnitError(unit.not_steady)
+        return unit
+
+    def started(self, values: Mapping[str, float]) -> Instance:
+        """The instance in its initial state, which may not be the requested one. Raises UnitError if a call fails."""
         unit = self.unit
         try:
             unit.restart({**self.parameters, **values})
@@ -52,8 +59,6 @@ class SteadyStates:
         except UnitError:
             self.close()
             raise
-        if unit.not_steady:
-            raise UnitError(unit.not_steady)
         return unit
 
 
@@ -73,8 +78,10 @@ class Pool:
     """Instances for several threads: each solves with one that no other uses."""
 
     def __init__(self, archive: Archive, parameters: Mapping[str, float] | None = None) -> None:
+        """The FMU is loaded, so that its errors are raised here."""
         self._archive, self._parameters = archive, parameters
         self._idle = [SteadyStates(archive, parameters)]
+        assert self._idle[0].unit
         self.instances = 1
         """Number of instances created so far, without those that replaced another one."""
 

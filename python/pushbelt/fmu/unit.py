@@ -115,7 +115,7 @@ class State(NamedTuple):
     """s."""
 
 
-class Variator:
+class Instance:
     """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
     _logs: ClassVar[dict[int, list[Message]]] = {}
@@ -142,7 +142,7 @@ class Variator:
             self.free()
             raise
 
-    def __enter__(self) -> Variator:
+    def __enter__(self) -> Instance:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -54,20 +54,24 @@ class Variable:
             items={} if enumeration is None else {one.name: int(one.value) for one in enumeration.items},
         )
 
-    def __repr__(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        parts = [f"{self.variability} {self.causality}"]
+    @property
+    def facts(self) -> list[str]:
+        """Start value, and the range, the items or the unit."""
+        unit, found = "" if self.unit == "1" else f" {self.unit}", []
         if self.start is not None:
             named = {number: name for name, number in self.items.items()}
             shown = str(self.start) if self.type == "Boolean" else named.get(self.start, f"{self.start:g}")
-            parts.append(f"start {shown}{unit}")
+            found.append(f"start {shown}{unit}")
         if self.items:
-            parts.append(f"one of {', '.join(self.items)}")
+            found.append(f"one of {', '.join(self.items)}")
         elif self.min is not None and self.max is not None:
-            parts.append(f"range {self.min:g} to {self.max:g}{unit}")
+            found.append(f"range {self.min:g} to {self.max:g}{unit}")
         elif unit and self.start is None:
-            parts.append(self.unit)
-        return f"<{self.name}: {', '.join(parts)}; {self.description}>"
+            found.append(self.unit)
+        return found
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {', '.join([f'{self.variability} {self.causality}', *self.facts])}; {self.description}>"
 
 
 class Variables(Mapping[str, Variable]):

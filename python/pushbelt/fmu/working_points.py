@@ -16,7 +16,7 @@ from .data import torque_capacity
 from .shift import TIME_STEP, WINDOW
 from .starts import driven_at_speed, driven_by_slip, driven_by_torque
 from .steady import SteadyStates
-from .unit import UnitError, Variator
+from .unit import Instance, UnitError
 
 REFERENCE_LEVER = 5e-5
 """Friction coefficient times radius of the secondary bearings, m."""
@@ -74,7 +74,7 @@ class Along:
     """ln(F_P/(κ F_S)) of the shifts, ascending, without 0."""
 
 
-def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Variator:
+def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Instance:
     """The steady state at a utilisation."""
     torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
     return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
@@ -86,7 +86,7 @@ def utilisation_at_slip(states: SteadyStates, line: Line, slip: float) -> float:
     return -unit.get("primary.shaftTorque") / torque_capacity(states.parameters, line.ratio, line.force)
 
 
-def point(unit: Variator, ratio: float) -> dict[str, float]:
+def point(unit: Instance, ratio: float) -> dict[str, float]:
     """The recorded values in a steady state."""
     found = {name: float(unit.get(name)) for name in OUTPUTS}
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
@@ -182,7 +182,7 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     return rates
 
 
-def _mean_slope(unit: Variator, speed: float) -> float:
+def _mean_slope(unit: Instance, speed: float) -> float:
     """Mean d(ln i)/dt after a jump at a primary speed, 1/s."""
     begin, step = unit.time, min(TIME_STEP, STEP_ANGLE / speed)
     logs = [math.log(unit.get("ratio.geometric"))]

@@ -164,47 +164,44 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     )
 
 
+def _arrays(model: LinearModel) -> dict[str, Any]:
+    """Matrices and values of a model by their names in the files."""
+    discrete = () if model.sample_time is None else model.discrete()
+    return {
+        **dict(zip(("Ad", "Bd", "Cd", "Dd"), discrete, strict=False)),
+        **{name: getattr(model, name.lower()) for name in "ABCD"},
+        "poles": model.poles,
+        "held": np.array([model.held[name] for name in model.inputs]),
+        "given": np.array([model.given[name] for name in model.inputs]),
+        "values": np.array([model.values[name] for name in model.outputs]),
+        "states": np.array(model.states),
+        "slip": np.array(model.slip),
+        "macroSlip": np.array(float(model.macro_slip)),
+    }
+
+
 def _npz(grid: LinearGrid, path: Path) -> None:
-    """Arrays over the grid, with the axes of the grid first. Missing values are NaN."""
+    """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
     models = grid.models
+    rows = [None if model is None else _arrays(model) for model in models.flat]
+    found = [row for row in rows if row is not None]
+    arrays = {}
+    for name in found[0]:
+        shape = np.max([row[name].shape for row in found], axis=0).astype(int)
+        full = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
+        for place, row in enumerate(rows):
+            if row is not None:
+                full[(place, *map(slice, row[name].shape))] = row[name]
+        arrays[name] = full.reshape(*models.shape, *shape)
     first = next(model for model in models.flat if model is not None)
-    order = np.array([0 if model is None else len(model.a) for model in models.flat])
-    n, k, m = int(order.max()), len(first.inputs), len(first.outputs)
-
-    def filled(of: Callable[[LinearModel], Any], *shape: int, of_type: Any = float, empty: Any = np.nan) -> Any:
-        array = np.full((models.size, *shape), empty, dtype=of_type)
-        for place, model in enumerate(models.flat):
-            if model is not None:
-                value = np.asarray(of(model))
-                array[(place, *(slice(length) for length in value.shape))] = value
-        return array.reshape(*models.shape, *shape)
-
-    discrete = {}
-    if first.sample_time is not None:
-        shapes = {"Ad": (n, n), "Bd": (n, k), "Cd": (m, n), "Dd": (m, k)}
-        discrete = {
-            name: filled(lambda one, at=at: one.discrete()[at], *shape)
-            for at, (name, shape) in enumerate(shapes.items())
-        }
     np.savez_compressed(
         path,
         about=ABOUT,
         coordinates=first.coordinates,
         sampleTime=np.nan if first.sample_time is None else first.sample_time,
-        **discrete,
-        A=filled(lambda one: one.a, n, n),
-        B=filled(lambda one: one.b, n, k),
-        C=filled(lambda one: one.c, m, n),
-        D=filled(lambda one: one.d, m, k),
-        poles=filled(lambda one: one.poles, n, of_type=complex),
-        held=filled(lambda one: [one.held[name] for name in one.inputs], k),
-        given=filled(lambda one: [one.given[name] for name in one.inputs], k),
-        values=filled(lambda one: [one.values[name] for name in one.outputs], m),
-        slip=filled(lambda one: one.slip),
-        macroSlip=filled(lambda one: float(one.macro_slip)),
-        states=filled(lambda one: one.states, n, of_type="U32", empty=""),
-        remarks=filled(lambda one: "\n".join(one.remarks), of_type="U1000", empty=""),
-        order=order.reshape(models.shape),
+        **arrays,
+        order=np.array([0 if model is None else len(model.a) for model in models.flat]).reshape(models.shape),
+        remarks=np.array(["" if model is None else "\n".join(model.remarks) for model in models.flat]).reshape(models.shape),
         inputs=np.array(first.inputs),
         outputs=np.array(first.outputs),
         units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
@@ -236,29 +233,10 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 
 
 def _structure(model: LinearModel) -> dict[str, Any]:
-    discrete = {}
-    if model.sample_time is not None:
-        discrete = dict(zip(("Ad", "Bd", "Cd", "Dd"), model.discrete(), strict=True)) | {
-            "sampleTime": model.sample_time
-        }
-    return {
-        **discrete,
-        "coordinates": model.coordinates,
-        "A": model.a,
-        "B": model.b,
-        "C": model.c,
-        "D": model.d,
-        "poles": model.poles[:, None],
-        "held": np.array([[model.held[name]] for name in model.inputs]),
-        "given": np.array([[model.given[name]] for name in model.inputs]),
-        "values": np.array([[model.values[name]] for name in model.outputs]),
-        "states": np.array(model.states, dtype=object),
-        "slip": model.slip,
-        "macroSlip": model.macro_slip,
-        "frequency": model.frequency,
-        "remarks": np.array(model.remarks, dtype=object),
-        "reason": "",
-    }
+    texts = {"states": np.array(model.states, dtype=object), "remarks": np.array(model.remarks, dtype=object)}
+    sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
+    about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency, "reason": ""}
+    return {**_arrays(model), **texts, **sampled, **about}
 
 
 def _json(grid: LinearGrid, path: Path) -> None:

@@ -14,7 +14,7 @@ from ..fmu.unit import UnitError
 from .model import LinearModel, LinearPointError
 from .grid import LinearGrid
 from .physical import NotPhysicalError, with_enough_modes
-from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints
+from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints, over
 
 FREQUENCY = 50.0
 """Default frequency, Hz, below which modes are states of a linear model."""
@@ -22,7 +22,7 @@ STATES = ("modal", "physical")
 """Kinds of states of a linear model."""
 
 
-def model_of(solver: calls.Variator, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
     """The linear model about the state of an instance."""
 
     def modal(below: float) -> LinearModel:
@@ -96,21 +96,19 @@ class LinearPoints(WorkingPoints):
             for name, values in lists.items()
         }
         axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
-        shape = tuple(len(values) for values in lists.values())
-        models, reasons = np.full(shape, None, dtype=object), np.full(shape, "", dtype=object)
-        for place in np.ndindex(shape):
-            at = {name: values[k] for (name, values), k in zip(lists.items(), place, strict=True)}
+
+        def model(**at: Any) -> LinearModel:
             values = {**self._values, **{name: at[name] for name in changes or ()}}
             used, turning = at.get("force", force), at.get("speed", speed)
             try:
                 if used is None:
                     used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
                 point = Point(at["ratio"], at["torque"], turning, used)
-                models[place] = self._linearize(values, point, frequency, states, sample_time)
-            except (SteadyStateError, LinearPointError) as error:
-                reasons[place] = str(error)
-            after_each()
-        return LinearGrid(axes, models, reasons)
+                return self._linearize(values, point, frequency, states, sample_time)
+            finally:
+                after_each()
+
+        return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
     def _linearize(
         self, values: Values, point: Point, frequency: float, states: str, sample_time: float | None
@@ -128,7 +126,7 @@ class LinearPoints(WorkingPoints):
         }
         start = {"initial.steady": True, "initial.ratio": point.ratio, "initial.primarySpeed": point.speed}
 
-        def read(solver: calls.Variator) -> LinearModel:
+        def read(solver: calls.Instance) -> LinearModel:
             try:
                 return model_of(solver, frequency, states, sample_time)
             except (UnitError, NotPhysicalError) as error:

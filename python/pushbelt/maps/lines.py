@@ -11,7 +11,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS
-from pushbelt.maps.data import AXES, LOSSES, POINT, STATES, TABLES, Maps
+from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
 from pushbelt.maps.plan import Plan
 from pushbelt.study.tasks import Row
 
@@ -156,8 +156,3 @@ def with_shafts(
         "torqueLoss": into - out / ratio,
         "efficiency": efficiency,
     }
-
-
-def belt_loss(maps: Maps) -> Array:
-    """Loss of the belt, W."""
-    return np.sum([maps[name] for name in LOSSES], axis=0)

@@ -63,29 +63,18 @@ SHORT = Grid(force=(6000.0, 15000.0), speed=(100.0, 300.0), ratios=3)
 def stops(parameters: Mapping[str, float]) -> tuple[float, float]:
     """Geometric ratios of the unloaded belt at the end stops that it reaches first, lowest and highest."""
 
-    def at_stop(low: float, high: float, reached: Any) -> float:
+    def at(name: str) -> float:
+        """Where a radius is at its limit. That of the primary pulley falls with the ratio, that of the secondary one rises."""
+        low, high = 0.05, 20.0
         for _ in range(60):
             middle = math.sqrt(low * high)
-            low, high = (low, middle) if reached(middle) else (middle, high)
+            radius = pitch_radius(parameters, middle)
+            beyond = radius < parameters[name] if name.startswith("primary") else middle * radius > parameters[name]
+            low, high = (low, middle) if beyond else (middle, high)
         return math.sqrt(low * high)
 
-    def secondary(ratio: float) -> float:
-        return ratio * pitch_radius(parameters, ratio)
-
-    limits = {name: parameters[name] for name in LIMITS}
-    lowest = max(
-        at_stop(0.05, 20.0, lambda i: pitch_radius(parameters, i) < limits["primary.maxRadius"]),
-        at_stop(0.05, 20.0, lambda i: secondary(i) > limits["secondary.minRadius"]),
-    )
-    highest = min(
-        at_stop(0.05, 20.0, lambda i: pitch_radius(parameters, i) < limits["primary.minRadius"]),
-        at_stop(0.05, 20.0, lambda i: secondary(i) > limits["secondary.maxRadius"]),
-    )
-    return lowest, highest
-
-
-LIMITS = ("primary.minRadius", "primary.maxRadius", "secondary.minRadius", "secondary.maxRadius")
-"""Parameters of the end stops."""
+    lowest = max(at("primary.maxRadius"), at("secondary.minRadius"))
+    return lowest, min(at("primary.minRadius"), at("secondary.maxRadius"))
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from ..fmu.files import DATA, RESOURCES, TREE
 from ..fmu.geometry import Array
 from ..fmu.start_values import DESCRIPTION, checked, write_copy
 from ..fmu.untrusted import described
+from ..whole_file import copy_archive
 from .data import AXES, TABLES, MapError, Maps
 
 NAME = "PushbeltMap.fmu"
@@ -130,20 +131,10 @@ def with_tables(description: str, before: bytes | None, after: bytes) -> str:
 
 def write_tables(fmu: Path, copy: Path, tables: bytes) -> None:
     """Writes a copy of the FMU with other tables. The file is written completely or not at all."""
-    draft = copy.with_name(f"{copy.name}.part")
-    try:
-        with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
-            before = source.read(TABLES_FILE) if TABLES_FILE in source.namelist() else None
-            for entry in source.infolist():
-                content = source.read(entry)
-                if entry.filename == DESCRIPTION:
-                    content = with_tables(content.decode("utf-8"), before, tables).encode("utf-8")
-                if entry.filename != TABLES_FILE:
-                    target.writestr(entry, content)
-            target.writestr(TABLES_FILE, tables)
-        draft.replace(copy)
-    finally:
-        draft.unlink(missing_ok=True)
+    with zipfile.ZipFile(fmu) as source:
+        before = source.read(TABLES_FILE) if TABLES_FILE in source.namelist() else None
+    changed = {DESCRIPTION: lambda xml: with_tables(xml.decode("utf-8"), before, tables).encode("utf-8")}
+    copy_archive(fmu, copy, changed, {TABLES_FILE: tables})
 
 
 def write_fmu(copy: Path, maps: Maps | bytes, fmu: Path | None = None, values: Mapping[str, Any] | None = None) -> None:

@@ -27,6 +27,7 @@ from ..errors import ArgumentError
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
 from .data import MapError, Maps
+from .plan import stops
 
 SLIP_SPEED = 0.1
 """Regularisation speed of the slip, m/s."""
@@ -313,22 +314,7 @@ class MapVariator:
         self._build_radii()
 
     def _build_radii(self) -> None:
-        p = self.parameters
-
-        def last_with(holds: Any) -> float:
-            low, high = math.log(0.1), math.log(10.0)
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                radius = pitch_radius(self._geometry, math.exp(middle))
-                low, high = (middle, high) if holds(radius, math.exp(middle) * radius) else (low, middle)
-            return 0.5 * (low + high)
-
-        least = max(
-            last_with(lambda r, _: r > p["primary.maxRadius"]), last_with(lambda _, s: s < p["secondary.minRadius"])
-        )
-        most = min(
-            last_with(lambda r, _: r > p["primary.minRadius"]), last_with(lambda _, s: s < p["secondary.maxRadius"])
-        )
+        least, most = map(math.log, stops({**self._geometry, **self.parameters}))
         if least >= most:
             raise MapError("the radii at the end stops leave no range of ratios")
         self._stops = (least, most)

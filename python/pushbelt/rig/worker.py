@@ -12,7 +12,8 @@ from pathlib import Path
 import fmpy
 
 from pushbelt.fmu.enumerations import Axial, Drive, StartState
-from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.side_by_side import tick
 
 from .measured import SAMPLED, Point, Record
@@ -51,7 +52,7 @@ class Found:
         return 0.0 if self.reason is None else 2.0 - self.share
 
 
-_open: dict[Path, Variator] = {}
+_open: dict[Path, SteadyStates] = {}
 """Instances in this process, by unpacked FMU."""
 
 
@@ -67,23 +68,23 @@ def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs:
 def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
     """Results of the model at a point. An error of the FMU becomes the reason."""
     if directory not in _open:
-        _open[directory] = Variator(Archive(directory, fmpy.read_model_description(str(fmu))), {})
+        _open[directory] = SteadyStates(Archive(directory, fmpy.read_model_description(str(fmu))))
     try:
         return solve(_open[directory], parameters, point)
     except UnitError as error:
-        _open.pop(directory).free()
+        _open.pop(directory).close()
         return Found({}, str(error), 0.0)
 
 
-def solve(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
     """Results of the model at a point. Raises UnitError if a call of the FMU fails."""
     if isinstance(point, Record):
-        return _record(unit, parameters, point)
+        return _record(states, parameters, point)
     if point.shifting:
-        return _shift(unit, parameters, point)
+        return _shift(states, parameters, point)
     if point.ratio is not None:
-        return _steady(unit, parameters, point, point.ratio)
-    return _at_speed_ratio(unit, parameters, point)
+        return _steady(states, parameters, point, point.ratio)
+    return _at_speed_ratio(states, parameters, point)
 
 
 def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
@@ -104,32 +105,31 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
     }
 
 
-def _initialise(unit: Variator, values: Mapping[str, float], torque: float) -> Found | None:
-    """Starts in a steady state. Returns the reason if there is none."""
+def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
+    """The instance in a steady state, or why there is none."""
     # The forces of a point are whole: cylinders are in them.
-    unit.restart({name: value for name, value in values.items() if ".cylinder." not in name})
-    unit.initialise()
+    unit = states.started({name: value for name, value in values.items() if ".cylinder." not in name})
     if unit.not_steady is None:
-        return None
+        return unit
     carried = 0.0
     if unit.get("initial.found") == StartState.REDUCED_TORQUE and torque:
         carried = min(max(-unit.get("primary.shaftTorque") / torque, 0.0), 1.0)
     return Found({}, unit.not_steady, carried)
 
 
-def _steady(unit: Variator, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
+def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
     values = {**parameters, **_start_values(point, ratio, point.speed_ratio or ratio)}
-    lost = _initialise(unit, values, point.torque)
-    return lost or Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
+    unit = _initialise(states, values, point.torque)
+    return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 
 
-def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
     """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i; by the secant method."""
     assert point.speed_ratio is not None
     ratio = point.speed_ratio * (1.0 - point.slip)
     before: tuple[float, float] | None = None
     for count in range(1, MOST_SOLVES + 1):
-        found = _steady(unit, parameters, point, ratio)
+        found = _steady(states, parameters, point, ratio)
         if found.reason is not None:
             return found
         off = point.speed_ratio * (1.0 - found.values["slip"]) - ratio
@@ -142,7 +142,7 @@ def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Poin
     return Found({}, f"no geometric ratio gives the speed ratio {point.speed_ratio:g}")
 
 
-def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
     """The shift rate at the ratio of the point.
 
     The run starts at a ratio from which it reaches the point's ratio in the middle of the window if it shifts as measured.
@@ -161,9 +161,9 @@ def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Fou
         "primary.inertia": SHIFT_INERTIA,
         "solver.tolerance": SHIFT_TOLERANCE,
     }
-    lost = _initialise(unit, values, point.torque)
-    if lost is not None:
-        return lost
+    unit = _initialise(states, values, point.torque)
+    if isinstance(unit, Found):
+        return unit
     logs = []
     for time in (SETTLING * revolution, (SETTLING + WINDOW) * revolution):
         unit.step_to(time)
@@ -176,7 +176,7 @@ RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingF
 """Inputs of a recorded shift."""
 
 
-def _record(unit: Variator, parameters: Mapping[str, float], record: Record) -> Found:
+def _record(states: SteadyStates, parameters: Mapping[str, float], record: Record) -> Found:
     """The ratio at each sample of a recorded shift.
 
     The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
@@ -193,9 +193,9 @@ def _record(unit: Variator, parameters: Mapping[str, float], record: Record) -> 
         "primary.clampingForce": record.samples[0][3],
         "primary.inertia": SHIFT_INERTIA,
     }
-    lost = _initialise(unit, values, record.torque)
-    if lost is not None:
-        return lost
+    unit = _initialise(states, values, record.torque)
+    if isinstance(unit, Found):
+        return unit
     reals, found = unit.reals(RECORD_INPUTS), {}
     for k, ((time, here), (following, there)) in enumerate(itertools.pairwise(inputs), 1):
         rates = [(after - before) / (following - time) for before, after in zip(here, there, strict=True)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,41 +45,35 @@ def name_of(results: Results, place: Sequence[int]) -> str:
     )
 
 
-def evaluate(results: Results) -> list[Check]:
-    """All checks."""
-    power = np.maximum(results["primary.power"], results["secondary.power"])
+def of_all(column: Callable[[str], Array], steady: np.ndarray) -> tuple[tuple[str, Array, float], ...]:
+    """What holds at every steady state: a statement, values in per cent, and their limit."""
+    power = np.maximum(column("primary.power"), column("secondary.power"))
     # Powers are those of the belt, so they exclude the drag of the shafts.
-    of_the_belt = results["loss.total"] - results["loss.shafts"]
-    gap = results["primary.power"] + results["secondary.power"] - of_the_belt
+    gap = column("primary.power") + column("secondary.power") - column("loss.total") + column("loss.shafts")
     with np.errstate(invalid="ignore", divide="ignore"):
         imbalance = 100.0 * np.abs(np.where(power > 1.0, gap / power, 0.0))
     # With saturated friction a small change of load is a large change of slip, so these points are excluded.
+    drift = 100.0 * np.abs(np.where(steady & (column("macroSlip") == 0.0), column("drift"), 0.0))
+    return (
+        ("Losses of the belt sum to its net power within 0.2 % of the driving power", imbalance, 0.2),
+        ("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", drift, 0.01),
+    )
+
+
+def evaluate(results: Results) -> list[Check]:
+    """All checks."""
     carried = results.steady & (results["macroSlip"] == 0.0)
     torque = np.broadcast_to(np.array(results.grid.utilisation) >= 0.0, carried.shape)
+
+    def where(points: np.ndarray, values: Array) -> Array:
+        return np.where(points, values, np.nan)
+
+    driving = results.steady & torque
     return [
-        _falls(
-            results,
-            "Thrust ratio falls from overdrive to underdrive",
-            np.where(carried, -results["thrustRatio"], np.nan),
-            "ratio",
-        ),
-        _falls(
-            results,
-            "Slip grows with torque utilisation",
-            np.where(results.steady & torque, results["slip"], np.nan),
-            "utilisation",
-        ),
-        _single_peak(results, np.where(results.steady & torque, results["efficiency"], np.nan)),
-        _at_most(
-            results, "Losses of the belt sum to its net power within 0.2 % of the driving power", imbalance, 0.2, " %"
-        ),
-        _at_most(
-            results,
-            "Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %",
-            100.0 * np.abs(np.where(carried, results["drift"], 0.0)),
-            0.01,
-            " %",
-        ),
+        _falls(results, "Thrust ratio falls from overdrive to underdrive", where(carried, -results["thrustRatio"]), "ratio"),
+        _falls(results, "Slip grows with torque utilisation", where(driving, results["slip"]), "utilisation"),
+        _single_peak(results, where(driving, results["efficiency"])),
+        *(_at_most(results, *one) for one in of_all(results.__getitem__, results.steady)),
         _no_holes(results),
     ]
 
@@ -118,10 +112,10 @@ def _single_peak(results: Results, values: Array) -> Check:
     return _check(results, statement, wrong, lines, "lines")
 
 
-def _at_most(results: Results, statement: str, values: Array, limit: float, unit: str) -> Check:
+def _at_most(results: Results, statement: str, values: Array, limit: float) -> Check:
     values = np.where(results.steady, values, np.nan)
     worst = np.nanmax(values) if results.steady.any() else 0.0
-    return _check(results, statement, values > limit, int(results.steady.sum()), f"at most {worst:.2g}{unit}")
+    return _check(results, statement, values > limit, int(results.steady.sum()), f"at most {worst:.2g} %")
 
 
 def _no_holes(results: Results) -> Check:

@@ -17,6 +17,7 @@ from pushbelt.page import write_html
 from pushbelt.study.run import Effort
 from pushbelt.style import BLUE, RED, in_figures
 
+from .checks import of_all
 from .maps import Quantity
 from .report import FEW, shown_parameters
 from .results import METADATA, schema
@@ -59,24 +60,12 @@ def correlation(x: Array, y: Array) -> float:
 
 def checks(table: pa.Table) -> list[Check]:
     """Checks of all steady states."""
-    steady = np.isfinite(column(table, "thrustRatio"))
-    carried = steady & (column(table, "macroSlip") == 0.0)
-    net = column(table, "primary.power") + column(table, "secondary.power")
-    power = np.maximum(column(table, "primary.power"), column(table, "secondary.power"))
-    gap = net - column(table, "loss.total") + column(table, "loss.shafts")
-    with np.errstate(invalid="ignore", divide="ignore"):
-        imbalance = 100.0 * np.abs(np.where(power > 1.0, gap / power, 0.0))
-    drift = 100.0 * np.abs(column(table, "drift"))
-    return [
-        _at_most("Losses of the belt sum to its net power within 0.2 % of the driving power", imbalance[steady], 0.2),
-        _at_most("Thrust ratio constant over a step of 1 ms within 0.01 %", drift[carried], 0.01),
-    ]
-
-
-def _at_most(statement: str, values: Array, limit: float) -> Check:
-    worst = float(values.max()) if values.size else 0.0
-    wrong = int((values > limit).sum())
-    return Check(statement, not wrong, f"{values.size - wrong} of {values.size} points, at most {worst:.2g} %")
+    steady, found = np.isfinite(column(table, "thrustRatio")), []
+    for statement, values, limit in of_all(lambda name: column(table, name), steady):
+        values = values[steady]
+        wrong, worst = int((values > limit).sum()), float(values.max(initial=0.0))
+        found.append(Check(statement, not wrong, f"{values.size - wrong} of {values.size} points, at most {worst:.2g} %"))
+    return found
 
 
 def _context(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:

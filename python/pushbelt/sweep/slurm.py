@@ -11,7 +11,6 @@ CLOSING = 120
 """Time before the end of a job at which its worker closes and passes its points on, s."""
 NAMES = {"name": "job_name", "logs": "log_directory", "scratch": "local_directory"}
 REPEATED = {"directive": "job_extra_directives", "prologue": "job_script_prologue"}
-HELP = "arguments of dask-jobqueue's SLURMCluster, key=value with blanks between them, besides jobs, port; repeated: directive, prologue"
 
 
 def cluster(text: str) -> tuple[Any, int]:

@@ -112,10 +112,7 @@ pub(crate) unsafe fn create<U: Unit>(
             }
         };
         let sink = sink.map(|sink| Box::new(sink) as Box<dyn Sink>);
-        let log = match version {
-            Version::Two => Log::new(sink, debug),
-            Version::Three => Log::errors_without_debug(sink, debug),
-        };
+        let log = Log::new(version, sink, debug);
         if let Some((status, category, text)) = dispatch::remark() {
             log.send(status, category, &text);
         }

@@ -13,13 +13,6 @@ use crate::slave::{Master, Version};
 use crate::table::Causality;
 use crate::unit::Unit;
 
-/// The callbacks of the importer.
-pub(super) struct Callbacks {
-    pub environment: Environment,
-    pub log_message: Option<LogMessage>,
-    pub intermediate_update: Option<IntermediateUpdate>,
-}
-
 /// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
 /// before it, not even the packing of arguments.
 ///
@@ -50,13 +43,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
     texts: [Text; 3],
     flags: [Boolean; 3],
     required: (*const Reference, usize),
-    callbacks: Callbacks,
+    (environment, log_message, update): (Environment, Option<LogMessage>, Option<IntermediateUpdate>),
 ) -> Instance {
-    let Callbacks {
-        environment,
-        log_message,
-        intermediate_update,
-    } = callbacks;
     let messages = |_| {
         log_message.map(|log_message| Messages::Three {
             log_message,
@@ -72,7 +60,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             version: Version::Three,
             events,
             early_return,
-            update: intermediate_update.map(|update| (update, environment)),
+            update: update.map(|update| (update, environment)),
             sets_inputs,
             intermediate,
         })

@@ -3,7 +3,7 @@
 use libc::{c_char, c_int, c_void};
 use std::ptr::null_mut;
 
-use super::creation::{Callbacks, instantiate, processor_suffices, refuse_instance};
+use super::creation::{instantiate, processor_suffices, refuse_instance};
 use super::steps::do_step;
 use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::entry::{
@@ -47,7 +47,7 @@ macro_rules! fmi3_functions {
             let texts = [instance_name, instantiation_token, resource_path];
             let flags = [logging_on, event_mode_used, early_return_allowed];
             let required = (required_intermediate_variables, n_required_intermediate_variables);
-            let callbacks = Callbacks { environment, log_message, intermediate_update };
+            let callbacks = (environment, log_message, intermediate_update);
             instantiate::<U>(texts, flags, required, callbacks)
         } else {
             null_mut()

@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::steps::StepInProgress;
 use crate::description;
-use crate::log::{Category, Log, Sink, Status};
+use crate::log::{Category, Log, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
@@ -66,12 +66,6 @@ pub struct Slave<U: Unit> {
 }
 
 impl<U: Unit> Slave<U> {
-    /// A new instance for FMI 2.0 that logs into `sink`.
-    #[must_use]
-    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::with(Master::default(), Log::new(sink, debug), U::Settings::default())
-    }
-
     /// A new instance for a master, with its log and its start values.
     #[must_use]
     pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
