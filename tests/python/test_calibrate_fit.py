@@ -225,7 +225,8 @@ def test_the_options_of_priors() -> None:
 
 # With the FMU
 
-SPEED, FORCE, FRICTION = 200.0, 11e3, 0.084
+# Between 0.084 and 0.09, where a search starts, the thrust ratio of the coarse mesh of `--short` has waves of 1 %, which hold the search.
+SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
 
 
 @pytest.fixture(scope="module")
