@@ -225,7 +225,7 @@ def test_the_options_of_priors() -> None:
 
 # With the FMU
 
-# Between 0.084 and 0.09, where a search starts, the thrust ratio of the coarse mesh of `--short` has waves of 1 %, which hold the search.
+# Below 0.09, where a search starts, waves of the thrust ratio on the coarse mesh of `--short`, of 1 %, hold the search.
 SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
 
 
