@@ -210,7 +210,8 @@ def test_the_options_of_priors() -> None:
 
 # With the FMU
 
-SPEED, FORCE, FRICTION = 200.0, 11e3, 0.084
+# Below 0.09, where a search starts, waves of the thrust ratio on the coarse mesh of `--short`, of 1 %, hold the search.
+SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
 
 
 @pytest.fixture(scope="module")
