@@ -11,7 +11,7 @@ import pytest
 
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.unit import Archive, Instance, UnitError
-from pushbelt_paper.belts import RingModel
+from pushbelt_paper.cases import RingModel
 
 RIG = {
     "primary.drive": Drive.SPEED,

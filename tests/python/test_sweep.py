@@ -176,6 +176,7 @@ def test_store_keeps_whole_files_only(study: Study, tmp_path: Path) -> None:
     for content in (b"", (store.folder / "tasks-5-7.json.gz").read_bytes()[:100], gzip.compress(b"[[1,")):
         (store.folder / "tasks-5-7.json.gz").write_bytes(content)
         assert sorted(Store(tmp_path, study).rows()) == list(range(5))
+        assert [path.name for path in store.folder.glob("tasks-*.gz")] == ["tasks-0-4.json.gz"]
     store.add(some(rows, range(3, 9)))
     assert store.rows() == some(rows, range(9))
     assert table(study, store.rows()).equals(table(study, some(rows, range(9))))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import console, provenance
@@ -33,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     begin = time.perf_counter()
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / "report.html"
-    plan = runs.SHORT if options.short else replace(runs.FULL, swinging=options.store)
+    plan = runs.SHORT if options.short else runs.FULL._replace(swinging=options.store)
     try:
         results = runs.run_all(options.fmu, options.rings, options.output, plan)
     except (UnitError, NotFoundError, RingsError, InputFileError) as error:

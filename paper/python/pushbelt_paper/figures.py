@@ -32,14 +32,9 @@ BELT_RING = "ring of bench168"
 TIME = "time (ms)"
 
 
-def label(model: str) -> str:
-    """A model's name in a legend."""
-    return SHORT_NAMES.get(model, model)
-
-
 def _of(model: str, x: Array, y: Array, **look: object) -> Series:
     """A line of a model."""
-    return Series(label(model), x, y, COLOURS.get(model, MUTED), **{**LINES.get(model, {}), **look})  # type: ignore[arg-type]
+    return Series(SHORT_NAMES.get(model, model), x, y, COLOURS.get(model, MUTED), **{**LINES.get(model, {}), **look})  # type: ignore[arg-type]
 
 
 def _lines(motions: Mapping[str, Motion], field: str, factor: float = 1.0) -> list[Series]:
@@ -185,27 +180,19 @@ def convergence(rings: Rings) -> Chart:
     """Frequency of the free ring compared with the analytic one for a series of meshes, and the orders in time."""
     space, time = [], []
     for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS):
-        ladder = sorted((f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case)
-        space.append(_of(name, *np.array(ladder, dtype=float).T, marker="circle"))
-        steps = [(o.resolution, o.error) for o in rings.orders if o.model == name and "shape in time" in o.quantity]
-        if steps:
-            resolution, error = np.array(steps).T
-            time.append(_of(name, resolution, 1e6 * error, marker="circle"))
-    panels = [
-        Panel(
-            "Free ring: error of the first frequency against the thin ring", space, "elements", scale="log", x_scale="log",
-            x_ticks=_ticks({f.elements for f in rings.frequencies if "small" in f.case}), height=280,
-        )
-    ]  # fmt: skip
-    if time:
-        ticks = _ticks({round(o.resolution) for o in rings.orders if "shape in time" in o.quantity})
-        title = "Free ring: error of the shape after 1.2 periods (µm)"
-        panels.append(Panel(title, time, "steps a period", scale="log", x_scale="log", x_ticks=ticks, height=280))
+        space.append((name, [(f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case]))
+        steps = [(o.resolution, 1e6 * o.error) for o in rings.orders if o.model == name and "shape in time" in o.quantity]
+        time.append((name, steps))
+    panels = []
+    for title, ladders, said in (
+        ("Free ring: error of the first frequency against the thin ring", space, "elements"),
+        ("Free ring: error of the shape after 1.2 periods (µm)", time, "steps a period"),
+    ):
+        series = [_of(name, *np.array(ladder, dtype=float).T, marker="circle") for name, ladder in ladders if ladder]
+        ticks = tuple((place, f"{place:g}") for place in sorted({place for _, ladder in ladders for place, _ in ladder}))
+        if series:
+            panels.append(Panel(title, series, said, scale="log", x_scale="log", x_ticks=ticks, height=280))
     return Chart(panels, "Errors of the frequency over elements, of the shape over steps", columns=2)
-
-
-def _ticks(places: set[int]) -> tuple[Tick, ...]:
-    return tuple((float(place), str(place)) for place in sorted(places))
 
 
 def _cases(cases: Sequence[LoadCase]) -> tuple[Tick, ...]:
@@ -227,7 +214,7 @@ def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun
 
 def _bar(model: str, values: Sequence[float], **look: object) -> Series:
     """Bars of a model, one a case."""
-    return Series(label(model), np.arange(len(values)), values, COLOURS.get(model, MUTED), "bars", **look)  # type: ignore[arg-type]
+    return Series(SHORT_NAMES.get(model, model), np.arange(len(values)), values, COLOURS.get(model, MUTED), "bars", **look)  # type: ignore[arg-type]
 
 
 def thrust_and_efficiency(results: PaperResults) -> Chart:

@@ -8,7 +8,7 @@ per dξ, λ = 1 − e κ: on an arc of radius r an element moves along the centr
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,14 +19,11 @@ from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from .results import CaseRun, Window
 
 
-@dataclass(frozen=True)
-class Path:
-    """Positions of an element over time."""
+class Path(NamedTuple):
+    """Positions of an element over time, s from the start on: places ξ on the ring's centre line, growing beyond its length, m."""
 
     time: Array
-    """s, from the start on."""
     xi: Array
-    """Place ξ on the ring's centre line, growing beyond its length, m."""
 
 
 def pitch_line(curve: TwoPulleyCurve, offset: float) -> tuple[Array, Array]:

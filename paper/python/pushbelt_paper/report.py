@@ -60,15 +60,11 @@ def context(results: PaperResults, statements: list[Statement]) -> dict[str, Any
     """Values for the template."""
     rings = results.rings
     judged = [check.passed for check in rings.checks if check.passed is not None]
-    outlines, over_time = figures.deformable_ring(rings)
-    belt_outlines, belt_over_time = figures.belt_ring(rings)
     stored, measured = times.stored()
     pictures = {
         "figure6": figures.reference_oscillation(rings),
-        "figure7": outlines,
-        "figure7_over_time": over_time,
-        "belt_ring": belt_outlines,
-        "belt_ring_over_time": belt_over_time,
+        "figure7": figures.deformable_ring(rings),
+        "belt_ring": figures.belt_ring(rings),
         "meshes": figures.mesh_energy(rings),
         "convergence": figures.convergence(rings),
         "levels": figures.thrust_and_efficiency(results),
@@ -97,7 +93,7 @@ def context(results: PaperResults, statements: list[Statement]) -> dict[str, Any
         "step": cases.STEP,
         "mesh_names": [name for name in cases.MESHES if name != "fine"],
         "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
-        "label": figures.label,
+        "label": lambda model: figures.SHORT_NAMES.get(model, model),
         "pictures": pictures,
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -36,16 +37,15 @@ class Effort:
 
 @dataclass(frozen=True)
 class Window:
-    """The evaluated part of a run, sampled at evenly spaced times."""
+    """The evaluated part of a run, sampled at evenly spaced times since its start.
+
+    Fields have one row per time and one column per place ξ of `position`, m: push force, N, and radius minus the arc's mean radius, m.
+    """
 
     trace: Trace
-    """Time since the start of the part, and outputs."""
     push_force: Array
-    """Push force at the places, one row per time, N."""
     radial_deviation: Array
-    """Radius minus the arc's mean radius at the places, one row per time, m."""
     position: Array
-    """Places ξ, m."""
     slipped: bool = False
     """Whether the belt was in macro-slip at any time."""
 
@@ -103,31 +103,29 @@ class CaseRun:
     load_torque: float
     """Secondary torque, the same for all models, N·m."""
     window: Window
-    """Sampled under a constant load only."""
+    """Under a constant load only."""
     steady: bool
     """Whether the run started from the requested steady state."""
     times: Mapping[str, str | float]
-    """Processor times and work, a row of `times`."""
+    """Processor times and work."""
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A load case that failed with a model."""
+class Failure(NamedTuple):
+    """A load case that failed with a model, and why."""
 
     model: str
     case: LoadCase
     reason: str
 
 
-@dataclass(frozen=True)
-class Shift:
-    """A change of ratio, sampled at communication points: processor time in s, Jacobians, geometric ratio, and energies in J."""
+class Shift(NamedTuple):
+    """A change of ratio, sampled at communication points: processor time in s, Jacobians, geometric ratio, energy residual (supplied minus
+    lost minus stored) and stored energy in J."""
 
     spent: float
     jacobians: int
     ratio: Array
     residual: Array
-    """Supplied minus lost minus stored energy."""
     stored: Array
 
 

@@ -28,14 +28,11 @@ class Rings:
     """All results on rings alone. Rows have the columns as attributes."""
 
     checks: list[Any]
-    """By group: 1 derivatives, 2 reference motion, 3 deformable ring, 4 running ring, 5 free ring, 6 orders. `passed` is None if
-    the value is only reported."""
+    """`passed` is None if the value is only reported."""
     frequencies: list[Any]
-    """Frequencies of free rings, Hz; `error` is relative to the reference."""
     orders: list[Any]
-    """Errors at a series of resolutions; `order` is observed between the previous one and this."""
     motions: dict[tuple[str, str], Motion]
-    """Motions by figure and model."""
+    """By figure and model."""
     shapes: dict[tuple[str, str], dict[float, Array]]
     """Outlines by figure and model, then by time; shape (n, 2), m."""
     work: pd.DataFrame

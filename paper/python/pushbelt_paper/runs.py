@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -22,22 +22,18 @@ VARIATOR = "bench168"
 """Parameter set of the load cases."""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """Extent of the runs."""
+class Plan(NamedTuple):
+    """Extent of the runs: names of the load cases (None for all), primary speeds of steady states at 50 N·m relative to the load cases',
+    load cases whose steady states are also solved with `ALE0` about the axes and with rigid sheaves, duration of the shift in s, and
+    whether the load cases are also run with a swinging load."""
 
     effort: Effort
     cases: tuple[str, ...] | None
-    """Names of the load cases; None for all."""
     speeds: tuple[float, ...]
-    """Primary speeds of steady states at 50 N·m, relative to the load cases'."""
     sheaves: tuple[str, ...]
-    """Load cases whose steady states are also solved with `ALE0` about the axes and with rigid sheaves."""
     shift: float
-    """Duration of the shift on two meshes, s."""
     short: bool
     swinging: bool = False
-    """Whether the load cases are also run with a swinging load."""
 
 
 FULL = Plan(

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from pushbelt.page import MINUS
 from . import profiles, times
 from .cases import OFFSET
 from .results import MODELS, OTHERS, PULLEYS, REFERENCE, PaperResults
-from .rings import Motion, Rings
+from .rings import Rings
 
 PINNED = Path(__file__).parents[2] / "statements.csv"
 """All statements, with the verdicts of a full run. A test compares them."""
@@ -45,8 +45,7 @@ Finding = tuple[Verdict, str]
 """A verdict, and what was found."""
 
 
-@dataclass(frozen=True)
-class Statement:
+class Statement(NamedTuple):
     """A statement of the paper, with the verdict of a run and the pinned one."""
 
     key: str
@@ -81,16 +80,9 @@ def signed(value: float, digits: int = 1) -> str:
     return f"{plain(100.0 * value, f'+.{digits}f')}{THIN}%"
 
 
-def span(values: Iterable[float], digits: int = 1) -> str:
+def span(values: list[float], digits: int = 1) -> str:
     """Smallest and largest share as per cent."""
-    values = list(values)
     return f"{signed(min(values), digits)} to {signed(max(values), digits)}"
-
-
-def points(values: Iterable[float], digits: int = 2) -> str:
-    """Smallest and largest difference of efficiencies in points, without their name."""
-    values = list(values)
-    return " to ".join(plain(100.0 * end, f"+.{digits}f") for end in (min(values), max(values)))
 
 
 def listed(values: Mapping[str, str]) -> str:
@@ -131,12 +123,8 @@ def _singular_mass(results: PaperResults) -> Finding:
     return verdict(free < 1e-3 * locked, free < locked), f"{found}{plain(free, '.0e')} free, {plain(locked, '.0e')} locked"
 
 
-def _fig_7(rings: Rings) -> dict[str, Motion]:
-    return {model: motion for (figure, model), motion in rings.motions.items() if figure == "7"}
-
-
 def _bulges(results: PaperResults) -> Finding:
-    bulge = {model: motion.bulge[4] for model, motion in _fig_7(results.rings).items()}
+    bulge = {model: motion.bulge[4] for (figure, model), motion in results.rings.motions.items() if figure == "7"}
     found = listed({model: f"{1e3 * value:.1f}" for model, value in bulge.items()})
     return verdict(min(bulge.values()) > 2e-3), f"at 0.2 ms, in mm: {found}"
 
@@ -157,11 +145,10 @@ def _artefact(results: PaperResults) -> Finding:
 
 
 def _oval(results: PaperResults) -> Finding:
-    fig7 = _fig_7(results.rings)
-    turns = {model: int(np.count_nonzero(np.diff(np.sign(fig7[model].ovality)))) for model in ("ALE", "RCM")}
-    ale = fig7["ALE"]
-    found = f"ovality of ALE changes its sign {turns['ALE']} times in {1e3 * ale.time[-1]:.1f} ms, of RCM {turns['RCM']}"
-    return verdict(turns["ALE"] >= 2), f"{found}; the run ends with Θ = {ale.theta[-1]:.2f}"
+    ale, rcm = (results.rings.motions["7", model] for model in ("ALE", "RCM"))
+    turns, turns_of_rcm = (int(np.count_nonzero(np.diff(np.sign(motion.ovality)))) for motion in (ale, rcm))
+    found = f"ovality of ALE changes its sign {turns} times in {1e3 * ale.time[-1]:.1f} ms, of RCM {turns_of_rcm}"
+    return verdict(turns >= 2), f"{found}; the run ends with Θ = {ale.theta[-1]:.2f}"
 
 
 def _small_deflections(results: PaperResults) -> Finding:
@@ -222,8 +209,8 @@ def _same_level(results: PaperResults) -> Finding:
     efficiency = results.by_model(results.efficiency_difference, OTHERS)
     worst, off = (max(abs(value) for values in of.values() for value in values) for of in (thrust, efficiency))
     return verdict(worst < 0.1 and off < 0.02, worst < 0.3 and off < 0.06), (
-        f"against {REFERENCE}, thrust ratio: {listed({m: span(v) for m, v in thrust.items()})}; efficiency, points: "
-        + listed({m: points(v, 1) for m, v in efficiency.items()})
+        f"against {REFERENCE}, thrust ratio: {listed({m: span(v) for m, v in thrust.items()})}; efficiency, in points: "
+        + listed({m: span(v) for m, v in efficiency.items()})
     )
 
 
@@ -232,7 +219,7 @@ def _ale_agrees(results: PaperResults) -> Finding:
     efficiency = results.by_model(results.efficiency_difference)["ALE"]
     worst = max(map(abs, thrust))
     outcome = verdict(worst < 0.05 and max(map(abs, efficiency)) < 0.01, worst < 0.1)
-    return outcome, f"thrust ratio {span(thrust)}, efficiency {points(efficiency)} points"
+    return outcome, f"thrust ratio {span(thrust)}, efficiency {span(efficiency, 2)} (points)"
 
 
 def _ale0_in_overdrive(results: PaperResults) -> Finding:
@@ -350,7 +337,7 @@ def _other_belts(_: PaperResults) -> Finding:
 
 
 def _separated_integration(_: PaperResults) -> Finding:
-    return Verdict.ASIDE, "docs/lab/experiments.md"
+    return Verdict.ASIDE, "docs/notebook/experiments.md"
 
 
 _reduced_overlay = _separated_integration
