@@ -269,7 +269,7 @@ def test_a_number_with_the_other_sign_is_a_fault(tmp_path: Path) -> None:
 # Units and names
 
 
-@pytest.mark.parametrize("dimension", ["ratio", "speed", "torque", "force", "pressure", "time", "rate", "velocity", "length"])
+@pytest.mark.parametrize("dimension", ["ratio", "speed", "torque", "force", "pressure", "time", "rate", "velocity", "length", "area"])
 def test_units_in_other_cases_have_the_same_factor_or_none(dimension: str) -> None:
     """A prefix in the wrong case never changes the factor silently."""
     for spelling, unit in units.SPELLINGS[dimension].items():
@@ -286,7 +286,7 @@ def test_units_in_other_cases_have_the_same_factor_or_none(dimension: str) -> No
         ("Nm", "torque", 1.0), ("N·m", "torque", 1.0), ("N⋅m", "torque", 1.0), ("N m", "torque", 1.0), ("kNm", "torque", 1e3),
         ("min⁻¹", "speed", math.pi / 30), ("min^-1", "speed", math.pi / 30), ("1/min", "speed", math.pi / 30), ("s^-1", "rate", 1.0),
         ("rad s⁻¹", "speed", 1.0), ("KN", "force", 1e3), ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6),
-        ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("lb-ft", "torque", 1.3558179483314),
+        ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4), ("lb-ft", "torque", 1.3558179483314),
     ],
 )  # fmt: skip
 def test_spellings_of_units(spelling: str, dimension: str, si: float) -> None:
