@@ -119,9 +119,9 @@ def test_every_variable_has_a_unit_that_tables_may_have(variables: Mapping[str, 
 
 def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[str, Any]) -> None:
     path = tmp_path / "points.csv"
-    path.write_text("no,ratio,thrustRatio,tester,belt.play [mm]\n1,1,1.2,NN,0.1\n2,2,0.9,NN,#DIV/0!\n", encoding="utf-8")
+    path.write_text("no,ratio,thrustRatio,tester,belt.play [mm],secondary.pressure [bar]\n1,1,1.2,NN,0.1,20\n2,2,0.9,NN,#DIV/0!,20\n", encoding="utf-8")
     design, remarks = listed(path, variables)
-    assert (design.columns, design.rows) == (("initial.ratio", "belt.play"), ((1.0, 1e-4),))
+    assert (design.columns, design.rows) == (("initial.ratio", "belt.play", "secondary.pressure"), ((1.0, 1e-4, 2e6),))
     why = "is no parameter or input of the FMU and is not read"
     assert f"column tester {why}" in remarks and f"column thrustRatio {why}" in remarks
     assert any("line 3" in remark and remark.endswith("the row is left out") for remark in remarks)

@@ -429,7 +429,7 @@ def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch:
     import stability
 
     coarse = {**stability.PARAMETERS, "ring.model": "ALE0"}
-    with pushbelt.Instance(coarse) as variator:
+    with pushbelt.Variator(coarse) as variator:
         assert stability.linear_model(variator, 1.0, 500.0, 200.0) is None
         model = stability.linear_model(variator, 1.0, 40.0, 200.0)
         belt = stability.Belt(model)

@@ -193,11 +193,8 @@ def test_a_line_is_distinguished_from_a_curve() -> None:
     assert shifting.deviation_from_a_line(x, [value**2 for value in x]) == pytest.approx(0.5)
 
 
-def test_losses_of_the_rest_are_fitted() -> None:
+def test_trends_are_slopes_per_doubling() -> None:
     points = [measured.MapPoint(1.0, rpm, torque, 0.9) for rpm in (1000.0, 3000.0) for torque in (20.0, 50.0, 80.0)]
-    # The rest loses 1 N·m, 0.5 N·m per 1000 rpm and 2 % of the torque.
-    beside = [efficiency.Beside(p, (0.9 + (1.0 + 5e-4 * p.rpm + 0.02 * p.torque) / p.torque, 0.0)) for p in points]
-    assert efficiency.rest(beside) == pytest.approx((1.0, 5e-4, 0.02))
     found = efficiency.slopes(points, [0.5 + 0.03 * math.log2(p.torque) - 0.01 * math.log2(p.rpm) for p in points])
     assert found == pytest.approx((0.03, -0.01))
 
@@ -275,7 +272,7 @@ def test_the_pinned_run_has_a_verdict_a_goal_and_a_source_for_each_check(pinned:
 
 
 def test_the_pinned_theories_are_met_and_few_measurements_missed(pinned: dict[str, Any]) -> None:
-    assert pinned["verification"]["met"] == pinned["verification"]["goals"] >= 20
+    assert pinned["verification"]["met"] == pinned["verification"]["goals"] >= 18
     assert all("–" not in row[-1] for row in pinned["steps"]["rows"]), "the default belt has a steady state"
 
 

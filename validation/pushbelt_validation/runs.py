@@ -17,7 +17,7 @@ from .sections import chain, continuum, default_belt, efficiency, gaps, shifting
 
 SECTIONS: dict[str, tuple[ModuleType, int, int]] = {
     "steps": (steps, 145, 60),
-    "continuum": (continuum, 64, 14),
+    "continuum": (continuum, 48, 12),
     "chain": (chain, 71, 12),
     "default_belt": (default_belt, 18, 4),
     "shifting": (shifting, 81, 44),

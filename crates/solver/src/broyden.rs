@@ -34,12 +34,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 impl Broyden {
     /// Memory for at most so many steps of so many unknowns.
     pub fn new(steps: usize, unknowns: usize) -> Self {
-        let step = || Step {
+        let step = Step {
             entries: vec![0.0; unknowns],
             square: 0.0,
         };
         Self {
-            steps: (0..steps).map(|_| step()).collect(),
+            steps: vec![step; steps],
             made: 0,
         }
     }
@@ -49,11 +49,12 @@ impl Broyden {
         self.made = 0;
     }
 
-    /// The next step, scaled, from the `correction` that the kept factors give at the present point, after whole steps.
+    /// Largest entry of the next step, scaled, from the `correction` that the kept factors give at the present point, after whole
+    /// steps. Not finite if the step is not.
     ///
     /// # Panics
     /// After as many steps as there is memory for.
-    pub fn step(&mut self, correction: &[f64], scale: &[f64]) -> &[f64] {
+    pub fn step(&mut self, correction: &[f64], scale: &[f64]) -> f64 {
         let (earlier, rest) = self.steps.split_at_mut(self.made);
         let Step { entries, square } = &mut rest[0];
         for ((u, d), s) in entries.iter_mut().zip(correction).zip(scale) {
@@ -71,22 +72,16 @@ impl Broyden {
         }
         *square = dot(entries, entries);
         self.made += 1;
-        entries
-    }
-
-    fn last(&self) -> Option<&Step> {
-        self.made.checked_sub(1).map(|last| &self.steps[last])
-    }
-
-    /// Whether the last step is a number.
-    pub fn is_finite(&self) -> bool {
-        self.last().is_none_or(|step| step.square.is_finite())
+        if square.is_finite() {
+            entries.iter().fold(0.0, |most, u| most.max(u.abs()))
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Adds the last step to y.
     pub fn add_to(&self, y: &mut [f64], scale: &[f64]) {
-        let Some(last) = self.last() else { return };
-        for ((y, u), s) in y.iter_mut().zip(&last.entries).zip(scale) {
+        for ((y, u), s) in y.iter_mut().zip(&self.steps[self.made - 1].entries).zip(scale) {
             *y += u * s;
         }
     }

@@ -4,15 +4,15 @@
 use super::System;
 use super::broyden::Broyden;
 use super::line_search::LineSearch;
-use super::stage::{Chord, Stage};
+use super::stage::{Chord, Stage, move_by};
 use pushbelt_tape::Tape;
 
 /// Most Jacobians in a stage.
-const FRESH_ITERATIONS: usize = 15;
+const JACOBIANS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. For a push belt a Jacobian with its factors costs nine to fourteen
 /// iterations, since most update the constitutive tangents only. With 16 to 36 ten loads that jump take the same time within 2 %, with
 /// 8 stages fail. The best point of those that fail is where Newton's method begins.
-const QUASI_ITERATIONS: usize = 24;
+const BROYDEN_ITERATIONS: usize = 24;
 /// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005)
 /// takes 0.7 to 1.3 for the inverse.
 const REUSED: std::ops::Range<f64> = 0.7..1.4;
@@ -63,13 +63,22 @@ pub struct Counts {
     pub factorizations: u64,
 }
 
+impl Counts {
+    /// Each count of two combined.
+    fn combine(self, other: Self, combine: fn(u64, u64) -> u64) -> Self {
+        Self {
+            steps: combine(self.steps, other.steps),
+            rejected: combine(self.rejected, other.rejected),
+            failed: combine(self.failed, other.failed),
+            residuals: combine(self.residuals, other.residuals),
+            factorizations: combine(self.factorizations, other.factorizations),
+        }
+    }
+}
+
 impl std::ops::AddAssign for Counts {
     fn add_assign(&mut self, more: Self) {
-        self.steps += more.steps;
-        self.rejected += more.rejected;
-        self.failed += more.failed;
-        self.residuals += more.residuals;
-        self.factorizations += more.factorizations;
+        *self = self.combine(more, |count, more| count + more);
     }
 }
 
@@ -78,13 +87,7 @@ impl std::ops::Sub for Counts {
     type Output = Self;
 
     fn sub(self, earlier: Self) -> Self {
-        Self {
-            steps: self.steps - earlier.steps,
-            rejected: self.rejected - earlier.rejected,
-            failed: self.failed - earlier.failed,
-            residuals: self.residuals - earlier.residuals,
-            factorizations: self.factorizations - earlier.factorizations,
-        }
+        self.combine(earlier, |count, earlier| count - earlier)
     }
 }
 
@@ -118,7 +121,7 @@ impl WorkBound {
         left: f64::INFINITY,
         jacobian: [0.0; 2],
         overdraft: 0.0,
-        jacobians: FRESH_ITERATIONS,
+        jacobians: JACOBIANS,
     };
 
     /// Whether an iteration that has begun has to stop.
@@ -133,15 +136,14 @@ pub struct Newton {
     chord: Chord,
     /// α of the factored matrix; infinite before the first, so no stage reuses it.
     alpha: f64,
-    step: Vec<f64>,
-    guess: Vec<f64>,
     broyden: Broyden,
-    best: Vec<f64>,
-    /// Residuals: at the place evaluated last, and at the best one.
+    /// Residual at the place evaluated last.
     residual: Vec<f64>,
+    /// Step along which a search goes, and y where it begins; or the best y of Broyden's method.
+    step: Vec<f64>,
+    kept: Vec<f64>,
+    /// Residual at the best place.
     best_residual: Vec<f64>,
-    /// Residual where a search begins.
-    from_residual: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
     /// What iterations with these factors have cost beyond the first of each stage.
@@ -161,17 +163,16 @@ impl Newton {
     /// Memory for `system`.
     #[must_use]
     pub fn new(system: &impl System) -> Self {
-        let shape = system.shape();
+        let unknowns = system.shape().len();
+        let zeros = vec![0.0; unknowns];
         Self {
             chord: Chord::new(system),
             alpha: f64::INFINITY,
-            step: vec![0.0; shape.len()],
-            guess: vec![0.0; shape.len()],
-            broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
-            best: vec![0.0; shape.len()],
-            residual: vec![0.0; shape.len()],
-            best_residual: vec![0.0; shape.len()],
-            from_residual: vec![0.0; shape.len()],
+            broyden: Broyden::new(BROYDEN_ITERATIONS, unknowns),
+            residual: zeros.clone(),
+            step: zeros.clone(),
+            kept: zeros.clone(),
+            best_residual: zeros,
             rate: 1.0,
             excess: 0,
             left: 0.0,
@@ -266,17 +267,16 @@ impl Newton {
         reuse: bool,
     ) -> Result<usize, Unsolved> {
         if let Some(jacobians) = self.open.take() {
-            return self.damped(system, stage, tolerance, (jacobians, true));
+            return self.damped_newton(system, stage, tolerance, (jacobians, true));
         }
         if self.bound.left <= 0.0 {
             return Err(Unsolved::OutOfWork);
         }
-        let ratio = stage.slopes[0] / self.alpha;
-        let tries = reuse && REUSED.contains(&ratio);
-        if tries && self.quasi(system, stage, tolerance, false).is_ok() {
+        let tries = reuse && REUSED.contains(&(stage.slopes[0] / self.alpha));
+        if tries && self.broyden(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
-        self.damped(system, stage, tolerance, (0, tries))
+        self.damped_newton(system, stage, tolerance, (0, tries))
     }
 
     /// The residual at `stage.state.y`, into `self.residual`.
@@ -293,32 +293,10 @@ impl Newton {
         self.chord.correct(&self.residual);
     }
 
-    /// The same with new factors; `known`: the residual is at hand.
-    fn correct_anew<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, known: bool) -> Result<(), Unsolved> {
-        if known {
-            stage.complete(system.has_position());
-        } else {
-            self.evaluate(system, stage);
-        }
-        self.refresh(system, stage)?;
-        self.chord.correct(&self.residual);
-        Ok(())
-    }
-
-    /// The largest scaled entry of the correction at hand and its scaled 2-norm.
-    fn measure(&self) -> Result<(f64, f64), Unsolved> {
-        let (largest, sum) = self.chord.measure();
-        if sum.is_finite() {
-            Ok((largest, sum.sqrt()))
-        } else {
-            Err(Unsolved::NoSolution)
-        }
-    }
-
     /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and the
     /// residual there is at hand.
     /// `corrected`: the correction at `stage.state.y` is at hand.
-    fn quasi<S: System>(
+    fn broyden<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
@@ -327,42 +305,38 @@ impl Newton {
     ) -> Result<(), Unsolved> {
         self.broyden.restart();
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
-        for iteration in 0..QUASI_ITERATIONS {
+        for iteration in 0..BROYDEN_ITERATIONS {
             if self.bound.is_overdrawn() {
                 break;
             }
-            let at_hand = corrected && iteration == 0;
-            if !at_hand {
+            if !corrected || iteration > 0 {
                 self.correct(system, stage);
             }
-            let step = self.broyden.step(&self.chord.correction, &self.chord.scale);
-            let change = step.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-            let is_finite = self.broyden.is_finite();
-            if iteration == 0 || is_finite && change < least {
+            let change = self.broyden.step(&self.chord.correction, &self.chord.scale);
+            if iteration == 0 || change < least {
                 least = change;
-                self.best.copy_from_slice(&stage.state.y);
+                self.kept.copy_from_slice(&stage.state.y);
                 self.best_residual.copy_from_slice(&self.residual);
             }
-            if !is_finite {
+            if !change.is_finite() {
                 break;
             }
+            let rate = change / before;
             if iteration > 0 {
-                let rate = change / before;
                 self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
                 if rate > DIVERGED && change > tolerance {
                     break;
                 }
             }
-            // After the first iteration the last stage's rate counts.
+            // What is left after this step, over the step: before any is measured, by the rate of the last stage.
             let ahead = if iteration == 0 {
                 self.rate = (self.rate.max(BEST_RATE) * AGEING).min(1.0);
                 self.rate
             } else {
-                (change / before).powf(FASTER).min(1.0)
+                rate.powf(FASTER).min(1.0)
             };
             before = change;
             self.broyden.add_to(&mut stage.state.y, &self.chord.scale);
-            // What is left after this step, as far as the rate shows.
             if change * ahead < LEFT * tolerance {
                 self.left = self.left.max(change * ahead / tolerance);
                 stage.complete(system.has_position());
@@ -374,7 +348,7 @@ impl Newton {
             }
         }
         self.rate = 1.0;
-        stage.state.y.copy_from_slice(&self.best);
+        stage.state.y.copy_from_slice(&self.kept);
         self.residual.copy_from_slice(&self.best_residual);
         Err(Unsolved::NoSolution)
     }
@@ -382,97 +356,84 @@ impl Newton {
     /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
     /// direction to the other for ever. After a full step Broyden's method goes on. `before`: Jacobians
     /// of the stage so far; `known`: the residual is at hand.
-    fn damped<S: System>(
+    fn damped_newton<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
-        (before, known): (usize, bool),
+        (before, mut known): (usize, bool),
     ) -> Result<usize, Unsolved> {
-        for iteration in before + 1..=self.bound.jacobians {
-            let known = known || iteration > 1;
+        for jacobians in before + 1..=self.bound.jacobians {
             if self.bound.left < self.bound.jacobian[0] {
-                self.open = known.then_some(iteration - 1);
+                self.open = known.then_some(jacobians - 1);
                 return Err(Unsolved::OutOfWork);
             }
-            self.correct_anew(system, stage, known)?;
-            let (largest, norm) = self.measure()?;
-            if iteration == 1 && largest < SOLVED * tolerance {
-                self.left = self.left.max(largest / tolerance);
-                return Ok(iteration);
+            if known {
+                stage.complete(system.has_position());
+            } else {
+                self.evaluate(system, stage);
+                known = true;
             }
-            self.guess.copy_from_slice(&stage.state.y);
-            self.step.copy_from_slice(&self.chord.correction);
-            let share = self.search(system, stage, tolerance, norm)?;
-            if share >= LineSearch::WHOLE && self.quasi(system, stage, tolerance, true).is_ok() {
-                return Ok(iteration);
+            self.refresh(system, stage)?;
+            self.chord.correct(&self.residual);
+            let (largest, norm) = self.chord.measure();
+            if !norm.is_finite() {
+                return Err(Unsolved::NoSolution);
+            }
+            if jacobians == 1 && largest < SOLVED * tolerance {
+                self.left = self.left.max(largest / tolerance);
+                return Ok(jacobians);
+            }
+            let whole = self.search(system, stage, tolerance, norm)?;
+            if whole && self.broyden(system, stage, tolerance, true).is_ok() {
+                return Ok(jacobians);
             }
         }
         Err(Unsolved::NoSolution)
     }
 
-    /// Goes along the step at hand, whose scaled 2-norm is `norm`, to a place that the natural monotonicity test accepts
-    /// (Deuflhard 2011, section 3.3): the simplified correction there is smaller than the step. Short of the whole step it
-    /// seeks one from which the correction points along the step no more. Returns the share of the step; the residual there is
-    /// at hand, and after a whole step the correction.
+    /// Goes along the correction, whose scaled 2-norm is `norm`, to a place that the natural monotonicity test accepts (Deuflhard 2011,
+    /// section 3.3): the simplified correction there is smaller. Returns whether that is the whole step. Short of it, it seeks a place from
+    /// which the correction points along the step no more. The residual there is at hand, and after a whole step the correction.
     fn search<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
         norm: f64,
-    ) -> Result<f64, Unsolved> {
+    ) -> Result<bool, Unsolved> {
+        self.kept.copy_from_slice(&stage.state.y);
+        self.step.copy_from_slice(&self.chord.correction);
+        self.best_residual.copy_from_slice(&self.residual);
+        let (mut best, mut least) = (0.0, f64::INFINITY);
         let mut line = LineSearch::new();
         let mut share = LineSearch::WHOLE;
-        let mut best: Option<(f64, f64)> = None;
-        self.from_residual.copy_from_slice(&self.residual);
         for trial in 1.. {
-            self.go(share, &mut stage.state.y);
+            move_by(-share, &mut stage.state.y, &self.kept, &self.step);
             self.correct(system, stage);
-            let measured = self.measure();
-            let along = self.along(norm);
-            let accepted = measured.ok().filter(|(change, after)| {
-                *after <= (1.0 - RESTRICTION * share) * norm || *change < ROUNDED * tolerance
-            });
-            if let Some((change, after)) = accepted {
-                if share >= LineSearch::WHOLE || along.abs() < ALONG || change < ROUNDED * tolerance {
-                    return Ok(share);
-                }
-                if best.is_none_or(|(_, least)| after < least) {
-                    best = Some((share, after));
-                    self.best_residual.copy_from_slice(&self.residual);
-                }
+            let (change, after) = self.chord.measure();
+            let along = self.chord.along(&self.step) / (norm * norm);
+            let solved = after.is_finite() && change < ROUNDED * tolerance;
+            let accepted = solved || after <= (1.0 - RESTRICTION * share) * norm;
+            if accepted && (share >= LineSearch::WHOLE || solved || along.abs() < ALONG) {
+                return Ok(share >= LineSearch::WHOLE);
             }
-            line.record(share, along, accepted.is_some());
-            if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow() || self.bound.is_overdrawn())
-            {
-                self.go(share, &mut stage.state.y);
-                self.residual.copy_from_slice(&self.best_residual);
-                return Ok(share);
+            if accepted && after < least {
+                (best, least) = (share, after);
+                self.best_residual.copy_from_slice(&self.residual);
             }
-            if self.bound.is_overdrawn() {
-                self.go(0.0, &mut stage.state.y);
-                self.residual.copy_from_slice(&self.from_residual);
-                return Ok(0.0);
+            line.record(share, along, accepted);
+            let overdrawn = self.bound.is_overdrawn();
+            if overdrawn || best > 0.0 && (trial >= TRIALS || line.is_narrow()) {
+                break;
             }
             if line.end() <= LEAST {
-                break;
+                return Err(Unsolved::NoSolution);
             }
             share = line.next().max(LEAST);
         }
-        Err(Unsolved::NoSolution)
-    }
-
-    /// Goes a share of the step at hand from where it began.
-    fn go(&self, share: f64, y: &mut [f64]) {
-        for ((y, from), d) in y.iter_mut().zip(&self.guess).zip(&self.step) {
-            *y = from - share * d;
-        }
-    }
-
-    /// How far the correction points along the step at hand, whose scaled 2-norm is `norm`: 1 if it is the step once more.
-    fn along(&self, norm: f64) -> f64 {
-        let products = self.chord.correction.iter().zip(&self.step).zip(&self.chord.scale);
-        products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm)
+        move_by(-best, &mut stage.state.y, &self.kept, &self.step);
+        self.residual.copy_from_slice(&self.best_residual);
+        Ok(false)
     }
 }

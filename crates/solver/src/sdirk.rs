@@ -6,7 +6,7 @@
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Unsolved};
-use super::stage::{Stage, slopes};
+use super::stage::{Stage, move_by, slopes};
 use super::{State, System, View};
 use pushbelt_tape::Tape;
 
@@ -153,13 +153,6 @@ const ROUNDING: f64 = 1.0e-9;
 /// A step of at least this share of the preferred one was not shortened to meet the end.
 const UNSHORTENED: f64 = 0.99;
 
-/// `out` = `from` + `time`·`rate`.
-pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
-    for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
-        *out = from + time * rate;
-    }
-}
-
 impl Sdirk {
     /// Integrator for `system`.
     #[must_use]
@@ -236,18 +229,43 @@ impl Sdirk {
     fn solve<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
         self.kept = None;
         self.newton.set_scale(system, 1.0 / (h * GAMMA));
-        if self.open == 0 {
-            self.predict_first(view, h);
+        let tolerance = self.tolerance();
+        for number in self.open.max(1)..=2 {
+            if self.open != number {
+                self.predict(number, view, h);
+                self.open = number;
+            }
+            let (node, state) = match (number, &mut self.stages) {
+                (1, [first, _]) => (GAMMA, first),
+                (_, [_, second]) => (1.0, second),
+            };
+            let mut stage = Stage {
+                time: time + node * h,
+                slopes: slopes(1.0 / (h * GAMMA)),
+                base: &self.base,
+                position: &self.position,
+                state,
+            };
+            self.newton.solve(system, &mut stage, tolerance, true)?;
         }
-        if self.open <= 1 {
-            self.open = 1;
-            self.solve_first(system, view, time, h)?;
-            self.predict_second(view, h);
-        }
-        self.open = 2;
-        self.solve_second(system, time, h)?;
         self.open = 0;
         Ok(())
+    }
+
+    /// Sets what a stage starts from, and its predictor.
+    fn predict(&mut self, number: u8, view: View<'_>, h: f64) {
+        let [first, second] = &mut self.stages;
+        if number == 1 {
+            self.base.copy_from_slice(view.y);
+            self.position.copy_from_slice(view.q);
+            move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
+            first.q.copy_from_slice(view.q);
+        } else {
+            move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
+            move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
+            move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
+            second.q.copy_from_slice(view.q);
+        }
     }
 
     /// Abandons a step that is not solved.
@@ -281,52 +299,6 @@ impl Sdirk {
     /// What Newton's method solves the next stage to, as a fraction of the system's Newton scale.
     fn tolerance(&self) -> f64 {
         self.newton_tolerance * (1.0 + self.newton_widening * self.error)
-    }
-
-    fn predict_first(&mut self, view: View<'_>, h: f64) {
-        let first = &mut self.stages[0];
-        move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
-        first.q.copy_from_slice(view.q);
-    }
-
-    /// Solves the stage at c = γ.
-    fn solve_first<S: Evolution>(
-        &mut self,
-        system: &mut S,
-        view: View<'_>,
-        time: f64,
-        h: f64,
-    ) -> Result<usize, Unsolved> {
-        let tolerance = self.tolerance();
-        let mut stage = Stage {
-            time: time + GAMMA * h,
-            slopes: slopes(1.0 / (h * GAMMA)),
-            base: view.y,
-            position: view.q,
-            state: &mut self.stages[0],
-        };
-        self.newton.solve(system, &mut stage, tolerance, true)
-    }
-
-    fn predict_second(&mut self, view: View<'_>, h: f64) {
-        let [first, second] = &mut self.stages;
-        move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
-        move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
-        move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
-        second.q.copy_from_slice(view.q);
-    }
-
-    /// Solves the stage at c = 1, from the first.
-    fn solve_second<S: Evolution>(&mut self, system: &mut S, time: f64, h: f64) -> Result<usize, Unsolved> {
-        let tolerance = self.tolerance();
-        let mut stage = Stage {
-            time: time + h,
-            slopes: slopes(1.0 / (h * GAMMA)),
-            base: &self.base,
-            position: &self.position,
-            state: &mut self.stages[1],
-        };
-        self.newton.solve(system, &mut stage, tolerance, true)
     }
 
     /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.

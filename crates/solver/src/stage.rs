@@ -25,6 +25,13 @@ pub fn slopes(alpha: f64) -> [f64; 2] {
     [alpha, 1.0 / alpha]
 }
 
+/// `out` = `from` + `time`·`rate`.
+pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
+    for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
+        *out = from + time * rate;
+    }
+}
+
 impl Stage<'_> {
     /// Sets ẏ and q to those of y.
     pub(super) fn complete(&mut self, has_position: &[bool]) {
@@ -73,15 +80,17 @@ impl Chord {
         self.factors.solve(&mut self.correction);
     }
 
-    /// The largest scaled entry of the correction and the sum of their squares.
+    /// The largest scaled entry of the correction and its scaled 2-norm.
     pub fn measure(&self) -> (f64, f64) {
-        let (mut largest, mut sum) = (0.0_f64, 0.0);
-        for (d, s) in self.correction.iter().zip(&self.scale) {
-            let x = d / s;
-            largest = largest.max(x.abs());
-            sum += x * x;
-        }
-        (largest, sum)
+        let scaled = || self.correction.iter().zip(&self.scale).map(|(d, s)| d / s);
+        let largest = scaled().fold(0.0, |most: f64, x| most.max(x.abs()));
+        (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
+    /// The scaled product of the correction with a step.
+    pub fn along(&self, step: &[f64]) -> f64 {
+        let products = self.correction.iter().zip(step).zip(&self.scale);
+        products.map(|((d, step), s)| (d / s) * (step / s)).sum()
     }
 
     /// Writes the factors to a tape, or reads them from it.

@@ -100,6 +100,9 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
     "angular damping": {**_all(1.0, "Nms/rad")},
     "damping": {**_all(1.0, "Ns/m"), **_all(1e3, "kNs/m Ns/mm")},
     "impulse": {**_all(1.0, "Ns"), **_all(1e3, "kNs")},
+    "area": {**_all(1.0, "m2 m^2"), **_all(1e-4, "cm2 cm^2"), **_all(1e-6, "mm2 mm^2")},
+    "flow": {**_all(1.0, "m3/s m^3/s"), **_all(1e-3 / 60.0, "l/min")},
+    "force by squared speed": {**_all(1.0, "Ns2/rad2 Ns^2/rad^2")},
     "other": {
         **_all(1.0, "l/min l/h lpm cst mm2/s A mA V mV Hz kHz Wh kWh °f degf f dB °ca yyyy-mm-dd hh:mm:ss"),
     },
@@ -129,6 +132,9 @@ PREFERRED: Mapping[str, tuple[str, ...]] = {
     "angular damping": ("N.m.s/rad",),
     "damping": ("N.s/m",),
     "impulse": ("N.s",),
+    "area": ("m2", "cm2"),
+    "flow": ("m3/s", "l/min"),
+    "force by squared speed": ("N.s2/rad2",),
 }
 """Units that messages and templates name; the first one is the SI unit as the FMU spells it."""
 CONFUSED: Mapping[str, tuple[str, ...]] = {

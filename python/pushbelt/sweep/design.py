@@ -245,6 +245,7 @@ def _known(variables: Mapping[str, Any]) -> dict[str, Column]:
     for name, variable in variables.items():
         if name not in AXIS_OF and variable.type in ("Real", "Integer", "Boolean", "Enumeration"):
             unit = variable.unit or "1"
+            dimension = "pressure" if name.endswith(".pressure") else units.OF_FMU[unit]
             names = tuple(aliases.get(name, ()))
-            found[name] = Column(units.OF_FMU[unit], -math.inf, math.inf, variable.description or "", names, unit)
+            found[name] = Column(dimension, -math.inf, math.inf, variable.description or "", names, unit)
     return found

@@ -8,18 +8,14 @@ from pushbelt.fmu.starts import driven_at_speed
 
 from .. import limit
 from ..bench import Bench, Plan, rad
-from ..limit import LADDER, LADDER_CASES, QUICK, WITH_CLEARANCE, Deviation, belt_of
+from ..limit import QUICK, WITH_CLEARANCE, Deviation, belt_of
 from ..measured import THEORY
 from ..outcome import PERCENT, PLAIN, Check, Column, Part, Section, Table, share, signed, table, within
-from ..theory import cmm
 
 TOLERANCE = 0.05
 """Tolerance of the thrust ratio, and of the tilt without clearance."""
 SLIP_TOLERANCE = 0.1
 """Tolerance of slip and friction power, which are proportional to the opening."""
-LEAST_ERROR = 0.01
-"""Error below which further reduction along the series of levels is not required."""
-
 IDLE_TOLERANCE, SLOPE_TOLERANCE, GAIN_TOLERANCE = 0.025, 0.03, 0.03
 IDLE_RATIOS, IDLE_FORCES, IDLE_SPEED = (2.25, 1.0, 0.444), (5e3, 15e3, 30e3), rad(2000.0)
 SLOPE_PLACES, SLOPE_FORCE = (0.95, 1.05), 15e3
@@ -47,7 +43,6 @@ def _row(name: str, d: Deviation) -> list[float | str]:
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and compares them with the theory."""
     in_limit, limit_checks = _limit(bench, plan)
-    ladders, ladder_checks = _ladders(bench, plan)
     idle, idle_check = _without_torque(bench, plan)
     shifts, shift_check = _shifts(bench, plan)
     return Section(
@@ -57,8 +52,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         "A continuous belt on pulleys that open under load, solved independently. The FMU has the assumptions of the theory: no ring "
         "friction, no play, no oil, no losses but those of the flanks, constant friction, and contact, stack and ring so stiff that the "
         "opening dominates. The theory is solved at the FMU's radii, torque and secondary force.",
-        (*limit_checks, *ladder_checks, idle_check, _slope(bench), shift_check),
-        (in_limit, ladders, idle, shifts, _theory_table(bench, plan)),
+        (*limit_checks, idle_check, _slope(bench), shift_check),
+        (in_limit, idle, shifts),
     )
 
 
@@ -81,29 +76,6 @@ def _limit(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
         check("limit-tilt", "Tilt of the sheaves under torque", "tilt_error", TOLERANCE),
     ]
     return table("limit", "In the theory's limit", COLUMNS, [_row("limit", d) for d in found.values() if d], NOTE), checks
-
-
-def _ladders(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
-    rows: list[list[float | str]] = []
-    last, halved = [], []
-    for case in plan.thin(LADDER_CASES, 1):
-        levels = []
-        for level in plan.thin(LADDER, 2):
-            name = f"level {LADDER.index(level) + 1}"
-            values = limit.limit_case(bench, *case, level)
-            levels.append(limit.compare(bench, values, f"{name}, {_name(case)}"))
-            rows += [_row(name, levels[-1])] if levels[-1] else []
-        first, end = levels[0], levels[-1]
-        last.append((_name(case), end and end.thrust_error))
-        allowed = max(0.5 * abs(first.thrust_error), LEAST_ERROR) if first else None
-        halved.append((_name(case), abs(end.thrust_error) / allowed if end and allowed else None))
-    steps = "With increasing stiffness and mesh refinement the thrust ratio"
-    goal = "half of the first level's error, or 1\N{NO-BREAK SPACE}%: the last over that ≤ 1"
-    checks = [
-        within("ladder-end", f"{steps} ends at the theory's", THEORY, last, -TOLERANCE, TOLERANCE, PERCENT),
-        within("ladder-nearer", f"{steps} comes nearer to the theory's", THEORY, halved, None, 1.0, goal=goal),
-    ]
-    return table("ladder", "Approach to the limit: stiffness and mesh grow together", COLUMNS, rows, NOTE), checks
 
 
 def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, Check]:
@@ -178,22 +150,3 @@ def _shifts(bench: Bench, plan: Plan) -> tuple[Table, Check]:
     columns = (Column("s = r_P/r_S", digits=1), Column("FMU", "1/s"), Column("Theory", "1/s"), share("Difference"))
     note = f"{SHIFT_FORCE / 1e3:g} kN, 1000 rpm, step of ln F_P by {SHIFT_STEP:g}; the theory at the tilt of both pulleys before it."
     return table("limit-shifts", "Speed of ratio change in the limit", columns, rows, note), check
-
-
-def _theory_table(bench: Bench, plan: Plan) -> Table:
-    """Results of the theory alone, for comparison with other models."""
-    belt = belt_of(bench)
-    tractions = plan.thin((-0.5, -0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5))
-    rows = []
-    for ratio in plan.thin((0.45, 0.6, 0.8, 1.0, 1.25, 1.6, 2.2), 1):
-        wrap_p, wrap_s, _, _ = cmm.wrap_angles(ratio, bench.given("geometry.centerDistance"), bench.given("geometry.beltLength"))
-        limits = [cmm.capacity(wrap_p, wrap_s, belt.beta, belt.mu, driving) for driving in (True, False)]
-        thrust = [
-            float(cmm.variator(wrap_p, wrap_s, belt.beta, belt.mu, r).thrust_ratio) if abs(r) < limits[r < 0.0] else None
-            for r in tractions
-        ]
-        rows.append([ratio, *limits, *thrust])
-    columns = (
-        Column("r_S/r_P", digits=2), Column("Capacity, drive"), Column("Capacity, brake"), *(Column(f"r = {signed(r)}") for r in tractions),
-    )  # fmt: skip
-    return table("theory", "The theory alone: thrust ratio over ratio and traction", columns, rows)

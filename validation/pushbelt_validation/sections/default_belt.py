@@ -6,13 +6,10 @@ g = p/(k_c cos β). An element runs further in by the sum of both over the slope
 
     Δϱ = −(w + g)/tan β.
 
-The points of the profile contain Δϱ and p. A least-squares fit determines from them the tilt that opens the groove (two unknowns) and
-the arc's mean. The remainder shows whether the groove opens like that of a tilted cone.
-
-The moment is computed from the normal force at the points, scaled to the axial force. Its magnitude gives |ψ| by the law of the tilt.
-Its direction is less accurate: the pressure has peaks of some millimetres at the borders of the arc, the points are 10 mm apart, and
-friction along the flank has an axial share that the normal force does not include. The direction is therefore compared separately, and
-the spread is predicted with |ψ| by the law in the fitted direction. On a small arc 4° of direction change the spread by 10 %.
+The points of the profile contain Δϱ and p. A least-squares fit gives the tilt that opens the groove; the remainder shows whether the
+groove is that of a tilted cone. The magnitude of the tilt follows from the moment of the normal forces at the points, scaled to the axial
+force. Its direction is compared separately: the pressure has peaks of some millimetres at the borders of an arc, the points are 10 mm
+apart, and friction along the flank has an axial share.
 """
 
 from __future__ import annotations

@@ -47,11 +47,6 @@ class Beside:
         """Ratio, speed and torque."""
         return f"ratio {self.measured.ratio:g}, {self.measured.rpm:g} rpm, {self.measured.torque:g} N·m"
 
-    @property
-    def missing_torque(self) -> float:
-        """Loss of the rest of the transmission as a torque on its primary shaft, N·m, at the smaller safety factor."""
-        return self.measured.torque * (self.efficiencies[0] - self.measured.efficiency)
-
 
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and evaluates the checks."""
@@ -68,10 +63,7 @@ def run(bench: Bench, plan: Plan) -> Section:
         (*_map_checks(beside), *_trend_checks(beside), *band_checks, *drag_checks, *bound_checks),
         (bands, drag, bounds, _map_table(beside)),
         (_chart(beside),),
-        (
-            "Efficiency is that between the shafts: it includes their bearings and seals, but not pump, final drive and clutch. The loss of "
-            "the rest of the transmission is the difference to the FMU at a safety factor of 1.3, fitted by c₀ + c₁ n + c₂ T over all points.",
-        ),
+        ("Efficiency is that between the shafts: it includes their bearings and seals, but not pump, final drive and clutch.",),
     )
 
 
@@ -104,17 +96,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
             POINTS.text(*(value for _, value in margins[1])),
         ),
     ]
-    constant, per_speed, per_torque = rest(beside)
-    fitted = f"{constant:.2f} N·m, {1e3 * per_speed:+.2f} N·m per 1000 rpm and {100.0 * per_torque:+.1f} % of the torque"
-    found = f"{NEWTON_METRES.text(*(b.missing_torque for b in beside))} on the primary shaft; fitted by {fitted}".replace("-", "−")
-    return [*checks, reported("efficiency-rest", "Loss of the rest of the transmission", MAP, "not published", found)]
-
-
-def rest(beside: Sequence[Beside]) -> tuple[float, float, float]:
-    """c₀ in N·m, c₁ in N·m per rpm and c₂ of the losses outside the variator, by least squares."""
-    matrix = np.array([[1.0, b.measured.rpm, b.measured.torque] for b in beside])
-    found, *_ = np.linalg.lstsq(matrix, np.array([b.missing_torque for b in beside]), rcond=None)
-    return tuple(found.tolist())
+    return checks
 
 
 def slopes(points: Sequence[MapPoint], efficiencies: Sequence[float]) -> tuple[float, float]:

@@ -134,14 +134,6 @@ class Arc:
         v_t = sliding(np.array([0.0, self.wrap]), self.centre, self.creep)[1]
         return float(self.tension[-1] * v_t[1] - self.tension[0] * v_t[0])
 
-    @property
-    def spread(self) -> float:
-        """Largest minus smallest running radius, in units of R a Delta."""
-        ends = (cos(self.centre), cos(self.wrap - self.centre))
-        deepest = 1.0
-        shallowest = -1.0 if max(self.centre, self.wrap - self.centre) > pi else min(ends)
-        return deepest - shallowest
-
 
 @cache
 def _gauss(points: int) -> tuple[Array, Array, Array]:
