@@ -23,7 +23,7 @@ fn space() -> [Arc<dyn BeltRing>; 2] {
     [Arc::new(Ale::<3>), Arc::new(Rotated::<3>)]
 }
 
-/// Derivatives by forward differentiation: the same belt, whose Newton iterations differ by rounding only.
+/// Derivatives by forward differentiation: the same belt, to the tolerance of the steady solution.
 #[test]
 fn forward_differentiation_has_the_same_steady_states() {
     let pairs: [[Arc<dyn BeltRing>; 2]; 2] = [
@@ -35,7 +35,7 @@ fn forward_differentiation_has_the_same_steady_states() {
         for case in LoadCase::three(&parameters, 50.0) {
             let [hand, forward] = pair.clone().map(|ring| load_case_with(&parameters, ring, &case));
             let off = forward.outputs.thrust_ratio / hand.outputs.thrust_ratio - 1.0;
-            assert!(off.abs() < 1e-9, "{model:?}, {}: {off}", case.name);
+            assert!(off.abs() < 1e-6, "{model:?}, {}: {off}", case.name);
         }
     }
 }
