@@ -13,8 +13,8 @@ use std::time::Duration;
 use clap::{Parser, ValueEnum};
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::RingModel;
-use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_lab::variators::variator;
+use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::variators::variator;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Model {

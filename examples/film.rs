@@ -9,7 +9,7 @@
 use std::error::Error;
 
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::film::{Film, FilmBench, Load, RATIOS, SHARES};
+use pushbelt_support::film::{Film, FilmBench, Load, RATIOS, SHARES};
 
 /// Suction, thickness, roughness and the two dampings of the rows: the default, and changes of it.
 const TRIED: [[f64; 5]; 11] = [

@@ -11,8 +11,8 @@ use std::error::Error;
 
 use pushbelt::variator::Variator;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::fingerprint::{Report, STEP};
-use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_support::fingerprint::{Report, STEP};
+use pushbelt_support::manoeuvre::Manoeuvre;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let trace = Manoeuvre::read().trace(STEP);

@@ -5,10 +5,10 @@
 //! The gain is ds/dt per unit of ln F_P, from 60 to 120 ms after the step.
 
 use pushbelt::variator::settings::RingModel;
-use pushbelt_lab::load_cases::LoadCase;
-use pushbelt_lab::shift::unloaded_shift;
-use pushbelt_lab::steady::load_case;
-use pushbelt_lab::variators::variator;
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::shift::unloaded_shift;
+use pushbelt_support::steady::load_case;
+use pushbelt_support::variators::variator;
 
 /// The compared rings.
 const RINGS: [RingModel; 2] = [RingModel::Ale, RingModel::Ale0];

@@ -24,10 +24,10 @@ use pushbelt::variator::belt_ring::{
     eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
-use pushbelt_lab::load_cases::LoadCase;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case_with;
-use pushbelt_lab::variators::{inputs, variator};
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::load_case_with;
+use pushbelt_support::variators::{inputs, variator};
 
 /// The ring between two nodes: that of `ALE` with the additional force of the law.
 struct StiffeningRing<'a, T: Real> {

@@ -12,7 +12,7 @@ use pushbelt::variator::linear::modes;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters};
-use pushbelt_lab::inside::stations;
+use pushbelt_support::inside::stations;
 
 /// A working point: the primary sheave is held, the secondary shaft has a constant speed.
 #[derive(Clone, Copy)]

@@ -12,12 +12,12 @@ use clap::Parser;
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::Variator;
 use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
-use pushbelt_lab::film::{Film, FilmBench, Load, RATIOS};
-use pushbelt_lab::fingerprint::STEP;
-use pushbelt_lab::inside::stations;
-use pushbelt_lab::loads::{Driven, LOADS};
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::variators::variator;
+use pushbelt_support::film::{Film, FilmBench, Load, RATIOS};
+use pushbelt_support::fingerprint::STEP;
+use pushbelt_support::inside::stations;
+use pushbelt_support::loads::{Driven, LOADS};
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::variators::variator;
 
 /// Span of a load, s.
 const SPAN: f64 = 0.5;

@@ -8,7 +8,7 @@ use std::ptr::{null, null_mut};
 use std::thread;
 
 use pushbelt::unit::VariatorUnit;
-use pushbelt_lab::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
+use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
 
 /// Stack that `docs/interface.md` asks of hosts, kB: less than 224 is too little. The dev profile, whose need was not measured, inlines less.
 const STACK: u32 = if cfg!(debug_assertions) { 1024 } else { 256 };

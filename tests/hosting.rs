@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use pushbelt_lab::shared_library::{Functions, Library, OK, count, path};
+use pushbelt_support::shared_library::{Functions, Library, OK, count, path};
 
 /// Bytes of memory of this process that are in use.
 fn resident() -> u64 {

@@ -7,7 +7,7 @@ use pushbelt::fmi::{Slave, hash};
 use pushbelt::unit::{Settings, VariatorUnit};
 
 use pushbelt::variator::settings::{Mode, RingModel};
-use pushbelt_lab::shared_library::reference;
+use pushbelt_support::shared_library::reference;
 
 type Variator = Slave<VariatorUnit>;
 

@@ -6,7 +6,7 @@ use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, line
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Drive, Inputs, Outputs};
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
-use pushbelt_lab::variators::inputs;
+use pushbelt_support::variators::inputs;
 
 type Read = fn(&Outputs) -> f64;
 

@@ -6,8 +6,8 @@ use std::fmt::Debug;
 use std::thread;
 
 use pushbelt::fmi::fmi3::{Boolean, Environment, Instance};
-use pushbelt_lab::shared_library::{Library, OK, reference};
-use pushbelt_lab::shared_library3::{Functions3, Watches};
+use pushbelt_support::shared_library::{Library, OK, reference};
+use pushbelt_support::shared_library3::{Functions3, Watches};
 
 /// Sixteen runs have the same results one after the other and two on each of eight threads; the first two runs differ.
 fn assert_same_on_threads<T: PartialEq + Debug + Send>(run: impl Fn(u32) -> T + Copy + Send + Sync) {

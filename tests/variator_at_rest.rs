@@ -2,9 +2,9 @@
 //! they hardly depend on how friction is regularised.
 
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel, StartState};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, coarse, inputs, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{MODELS, coarse, inputs, variator};
 
 /// `friction.velocity`: the default, a tenth, a fiftieth, m/s.
 const VELOCITIES: [f64; 3] = [5e-4, 5e-5, 1e-5];

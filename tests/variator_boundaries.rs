@@ -2,10 +2,10 @@
 
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, Outputs, StartState};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::inside::strand_force;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::inside::strand_force;
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
 fn at_rest(model: RingModel, ratio: f64) -> Parameters {

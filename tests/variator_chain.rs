@@ -10,15 +10,15 @@ use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{BeltKind, Inputs, Mode, Outputs, Parameters, RingModel};
 use pushbelt::variator::steady::solve::SteadyTask;
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::disturbed::{
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::disturbed::{
     DerivativeError, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, small,
 };
-use pushbelt_lab::load_cases::{given, pair, speeds};
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::{Steady, steady};
-use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, chain, full_slip_torque, inputs, rigid};
+use pushbelt_support::load_cases::{given, pair, speeds};
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::variators::{MODELS, SPEED, belt_alone, chain, full_slip_torque, inputs, rigid};
 
 /// Clamping force on the secondary pulley, N.
 const FORCE: f64 = 11e3;

@@ -8,10 +8,10 @@ use pushbelt::tape::Tape;
 use pushbelt::variator::linear::{Load, linearise};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Cylinder, Inputs, Mode, Outputs, Parameters, RingModel, StartState};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::disturbed::{TIME, assert_jacobian, disturbed, product, small};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, coarse, inputs};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::disturbed::{TIME, assert_jacobian, disturbed, product, small};
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{MODELS, coarse, inputs};
 
 /// An area with which forces from pressures have no rounding error, m².
 const AREA: f64 = 1.0 / 128.0;

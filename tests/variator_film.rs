@@ -2,9 +2,9 @@
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::film::{Film, FilmBench, RATIOS, SHARES};
-use pushbelt_lab::variators::MODELS;
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::film::{Film, FilmBench, RATIOS, SHARES};
+use pushbelt_support::variators::MODELS;
 
 fn bench(model: RingModel) -> FilmBench {
     FilmBench::new(Film::of(&Parameters::default()), model)

@@ -2,8 +2,8 @@
 
 use pushbelt::variator::run::{InitialisationError, Variator};
 use pushbelt::variator::settings::{Drive, Inputs, Parameters, RingModel, StartState};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, SPEED, coarse, inputs, variator};
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{MODELS, SPEED, coarse, inputs, variator};
 
 /// The error of a start, and the residuals that it took.
 fn start(parameters: Parameters, given: &Inputs) -> (Option<String>, u64) {

@@ -8,7 +8,7 @@ use pushbelt::solver::{State, System};
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
-use pushbelt_lab::disturbed::{
+use pushbelt_support::disturbed::{
     DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product,
     small,
 };

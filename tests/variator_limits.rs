@@ -3,13 +3,13 @@
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::Outputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::inside::sliding;
-use pushbelt_lab::load_cases::{given, pair, speeds};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::shift::unloaded_shift;
-use pushbelt_lab::steady::steady;
-use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, full_slip_torque, inputs, rigid, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::inside::sliding;
+use pushbelt_support::load_cases::{given, pair, speeds};
+use pushbelt_support::run::Run;
+use pushbelt_support::shift::unloaded_shift;
+use pushbelt_support::steady::steady;
+use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, full_slip_torque, inputs, rigid, variator};
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
 /// (F − σV²)α/(2 tan β).

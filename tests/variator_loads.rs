@@ -3,10 +3,10 @@
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
-use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{coarse, inputs, variator};
+use pushbelt_support::checks::{assert_close, assert_pinned};
+use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{coarse, inputs, variator};
 
 /// Time for which each load acts, s.
 const SPAN: f64 = 0.2;

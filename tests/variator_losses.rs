@@ -5,11 +5,11 @@ use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Drive, Losses, Parameters, RingModel};
 use pushbelt::variator::steady::solve::SteadyTask;
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::{LoadCase, given, pair, speeds};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::{Steady, steady};
-use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::load_cases::{LoadCase, given, pair, speeds};
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
 
 /// Running without load at the secondary shaft: a ratio, a clamping force, N, a primary speed, rad/s.
 fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady {

@@ -3,12 +3,12 @@
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_lab::meter::{ABOVE, EFFORT, Meter};
-use pushbelt_lab::noise;
-use pushbelt_lab::tracking::{Trace, trace};
-use pushbelt_lab::variators::{MODELS, coarse, inputs, one_cell, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::meter::{ABOVE, EFFORT, Meter};
+use pushbelt_support::noise;
+use pushbelt_support::tracking::{Trace, trace};
+use pushbelt_support::variators::{MODELS, coarse, inputs, one_cell, variator};
 
 fn in_real_time(mut parameters: Parameters) -> Parameters {
     parameters.solver.mode = Mode::RealTime;

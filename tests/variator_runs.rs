@@ -3,10 +3,10 @@
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, Outputs};
-use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, coarse, inputs, rigid, variator};
+use pushbelt_support::checks::{assert_close, assert_pinned};
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{MODELS, coarse, inputs, rigid, variator};
 
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;

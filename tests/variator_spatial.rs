@@ -2,11 +2,11 @@
 
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::{given, speeds};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::{At, Steady, steady};
-use pushbelt_lab::variators::{SPEED, inputs, mesh, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::load_cases::{given, speeds};
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::{At, Steady, steady};
+use pushbelt_support::variators::{SPEED, inputs, mesh, variator};
 
 /// Ratio of the steady states.
 const RATIO: f64 = 2.0;

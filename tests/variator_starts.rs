@@ -5,8 +5,8 @@ use pushbelt::fmi::table::{Causality, Kind, Value};
 use pushbelt::unit::VariatorUnit;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel, range_of};
-use pushbelt_lab::noise;
-use pushbelt_lab::variators::{MODELS, inputs, variator};
+use pushbelt_support::noise;
+use pushbelt_support::variators::{MODELS, inputs, variator};
 
 /// Residuals that a start may take: of the search for a steady state, and of a belt that settles at a standstill, twice.
 const MOST_RESIDUALS: u64 = 250_000 + 2 * 20_000;

@@ -5,10 +5,10 @@ use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::solve::SteadyTask;
-use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::load_cases::{LoadCase, given, pair, ratio, speeds};
-use pushbelt_lab::steady::{At, Steady, load_case, steady};
-use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, mesh, variator};
+use pushbelt_support::checks::{assert_close, assert_pinned};
+use pushbelt_support::load_cases::{LoadCase, given, pair, ratio, speeds};
+use pushbelt_support::steady::{At, Steady, load_case, steady};
+use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, mesh, variator};
 
 /// Smallest and largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -4,11 +4,11 @@ use pushbelt::pulley::Pulley;
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{PROFILE_POINTS, Parameters, RingModel};
 use pushbelt::variator::steady::solve::SteadyTask;
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::{given, pair, speeds};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::{Steady, steady};
-use pushbelt_lab::variators::{MODELS, SPEED, coarse, inputs, variator};
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::load_cases::{given, pair, speeds};
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::variators::{MODELS, SPEED, coarse, inputs, variator};
 
 /// Steady running at a ratio under a torque, N·m, and a clamping force, N.
 fn loaded(parameters: &Parameters, ratio: f64, torque: f64, force: f64) -> Steady {

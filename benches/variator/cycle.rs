@@ -12,8 +12,8 @@ use pushbelt::solver::newton::Counts;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, PulleyInputs};
-use pushbelt_lab::bench::text;
-use pushbelt_lab::variators::{one_cell, variator};
+use pushbelt_support::bench::text;
+use pushbelt_support::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{Table, numbers};

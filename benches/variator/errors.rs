@@ -5,9 +5,9 @@
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
-use pushbelt_lab::bench::STEP;
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::variators::{one_cell, variator};
+use pushbelt_support::bench::STEP;
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{Table, nine_steady_states};

@@ -2,9 +2,9 @@
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::bench::text;
-use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_lab::variators::{one_cell, variator};
+use pushbelt_support::bench::text;
+use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{Table, numbers, quantiles};

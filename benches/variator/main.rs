@@ -39,11 +39,11 @@ use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
-use pushbelt_lab::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
-use pushbelt_lab::inside::thrust_ratio;
-use pushbelt_lab::load_cases::{LoadCase, given, pair};
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::variators::{SPEED, variator};
+use pushbelt_support::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
+use pushbelt_support::inside::thrust_ratio;
+use pushbelt_support::load_cases::{LoadCase, given, pair};
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::variators::{SPEED, variator};
 use serde_json::{Value, json};
 
 /// Points of the steady map.

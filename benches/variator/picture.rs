@@ -5,7 +5,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use pushbelt_lab::bench::STEP;
+use pushbelt_support::bench::STEP;
 
 use crate::Pieces;
 

@@ -7,12 +7,12 @@ use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::RingModel;
-use pushbelt_lab::bench::STEP;
-use pushbelt_lab::inside::{overlay, stations};
-use pushbelt_lab::load_cases::LoadCase;
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::steady::load_case;
-use pushbelt_lab::variators::variator;
+use pushbelt_support::bench::STEP;
+use pushbelt_support::inside::{overlay, stations};
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::steady::load_case;
+use pushbelt_support::variators::variator;
 use serde_json::json;
 
 use crate::{Table, quantiles};

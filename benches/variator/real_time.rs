@@ -2,10 +2,10 @@
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Mode, Parameters, RingModel};
-use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_lab::meter::Meter;
-use pushbelt_lab::tracking::{Trace, trace};
-use pushbelt_lab::variators::{one_cell, variator};
+use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::meter::Meter;
+use pushbelt_support::tracking::{Trace, trace};
+use pushbelt_support::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::tracked::{errors, exact};

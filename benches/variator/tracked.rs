@@ -1,9 +1,9 @@
 //! How far outputs are off under a load, beside a run of a tight tolerance.
 
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::loads::{LOADS, LoadHistory};
-use pushbelt_lab::tracking::{TRACKED, Trace, trace};
-use pushbelt_lab::variators::variator;
+use pushbelt_support::loads::{LOADS, LoadHistory};
+use pushbelt_support::tracking::{TRACKED, Trace, trace};
+use pushbelt_support::variators::variator;
 use serde_json::{Value, json};
 
 use crate::Table;

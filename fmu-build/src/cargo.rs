@@ -331,7 +331,7 @@ mod tests {
         let for_example = example();
         let again = for_example
             .iter()
-            .any(|name| name.starts_with(MODEL_PACKAGE) && name != "pushbelt_lab");
+            .any(|name| name.starts_with(MODEL_PACKAGE) && name != "pushbelt_support");
         assert!(!again, "the example compiles {for_example:?}");
         paper();
         for (name, built) in [("library", library()), ("example", example()), ("paper", paper())] {

@@ -9,13 +9,13 @@ use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Outputs, RingModel};
 use pushbelt::variator::system::VariatorSystem;
-use pushbelt_lab::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
-use pushbelt_lab::load_cases::{LoadCase, ratio};
-use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::steady::load_case;
-use pushbelt_lab::variators::{SPEED, inputs, variator};
 use pushbelt_paper::belts::Rotated;
 use pushbelt_paper_lab::{AbsoluteNodal, fixed_steps, rcm, run, swinging_band};
+use pushbelt_support::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
+use pushbelt_support::load_cases::{LoadCase, ratio};
+use pushbelt_support::manoeuvre::Manoeuvre;
+use pushbelt_support::steady::load_case;
+use pushbelt_support::variators::{SPEED, inputs, variator};
 
 /// Simulated revolutions of the belt, as in `cargo fmu paper`.
 const REVOLUTIONS: f64 = 0.05;

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use pushbelt::variator::Variator;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::Parameters;
-use pushbelt_lab::fingerprint::{Report, STEP};
-use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_paper::belts::{Even, Rotated, Travels};
 use pushbelt_paper::ring::ancf::AncfElement;
 use pushbelt_paper::ring::rcm::RcmElement;
+use pushbelt_support::fingerprint::{Report, STEP};
+use pushbelt_support::manoeuvre::Manoeuvre;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let trace = Manoeuvre::read().trace(STEP);

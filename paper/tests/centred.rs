@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RIGID_TILT_STIFFNESS, RingModel};
-use pushbelt_lab::disturbed::{assert_jacobian, disturbed_with, small};
-use pushbelt_lab::load_cases::LoadCase;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case_with;
-use pushbelt_lab::variators::{inputs, variator};
 use pushbelt_paper::centred::Centred;
+use pushbelt_support::disturbed::{assert_jacobian, disturbed_with, small};
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::load_case_with;
+use pushbelt_support::variators::{inputs, variator};
 
 fn rings() -> [(RingModel, Arc<dyn BeltRing>); 3] {
     [
@@ -39,9 +39,9 @@ fn thrust_ratio_and_spiral_running() {
                     }
                     load_case_with(&parameters, ring, case)
                 });
-                let thrust = |of: &pushbelt_lab::steady::Steady| of.outputs.thrust_ratio;
+                let thrust = |of: &pushbelt_support::steady::Steady| of.outputs.thrust_ratio;
                 let spiral =
-                    |of: &pushbelt_lab::steady::Steady| of.outputs.primary.spiral.max(of.outputs.secondary.spiral);
+                    |of: &pushbelt_support::steady::Steady| of.outputs.primary.spiral.max(of.outputs.secondary.spiral);
                 println!(
                     "{}, {torque} N·m, rigid sheaves {rigid}: thrust ratio {:.3}, {:.3} with free centres, {:.3} ALE ({:+.1} %, {:+.1} %); \
                      spiral {:.3}, {:.3}, {:.3} mm",

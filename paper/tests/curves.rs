@@ -1,7 +1,7 @@
 //! Derivatives of the curve about displaced centres, on a mesh that does not follow its arcs, against differences.
 
-use pushbelt_lab::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 use pushbelt_paper::reference_curve::{Displaced, Unaligned};
+use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 
 #[test]
 fn derivatives_along_a_path_match_differences() {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use pushbelt::unit::Rings;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
-use pushbelt_lab::load_cases::LoadCase;
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case_with;
-use pushbelt_lab::variators::{inputs, variator};
 use pushbelt_paper::belts::{Forward, Rotated};
 use pushbelt_paper::unit::PaperRings;
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::load_case_with;
+use pushbelt_support::variators::{inputs, variator};
 
 /// Fixed directions and those of the curve, in the plane.
 fn plane() -> [Arc<dyn BeltRing>; 2] {

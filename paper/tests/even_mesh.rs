@@ -6,13 +6,13 @@ use pushbelt::unit::Rings;
 use pushbelt::variator::Variator;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Outputs, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::{LoadCase, ratio};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case_with;
-use pushbelt_lab::variators::{SPEED, inputs, variator};
 use pushbelt_paper::belts::Even;
 use pushbelt_paper::unit::PaperRings;
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::load_cases::{LoadCase, ratio};
+use pushbelt_support::run::Run;
+use pushbelt_support::steady::load_case_with;
+use pushbelt_support::variators::{SPEED, inputs, variator};
 
 fn ale() -> Arc<dyn BeltRing> {
     Arc::new(Ale::<2>)

@@ -6,12 +6,12 @@ use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::System;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::disturbed::{
-    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
-};
 use pushbelt_paper::belts::{Even, Rotated};
 use pushbelt_paper::reference_curve::{Displaced, TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
+use pushbelt_support::disturbed::{
+    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
+};
 
 /// The small variator in the plane.
 fn plane() -> Parameters {

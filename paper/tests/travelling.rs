@@ -8,12 +8,12 @@ use pushbelt::variator::belt_ring::{Ale, BeltRing};
 use pushbelt::variator::linear::{LinearError, linearise_at};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel};
-use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::inside::reference_motion;
-use pushbelt_lab::load_cases::{LoadCase, ratio};
-use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{SPEED, inputs, variator};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
+use pushbelt_support::checks::{assert_close, assert_pinned};
+use pushbelt_support::inside::reference_motion;
+use pushbelt_support::load_cases::{LoadCase, ratio};
+use pushbelt_support::run::Run;
+use pushbelt_support::variators::{SPEED, inputs, variator};
 
 /// The paper's test rig (5.4): the primary sheave held, its speed given, torque and force on the secondary pulley.
 fn rig(ring: Arc<dyn BeltRing>, theta: f64, torque: f64) -> Run {

@@ -5,7 +5,7 @@ use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
 use crate::pulley::PerPulley;
 use crate::solver::System;
-use pushbelt_lab::noise;
+use pushbelt_support::noise;
 
 /// Time of the residual, s: the loads are constant.
 const TIME: f64 = 0.0;

@@ -4,8 +4,8 @@ use pushbelt::fmi::log::Status::{Discard, Ok};
 use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
-use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_support::checks::assert_close;
+use pushbelt_support::manoeuvre::Manoeuvre;
 
 use crate::importer::{BOTH, Ended, Handles};
 use crate::variator::{Importer, reference};

@@ -5,8 +5,8 @@ use std::fs;
 use pushbelt::fmi::log::Status::{self, Error, Ok};
 use pushbelt::fmi::start_values::FILE;
 use pushbelt::fmi::unit::Experiment;
-use pushbelt_lab::shared_library::{Library, OK, path};
-use pushbelt_lab::shared_library3::Watches;
+use pushbelt_support::shared_library::{Library, OK, path};
+use pushbelt_support::shared_library3::Watches;
 
 use crate::importer::{BOTH, Handles, Message};
 use crate::variator::{Importer, reference};

@@ -85,7 +85,7 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
     // The head and the settings are short compared with the matrices: half of the changes are there.
     let head = 52..2000.min(bytes.len() - 16);
     let place = prop_oneof![head, 52..bytes.len() - 24];
-    let cases = pushbelt_lab::shared_library::count("PUSHBELT_STRANGERS", 400);
+    let cases = pushbelt_support::shared_library::count("PUSHBELT_STRANGERS", 400);
     let config = Config {
         cases,
         failure_persistence: None,

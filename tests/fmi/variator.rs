@@ -5,7 +5,7 @@ use pushbelt::fmi::log::Status::{self, Ok};
 use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
-pub use pushbelt_lab::shared_library::real_outputs;
+pub use pushbelt_support::shared_library::real_outputs;
 
 use crate::importer::{Handles, TIME};
 
@@ -17,7 +17,7 @@ pub fn reference(name: &str) -> u32 {
     match table.arrays().iter().find(|array| array.name == name) {
         Some(array) => array.first,
         None if name == "time" => TIME,
-        None => pushbelt_lab::shared_library::reference(name),
+        None => pushbelt_support::shared_library::reference(name),
     }
 }
 

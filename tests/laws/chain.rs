@@ -2,8 +2,8 @@
 
 use num_dual::Dual64;
 use pushbelt::chain::{PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force};
-use pushbelt_lab::laws::{belt, integral};
-use pushbelt_lab::noise;
+use pushbelt_support::laws::{belt, integral};
+use pushbelt_support::noise;
 
 use crate::assert_near;
 

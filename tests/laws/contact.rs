@@ -3,8 +3,8 @@
 use num_dual::Dual64;
 use pushbelt::contact::{FlankForce, FlankMotion, energy_density, flank_force};
 use pushbelt::scalar::{Real, Tangent};
-use pushbelt_lab::laws::{contact, cos_beta, friction, integral};
-use pushbelt_lab::noise;
+use pushbelt_support::laws::{contact, cos_beta, friction, integral};
+use pushbelt_support::noise;
 
 use crate::{assert_near, slope};
 

@@ -1,7 +1,7 @@
 //! The reference curve about displaced centres against differences.
 
 use pushbelt::reference_curve::{Displaced, ReferenceCurve};
-use pushbelt_lab::curves::{assert_path, assert_slopes, curve, moving_frame, path};
+use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 
 #[test]
 fn derivatives_along_a_path_match_differences() {

@@ -8,7 +8,7 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale::{add_elasticity, dissipation_density, energy_density};
 use pushbelt::ring::kinematics::{LineLoad, RingPoint, embed, inward_normal};
 use pushbelt::scalar::{Real, zero_vector};
-use pushbelt_lab::noise;
+use pushbelt_support::noise;
 
 use crate::assert_near;
 

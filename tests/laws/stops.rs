@@ -1,7 +1,7 @@
 //! End stops of the movable sheaves.
 
 use pushbelt::pulley::{STOP_DAMPING, STOP_SMOOTHING, STOP_STIFFNESS};
-use pushbelt_lab::laws::{Travel, integral};
+use pushbelt_support::laws::{Travel, integral};
 
 use crate::assert_near;
 

@@ -8,7 +8,7 @@ use pushbelt_paper::ring::model::RingFormulation;
 use super::cases::Case;
 use super::motion::residual;
 use super::specimens::{solid, solid_curve, without_stiffness};
-use pushbelt_lab::noise;
+use pushbelt_support::noise;
 
 /// Number of elements in the tests of derivatives. It is large enough for every kind of neighbourhood.
 pub const FEW: usize = 12;

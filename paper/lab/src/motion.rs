@@ -7,7 +7,7 @@ use pushbelt::solver::sdirk::Sdirk;
 use pushbelt::solver::{State, System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 
-use pushbelt_lab::noise;
+use pushbelt_support::noise;
 
 pub fn residual<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,

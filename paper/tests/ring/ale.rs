@@ -3,7 +3,6 @@
 use nalgebra::DVector;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_lab::checks::{assert_order, list};
 use pushbelt_paper::reference_curve::{ReferenceCurve, Unaligned};
 use pushbelt_paper::ring::ale_ring::{AleRing, Inertia};
 use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
@@ -11,6 +10,7 @@ use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::particle::Particle;
 use pushbelt_paper_lab::*;
+use pushbelt_support::checks::{assert_order, list};
 use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state

@@ -2,8 +2,6 @@
 
 use nalgebra::{SVector, Vector2};
 use num_dual::Dual64;
-use pushbelt_lab::checks::{assert_order, list, orders};
-use pushbelt_lab::noise;
 use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ancf::AncfElement;
@@ -13,6 +11,8 @@ use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::particle::ParticleLoad;
 use pushbelt_paper::ring::rcm::RcmElement;
 use pushbelt_paper_lab::*;
+use pushbelt_support::checks::{assert_order, list, orders};
+use pushbelt_support::noise;
 use std::f64::consts::TAU;
 
 /// P (12) is the velocity.

@@ -4,8 +4,6 @@ use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use num_dual::Dual64;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_lab::checks::{assert_order, list};
-use pushbelt_lab::noise;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
@@ -13,6 +11,8 @@ use pushbelt_paper::ring::kinematics::Motion;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper_lab::*;
+use pushbelt_support::checks::{assert_order, list};
+use pushbelt_support::noise;
 use std::f64::consts::{PI, TAU};
 
 type Spatial<C> = RingSystem<AleRing<C, 3>, 3, 14>;

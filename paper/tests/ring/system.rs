@@ -2,7 +2,6 @@
 
 use pushbelt::solver::System as _;
 use pushbelt::solver::differences::compare;
-use pushbelt_lab::noise;
 use pushbelt_paper::reference_curve::TwoPulley;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
@@ -11,6 +10,7 @@ use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
 use pushbelt_paper_lab::RingSystem;
+use pushbelt_support::noise;
 
 fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingFormulation<D, N>) {
     let mut system = RingSystem::new(model);

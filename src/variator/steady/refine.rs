@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::variator::settings::parameters::RingModel;
     use crate::variator::steady::start::{Start, kinematic_state};
-    use pushbelt_lab::noise;
+    use pushbelt_support::noise;
 
     const START: Start = Start {
         ratio: 1.7,
