@@ -106,7 +106,7 @@ def test_units_hold_the_map_and_no_copy_of_the_laws(ssp: Path, tmp_path: Path) -
 
 
 def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:
-    """Unconnected units at standstill: the clutch is open, the primary force falls to its minimum and the secondary to the one that holds the ratio."""
+    """Unconnected units at standstill: the clutch is open, the primary pressure falls to its minimum and the secondary to the one that holds the ratio."""
     found = units(ssp, tmp_path)
     for path in (found["vehicle"], found["control"]):
         assert fmpy.validation.validate_fmu(str(path)) == []
@@ -115,11 +115,11 @@ def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:
     assert np.all(vehicle["primary.torque"] == 0.0)
     assert vehicle["engine.speed"][-1] == pytest.approx(84.0, rel=0.05)
     control = fmpy.simulate_fmu(str(found["control"]), **at_rest)
-    assert control["primary.clampingForce"][0] == 8000.0
+    assert control["primary.pressure"][0] == 8e5
     holding = ThrustMap.of_maps(default_maps()).thrust_ratio(RATIO_LIMITS[1], 0.0)
-    assert control["primary.clampingForce"][-1] < 2100.0
-    expected = control["primary.clampingForce"][-1] / holding
-    assert control["secondary.clampingForce"][-1] == pytest.approx(expected, rel=0.05)
+    assert control["primary.pressure"][-1] < 2.1e5
+    expected = control["primary.pressure"][-1] / holding
+    assert control["secondary.pressure"][-1] == pytest.approx(expected, rel=0.05)
 
 
 def test_refusal_is_one_line(

@@ -21,7 +21,7 @@ SCHEMAS = Path(fmpy_ssd.__file__).parent / "schema"
 
 WIRES = (
     ("vehicle", "variator", ("primary.torque", "secondary.torque")),
-    ("control", "variator", ("primary.clampingForce", "secondary.clampingForce")),
+    ("control", "variator", ("primary.pressure", "secondary.pressure")),
     ("variator", "vehicle", ("primary.speed", "secondary.speed", "ratio.geometric")),
     (
         "variator",
@@ -35,14 +35,14 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     "1": {},
     "m": {"m": "1"},
     "rad/s": {"rad": "1", "s": "-1"},
-    "N": {"kg": "1", "m": "1", "s": "-2"},
+    "Pa": {"kg": "1", "m": "-1", "s": "-2"},
     "N.m": {"kg": "1", "m": "2", "s": "-2"},
     "W": {"kg": "1", "m": "2", "s": "-3"},
 }
 """Units by the exponents of base units."""
 UNIT_OF = {
     "torque": "N.m",
-    "clampingForce": "N",
+    "pressure": "Pa",
     "speed": "rad/s",
     "radius": "m",
     "estimated": "N.m",

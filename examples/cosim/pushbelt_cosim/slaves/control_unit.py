@@ -7,7 +7,6 @@ from pathlib import Path
 from pushbelt.drive.car import demo_car
 from pushbelt.drive.control import Friction, Measured
 from pushbelt_cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
-from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
 from pushbelt.fmu.data import parameter_set
@@ -15,9 +14,9 @@ from pushbelt.maps.data import Maps
 
 
 class ControlUnit(Unit):
-    """Computes clamping forces from the measured values of a transmission."""
+    """Computes clamping pressures from the measured values of a transmission."""
 
-    description = "Transmission control: ratio, clamping forces, hydraulics"
+    description = "Transmission control: ratio, clamping pressures, hydraulics"
 
     def __init__(self, **keywords: object) -> None:
         super().__init__(**keywords)
@@ -65,8 +64,8 @@ class ControlUnit(Unit):
 
 def _outputs(signals: ClampingSignals) -> dict[str, tuple[float | bool, str]]:
     return {
-        "primary.clampingForce": (PressureCircuit.area * signals.primary_pressure, "Mean over the last step, N"),
-        "secondary.clampingForce": (PressureCircuit.area * signals.secondary_pressure, "Mean over the last step, N"),
+        "primary.pressure": (signals.primary_pressure, "Mean over the last step, Pa"),
+        "secondary.pressure": (signals.secondary_pressure, "Mean over the last step, Pa"),
         "ratio.target": (signals.target_ratio, "1"),
         "intervening": (signals.intervening, "Whether the slip controller intervenes against macro-slip"),
     }
