@@ -178,7 +178,7 @@ def test_variables_are_a_typed_table(belt: Variator) -> None:
         text = repr(belt.variables[name])
         assert name in text and belt.variables[name].description in text and "\n" not in text
     assert "kg.m2" in repr(inertia) and "start ALE, one of ALE0, ALE" in repr(ring)
-    assert "6 inputs" in repr(belt.variables) and "start True" in repr(belt.variables["initial.steady"])
+    assert "8 inputs" in repr(belt.variables) and "start True" in repr(belt.variables["initial.steady"])
 
 
 def test_other_units_are_named(fmu3: Path, map_fmu: Path) -> None:
