@@ -59,7 +59,8 @@ def parsers() -> dict[str, argparse.ArgumentParser]:
 
 def commands() -> str:
     """The page of all commands."""
-    text = "# Commands\n\nAll commands of `pushbelt`. In the source tree `cargo fmu COMMAND` takes the same words for the programs among them; `cargo fmu --help` lists the others.\n"
+    text = "# Commands\n\nAll commands of `pushbelt`. In the source tree `cargo fmu COMMAND` takes the same words for the programs among them; "
+    text += "`cargo fmu --help` lists the others.\n"
     for name, parser in parsers().items():
         text += f"\n## pushbelt {name}\n\n{(parser.description or '').strip()}\n\n| | |\n|---|---|\n"
         for action in parser._actions:

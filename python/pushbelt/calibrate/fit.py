@@ -392,7 +392,8 @@ class _Search:
     # Outliers
 
     def leave_out(self, free: Sequence[int]) -> None:
-        """Fits with the robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of the intervals: a t-test of
+        """Fits with the robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others
+        with the confidence of the intervals: a t-test of
         the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row, or of a sample,
         go together, because a faulty cell may be one of the conditions."""
         self.run(free, robust=True)

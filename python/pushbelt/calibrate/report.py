@@ -97,7 +97,8 @@ def _cells(row: Row) -> list[Any]:
     point, measured = row.point, row.measured
     return [
         point.line, point.name, measured.time, point.ratio, point.speed_ratio, point.speed, point.torque, point.force,
-        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s", measured.value, measured.deviation, row.before, row.after, row.residual, row.relative,
+        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s",
+        measured.value, measured.deviation, row.before, row.after, row.residual, row.relative,
         row.reason if row.kept else "outlier",
     ]  # fmt: skip
 

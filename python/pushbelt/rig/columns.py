@@ -45,7 +45,10 @@ _PRESSURES = _spelled("p", "pressure", "oil pressure", "Druck")
 
 NAME, SERIES, TIME = "name", "series", "time"
 CONDITIONS: Mapping[str, Column] = {
-    "ratio.geometric": Column("ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive", ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis")),
+    "ratio.geometric": Column(
+        "ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive",
+        ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis"),
+    ),
     "ratio.speed": Column(
         "ratio", 0.1, 10.0, "primary speed/secondary speed, in place of ratio.geometric", 
         ("i", "speed ratio", "i_speed", "n_P/n_S", "n1/n2", "n_in/n_out", "n_an/n_ab", "ratio", "gear ratio", "transmission ratio", "CVT ratio",
@@ -76,10 +79,12 @@ HIGHEST = 1.0
 """Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
 QUANTITIES: Mapping[str, Quantity] = {
     "thrustRatio": Quantity(
-        "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio", ("thrust ratio", "F_P/F_S", "F1/F2", "zeta", "KpKs", "Kp/Ks", "force ratio", "clamping force ratio", "Kraftverhältnis"), None, 0.0, 0.01
+        "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio",
+        ("thrust ratio", "F_P/F_S", "F1/F2", "zeta", "KpKs", "Kp/Ks", "force ratio", "clamping force ratio", "Kraftverhältnis"), None, 0.0, 0.01
     ),
     "slip": Quantity(
-        "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric", ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf"), None, 5e-4, 0.05
+        "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric",
+        ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf"), None, 5e-4, 0.05
     ),
     "efficiency": Quantity("ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad"), None, 3e-3, 0.0),
     "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), None, 0.01, 0.05),

@@ -428,7 +428,8 @@ class _Reader:
             else:
                 outside[row], raw[row] = text, value
         other = next(name for name in numerals.SIGNS if name != decimal)
-        for row in [row for row in errors if isinstance(column[row], str) and numerals.number(column[row], decimal) is None is not numerals.number(column[row], other)]:
+        texts = [row for row in errors if isinstance(column[row], str)]
+        for row in [row for row in texts if numerals.number(column[row], decimal) is None is not numerals.number(column[row], other)]:
             # A decimal sign unlike that of the other numbers is ambiguous.
             text = f"'{column[row]}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             self.faults.append(Fault(text, self._line_of(row), one.title))

@@ -53,7 +53,8 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(1e-3, "mNm"),
         **_all(10.0, "daNm"),
         **_all(0.01, "Ncm"),
-        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lbsft lb-ft ft-lb lbf-ft ft-lbf lbs-ft ft-lbs lb_ft ft_lb poundfeet pound-feet footpounds foot-pounds"),
+        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lbsft lb-ft ft-lb lbf-ft "
+               "ft-lbf lbs-ft ft-lbs lb_ft ft_lb poundfeet pound-feet footpounds foot-pounds"),
         **_all(POUND * FOOT / 12.0, "lbfin lbin inlbf inlb in-lb lb-in"),
         **_all(9.80665, "kgfm kgm kpm mkp"),
     },
@@ -77,7 +78,10 @@ SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
         **_all(6894.757293168, "psia", -ATMOSPHERE),
         **_all(98066.5, "kgf/cm2 kgf/cm^2 at"),
     },
-    "time": {**_all(1.0, "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
+    "time": {
+        **_all(1.0, "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss"),
+        **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours"),
+    },
     "rate": {**_all(1.0, "1/s s-1 s^-1 /s 1/sec hz"), **_all(1.0 / 60.0, "1/min /min min-1 min^-1")},
     "velocity": {
         **_all(1.0, "m/s ms-1 ms^-1 m/sec"),
@@ -151,7 +155,10 @@ OF_FMU: Mapping[str, str] = {
 }
 """Dimension by the unit of a variable of the FMU."""
 
-SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-", "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°"})  # fmt: skip
+SIGNS = str.maketrans({
+    "\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-",
+    "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°",
+})  # fmt: skip
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
 
@@ -162,7 +169,9 @@ def normal(text: str) -> str:
     text = text.strip().translate(SIGNS)
     text = re.sub(r"[⁺⁻⁰¹²³⁴-⁹]+", lambda found: "^" + found.group(), text)
     text = unicodedata.normalize("NFKC", text).translate(SIGNS).strip()
-    text = re.sub(r"\s*(?:\[(.*)\]|\((?![ag]\))(.*)\)|<(.*)>)\s*", lambda found: next(g for g in found.groups() if g is not None), text, count=1) if text[:1] in "[(<" else text
+    if text[:1] in "[(<":
+        bracketed = r"\s*(?:\[(.*)\]|\((?![ag]\))(.*)\)|<(.*)>)\s*"
+        text = re.sub(bracketed, lambda found: next(g for g in found.groups() if g is not None), text, count=1)
     text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•*×]+(?=[A-Za-z])", "", text)
     text = re.sub(r"\*\*", "^", text)
     text = re.sub(r"\s+", "", text)

@@ -14,7 +14,8 @@ REPEATED = {"directive": "job_extra_directives", "prologue": "job_script_prologu
 
 
 def cluster(text: str) -> tuple[Any, int]:
-    """A cluster without jobs so far, and their number; each has `cores` processes, as `queue=normal walltime=02:00:00 jobs=4 cores=16 "directive=--nice=100"` says."""
+    """A cluster without jobs so far, and their number; each has `cores` processes, as
+    `queue=normal walltime=02:00:00 jobs=4 cores=16 "directive=--nice=100"` says."""
     from dask_jobqueue import SLURMCluster
 
     given: dict[str, Any] = {}
