@@ -151,7 +151,7 @@ const PULLEY: PulleyParameters = PulleyParameters {
     min_radius: 0.03,
     max_radius: 0.082,
     drag_constant: 0.15,
-    drag_viscous: 5e-4,
+    drag_viscous: 4e-4,
     bearing_friction: 1.8e-3,
     bearing_radius: 0.02,
     cylinder: Cylinder {
