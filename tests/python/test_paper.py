@@ -22,9 +22,8 @@ from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt_paper import __main__, cases, figures, profiles, report, rings, runs, times
+from pushbelt_paper import __main__, cases, figures, profiles, report, rings, times
 from pushbelt_paper.results import Window
-from pushbelt_paper.statements import evaluate
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
@@ -231,10 +230,3 @@ def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path
     drift = found.motions["6", "ALE0"].drift
     assert np.abs(drift).max() < 1e-9
     reports.look_at(tmp_path / "report.html")
-
-
-@pytest.mark.slow
-def test_verdicts_of_a_full_run_are_pinned(paper_fmu: Path, rings_program: Path, tmp_path: Path) -> None:
-    """`cargo fmu paper --store` renews them; a change is a reviewed change."""
-    statements = evaluate(runs.run_all(paper_fmu, rings_program, tmp_path, runs.FULL))
-    assert {s.key: s.verdict.value for s in statements} == {s.key: s.pinned for s in statements}
