@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Inputs, Outputs, Profile, PulleyOutputs};
+use pushbelt::variator::settings::{Inputs, Outputs, Profile};
 
 /// Communication step, s.
 pub const STEP: f64 = 1e-3;
@@ -48,29 +48,16 @@ impl Figures {
     fn add_outputs(&mut self, o: &Outputs) {
         self.0.push(Vec::new());
         for pulley in [&o.primary, &o.secondary] {
-            let PulleyOutputs {
-                speed,
-                radius,
-                position,
-                axial_force,
-                shaft_torque,
-                external_torque,
-                power,
-                spiral,
-                tilt,
-                idle_arc: _,
-                ..
-            } = *pulley;
             for value in [
-                speed,
-                radius,
-                position,
-                axial_force,
-                shaft_torque,
-                external_torque,
-                power,
-                spiral,
-                tilt,
+                pulley.speed,
+                pulley.radius,
+                pulley.position,
+                pulley.axial_force,
+                pulley.shaft_torque,
+                pulley.external_torque,
+                pulley.power,
+                pulley.spiral,
+                pulley.tilt,
             ] {
                 self.add(value);
             }

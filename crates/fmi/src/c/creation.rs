@@ -1,4 +1,4 @@
-//! Creation of an instance, for both versions.
+//! Creation and end of an instance, for both versions.
 
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -17,6 +17,7 @@ use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
 use crate::slave::{Environment, Master, Slave, Version};
 use crate::start_values::{self, Token};
+use crate::state::Call;
 use crate::unit::Unit;
 
 /// The importer's function for messages, with the arguments that all messages have in common.
@@ -119,6 +120,23 @@ pub(crate) unsafe fn create<U: Unit>(
         dispatch::INSTANCES.fetch_add(1, Ordering::SeqCst);
         Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
     })
+}
+
+/// Frees an instance; null is legal. Within `fmi3DoStep`, in intermediate update mode, nothing happens.
+///
+/// # Safety
+/// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, which is not used any more.
+pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
+    contain((), || {
+        let pointer = instance.cast::<Slave<U>>();
+        // SAFETY: as the caller grants.
+        unsafe {
+            if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
+                drop(Box::from_raw(pointer));
+                dispatch::INSTANCES.fetch_sub(1, Ordering::SeqCst);
+            }
+        }
+    });
 }
 
 /// What the master handles, and the start values of the instance; or why there is none.

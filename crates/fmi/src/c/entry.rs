@@ -2,9 +2,7 @@
 
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::Ordering;
 
-use super::dispatch::INSTANCES;
 use super::floating_point;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
@@ -131,24 +129,6 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
         })
     }
 }
-
-/// Frees an instance; null is legal. Within `fmi3DoStep`, in intermediate update mode, nothing happens.
-///
-/// # Safety
-/// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, which is not used any more.
-pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
-    contain((), || {
-        let pointer = instance.cast::<Slave<U>>();
-        // SAFETY: as the caller grants.
-        unsafe {
-            if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
-                drop(Box::from_raw(pointer));
-                INSTANCES.fetch_sub(1, Ordering::SeqCst);
-            }
-        }
-    });
-}
-
 fn is_usable<T>(pointer: *const T, count: usize) -> bool {
     !pointer.is_null()
         && pointer.is_aligned()

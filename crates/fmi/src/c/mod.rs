@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `entry` | the entry of every C function; pointers to slices, references and strings |
 //! | `floating_point` | the floating-point environment of the host, and the default one |
-//! | `creation` | creation of an instance |
+//! | `creation` | creation and end of an instance |
 //! | `stored` | stored states |
 //! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
 //! | `library` | shared libraries at run time |

@@ -4,9 +4,8 @@ use libc::{c_char, c_int, c_uint};
 
 use super::creation::instantiate;
 use super::types::{CallbackFunctions, Component, FmuState};
-use crate::c::entry::{
-    array, array_mut, enter, free_instance, get, no_such_type, result, set, set_debug_logging, unsupported,
-};
+use crate::c::creation::free_instance;
+use crate::c::entry::{array, array_mut, enter, get, no_such_type, result, set, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::log::Status;
 use crate::slave::{Slave, Type};

@@ -3,7 +3,6 @@
 use libc::c_int;
 use std::ptr;
 
-use super::functions::CO_SIMULATION;
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::{Messages, create};
 use crate::c::entry::{array, contain};
@@ -104,6 +103,7 @@ fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result
 /// The function for messages is null or can be called with the environment.
 pub(super) unsafe fn refuse_instance(
     function: &str,
+    why: &str,
     environment: Environment,
     log_message: Option<LogMessage>,
 ) -> Instance {
@@ -113,7 +113,7 @@ pub(super) unsafe fn refuse_instance(
                 log_message,
                 environment,
             };
-            messages.send(Status::Error, Category::Error, &format!("{function}: {CO_SIMULATION}"));
+            messages.send(Status::Error, Category::Error, &format!("{function}: {why}"));
         }
     });
     ptr::null_mut()

@@ -6,9 +6,8 @@ use std::ptr::null_mut;
 use super::creation::{instantiate, processor_suffices, refuse_instance};
 use super::steps::do_step;
 use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use crate::c::entry::{
-    NULL_RESULT, array, array_mut, enter, free_instance, get, no_such_type, set, set_debug_logging, unsupported,
-};
+use crate::c::creation::free_instance;
+use crate::c::entry::{NULL_RESULT, array, array_mut, enter, get, no_such_type, set, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::log::Status;
 use crate::slave::{Slave, Type, refused};
@@ -16,7 +15,7 @@ use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
 /// Why functions are not supported.
-pub(super) const CO_SIMULATION: &str = "this FMU is for co-simulation only";
+const CO_SIMULATION: &str = "this FMU is for co-simulation only";
 const STRUCTURE: &str = "there are no structural parameters";
 const DISCRETE_STATES: &str = "there are no discrete states (providesEvaluateDiscreteStates is false)";
 const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
@@ -37,7 +36,7 @@ macro_rules! fmi3_functions {
         fmi3InstantiateModelExchange(
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             environment: Environment, log_message: Option<LogMessage>
-        ) -> Instance = refuse_instance(FUNCTION, environment, log_message);
+        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION, environment, log_message);
         fmi3InstantiateCoSimulation(
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             event_mode_used: Boolean, early_return_allowed: Boolean, required_intermediate_variables: *const Reference,
@@ -56,7 +55,7 @@ macro_rules! fmi3_functions {
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             environment: Environment, log_message: Option<LogMessage>, clock_update: *const c_void,
             lock_preemption: *const c_void, unlock_preemption: *const c_void
-        ) -> Instance = refuse_instance(FUNCTION, environment, log_message);
+        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION, environment, log_message);
         fmi3FreeInstance(c: Instance) = free_instance::<U>(c);
         fmi3EnterInitializationMode(
             c: Instance, tolerance_defined: Boolean, tolerance: f64, start_time: f64, stop_time_defined: Boolean,

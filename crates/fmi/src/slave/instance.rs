@@ -8,13 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
-use super::steps::StepInProgress;
 use crate::description;
 use crate::log::{Category, Log, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
-use crate::unit::{Remark, Unit};
+use crate::unit::{CommunicationStep, Remark, Unit};
 
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +47,15 @@ pub struct Master {
     pub intermediate: Vec<u32>,
     /// Whether inputs are among them.
     pub sets_inputs: bool,
+}
+
+/// A communication step that has begun.
+pub(super) struct StepInProgress<U: Unit> {
+    pub step: CommunicationStep<U>,
+    /// The communication point at which it ends.
+    pub end: Clock,
+    /// Whether it ends early.
+    pub shortened: bool,
 }
 
 /// An instance of a unit.

@@ -1,21 +1,11 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
-use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
-use super::instance::{Environment, IntermediateUpdate, Slave};
+use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
 use crate::log::{Category, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{CommunicationStep, StepFailure, Unit};
-
-/// A communication step that has begun.
-pub(super) struct StepInProgress<U: Unit> {
-    pub step: CommunicationStep<U>,
-    /// The communication point at which it ends.
-    pub end: Clock,
-    /// Whether it ends early.
-    pub shortened: bool,
-}
 
 /// What comes next in a communication step.
 #[derive(Clone, Copy, Debug)]
