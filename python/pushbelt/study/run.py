@@ -134,7 +134,7 @@ def _solve_chunk(archive: Archive, *arguments: Any) -> list[tuple[int, Row]]:
 
 
 def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
-    """`solve` with a progress bar and the options of `cli.options.add_cluster`. After Ctrl-C it prints how many tasks are finished."""
+    """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
     store, begin = Store(options.output, tasks), time.perf_counter()
     if options.anew or options.measure:
         store.clear()
