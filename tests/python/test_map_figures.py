@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sample_maps
 
-from pushbelt import charts, style
-from pushbelt.maps.panels import Border, levels_of, middle_of, panel
 from pushbelt.maps import figures
+from pushbelt.maps.panels import Border, levels_of, middle_of, panel
+from pushbelt.report import charts, style
 from pushbelt.sweep.maps import carried
 
 RATIO, UTILISATION = np.array([0.5, 1.0, 2.0]), np.linspace(-0.9, 0.9, 13)

@@ -18,8 +18,7 @@ from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.maps.data import Maps
-from pushbelt.progress import progress_bar
-from pushbelt.side_by_side import run_in_workers, tick
+from pushbelt.report.side_by_side import progress_bar, run_in_workers, tick
 
 from . import fmus, package
 from .masters import MASTERS, Progress

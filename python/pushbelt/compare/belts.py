@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
 from pushbelt.fmu.data import is_chain
 from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
+from pushbelt.report.belt_view import Motion, integrated, motion
 
 FIELD = "profile."
 """Prefix of the names of fields along the belt."""

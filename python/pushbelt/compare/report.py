@@ -8,10 +8,11 @@ from typing import Any
 
 from markupsafe import Markup
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.style import BLUE, ORANGE, in_figures
+from pushbelt import tables
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import BLUE, ORANGE, in_figures
 
 from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair

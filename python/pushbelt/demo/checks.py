@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from pushbelt.checks import Check
 from pushbelt.fmu.data import curve_at, is_chain
 from pushbelt.fmu.fields import EDGE, push_force_gains
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Trace
+from pushbelt.report.page import Check
 
 from .events import detect
 from .results import DemoResults, MeasuredPoint

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
-from pushbelt.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.belt_view import Motion, integrated, motion
+from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from .checks import energy_bound
 from .events import Event

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view, steady
+from pushbelt import tables
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view, steady
 
 from . import checks, events, figures
 from .manoeuvre import START_VALUES

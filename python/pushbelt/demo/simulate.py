@@ -10,8 +10,8 @@ from pushbelt.fmu.data import load_cases as all_load_cases
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.results import LoadCase, LoadCaseResult
 from pushbelt.fmu.unit import Archive
-from pushbelt.side_by_side import run_all as run_side_by_side
-from pushbelt.side_by_side import tick
+from pushbelt.report.side_by_side import run_all as run_side_by_side
+from pushbelt.report.side_by_side import tick
 
 from . import manoeuvre, measured
 from .results import DemoResults, ManoeuvreResult, MeasuredPoint

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
-from pushbelt.charts import Chart, Field, Panel, Series, Shade, Tick
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.belt_view import Motion, integrated, motion
+from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view
+from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view
 
 from . import figures
 from .car import demo_car

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
 from pushbelt.maps.data import Maps
-from pushbelt.side_by_side import tick
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import tick
 
 from . import simulate
 from .car import demo_car

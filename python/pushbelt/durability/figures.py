@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pushbelt.charts import Chart, Level, Panel, Series
-from pushbelt.style import BLUE, COLOUR_SCALE, GREEN, MUTED, ORANGE, RED
+from pushbelt.report.charts import Chart, Level, Panel, Series
+from pushbelt.report.style import BLUE, COLOUR_SCALE, GREEN, MUTED, ORANGE, RED
 
 from .damage import Damage
 

@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
     """The models, with a progress bar."""
     # Imported here, so that the help needs no packages of the extras.
-    from pushbelt.progress import progress_bar
+    from pushbelt.report.side_by_side import progress_bar
 
     axes = asked.filled(variator)
     bar = progress_bar(axes.size, "working points")

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import Maps
 from pushbelt.maps.panels import TICKS, Border, heading, levels_of, panel, shades
-from pushbelt.style import BLUE, ORANGE
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import BLUE, ORANGE
 
 RPM = 30.0 / np.pi
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from ..charts import Field, Panel, Series, around
 from ..fmu.geometry import Array
-from ..page import MINUS
-from ..style import COLOUR_SCALE, INK, MUTED, RED, mixed
+from ..report.charts import Field, Panel, Series, around
+from ..report.page import MINUS
+from ..report.style import COLOUR_SCALE, INK, MUTED, RED, mixed
 
 TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
 ROWS = 61

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pushbelt.maps.data import AXES, TABLES, Maps
-from pushbelt.page import write_html
+from pushbelt.report.page import write_html
 from pushbelt.study.run import Effort
 
 from . import figures, files

@@ -14,9 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
-from pushbelt.progress import progress_bar
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import progress_bar
 
 from . import worker
 from .store import Store

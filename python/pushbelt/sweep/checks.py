@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
+from pushbelt.report.page import Check
 
 from .maps import Results, in_rpm
 from .study import AXES

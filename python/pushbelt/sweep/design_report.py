@@ -10,12 +10,11 @@ import numpy as np
 import pyarrow as pa
 from scipy.stats import rankdata
 
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
-from pushbelt.page import write_html
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.page import Check, write_html
+from pushbelt.report.style import BLUE, RED, in_figures
 from pushbelt.study.run import Effort
-from pushbelt.style import BLUE, RED, in_figures
 
 from .checks import of_all
 from .maps import Quantity

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series
 from pushbelt.maps.panels import Border, heading, levels_of, panel, shades
+from pushbelt.report.charts import Chart, Panel, Series
 
 from .maps import QUANTITIES, Quantity, Results, carried, in_rpm
 

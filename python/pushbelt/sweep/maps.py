@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.panels import levels_of, middle_of
-from pushbelt.style import INK, RED, STYLE, colour_stops
+from pushbelt.report.style import INK, RED, STYLE, colour_stops
 
 from .study import Grid
 

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
 
-from pushbelt.page import write_html
+from pushbelt.report.page import write_html
 from pushbelt.study.run import Effort
 
 from . import checks, figures, maps

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series
 from pushbelt.fmu import shift
 from pushbelt.fmu.shift import ShiftRun
 from pushbelt.fmu.starts import driven_at_speed
+from pushbelt.report.charts import Chart, Panel, Series
 
 from ..bench import Bench, Plan, rad
 from ..limit import belt_of

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
+from ..fmu.data import curve_of, is_chain
+from ..fmu.geometry import Array, TwoPulleyCurve
+from ..fmu.results import BeltState
 from .charts import encoded
-from .fmu.data import curve_of, is_chain
-from .fmu.geometry import Array, TwoPulleyCurve
-from .fmu.results import BeltState
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3

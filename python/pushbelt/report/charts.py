@@ -16,7 +16,7 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
-from .fmu.geometry import Array
+from ..fmu.geometry import Array
 from .style import GRID, INK, MUTED, colour_stops
 
 BUCKETS = 900
