@@ -18,7 +18,7 @@ from fmpy.validation import validate_fmu
 from pushbelt import MapVariator, cli
 from pushbelt.demo import manoeuvre
 from pushbelt.drive import simulate
-from pushbelt.drive.car import demo_car
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import CYCLES
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap

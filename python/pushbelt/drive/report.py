@@ -14,7 +14,7 @@ from pushbelt.report import page
 from pushbelt.report.belt_view import belt_view
 
 from . import figures
-from .car import demo_car
+from .vehicle import demo_car
 from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, OF_STEPS, STEP, Run

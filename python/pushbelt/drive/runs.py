@@ -12,7 +12,7 @@ from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import tick
 
 from . import simulate
-from .car import demo_car
+from .vehicle import demo_car
 from .cycle import CYCLES
 from .measure import measure
 from .simulate import Run, Setup
@@ -107,8 +107,16 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     """Runs a plan with an FMU; the controllers' maps are stored in the folder `cache`."""
+    setups = plan.setups()
     with Archive.unpack(fmu) as archive:
-        return _run_all(fmu, archive, plan, cache)
+        maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
+        done = side_by_side.run_all(
+            [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
+            total=round(sum(setup.cycle.duration for setup in setups)),
+            title="driving",
+            workers=len(setups),
+        )
+        return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], *done)
 
 
 def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
@@ -116,15 +124,3 @@ def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
         return ThrustMap.of_maps(Maps.read(plan.maps))
     parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
     return ThrustMap.of_maps(measure(fmu, parameters, cache))
-
-
-def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
-    setups = plan.setups()
-    maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
-    done = side_by_side.run_all(
-        [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
-        total=round(sum(setup.cycle.duration for setup in setups)),
-        title="driving",
-        workers=len(setups),
-    )
-    return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], *done)

@@ -157,6 +157,15 @@ class Chart:
         return str(html(self))
 
 
+def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label: str, **common: Any) -> list[Panel]:
+    """Panels above each other over the same x, whose label the last one has. A row has a title, lines, and further settings of its panel."""
+    last = len(rows) - 1
+    return [
+        Panel(title, series, x_label if k == last else "", **{**common, **more})
+        for k, (title, series, more) in enumerate(rows)
+    ]
+
+
 def html(chart: Chart) -> Markup:
     """The chart as an HTML fragment."""
     specification = {
