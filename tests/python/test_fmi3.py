@@ -23,7 +23,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from pushbelt.demo import manoeuvre
+from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 
 FMPY = Path(fmpy.__file__).parent
@@ -186,7 +186,7 @@ RUNS = {
     "manoeuvre": {
         "stop_time": 10.0,
         "output_interval": 1e-3,
-        "start_values": manoeuvre.START_VALUES,
+        "start_values": demo.START_VALUES,
         "input": inputs_of_the_manoeuvre(),
     },
 }
@@ -302,7 +302,7 @@ def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path, name: str) 
     outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
     start, inputs, steps = {
         "default experiment": ({}, lambda _time: {}, 1000),
-        "manoeuvre": (manoeuvre.START_VALUES, manoeuvre_inputs().at, 10_000),
+        "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000),
     }[name]
     two, three = (masters.with_ecos(path, start, inputs, steps, outputs) for path in (fmu, fmu3))
     assert np.all(np.isfinite(three)) and np.ptp(three[:, 0]) > 0.0

@@ -16,7 +16,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from pushbelt import MapVariator, cli
-from pushbelt.demo import manoeuvre
+from pushbelt.demo import simulate as demo
 from pushbelt.drive import simulate
 from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import CYCLES
@@ -143,7 +143,7 @@ def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_arc
 def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
     """The demo's manoeuvre in steps of 10 ms: outputs by name."""
     inputs, known = manoeuvre_inputs(), {variable.name for variable in unpacked.description.modelVariables}
-    start = {**parameter_set("bench168"), **manoeuvre.START_VALUES, **inputs.at(0.0)}
+    start = {**parameter_set("bench168"), **demo.START_VALUES, **inputs.at(0.0)}
     names = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"]
     rows = []
     with Instance(unpacked, {name: value for name, value in start.items() if name in known}) as unit:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pushbelt import cli
-from pushbelt.demo import manoeuvre
+from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 
 OUTPUTS = (
@@ -43,7 +43,7 @@ def unwired(_time: float) -> dict[str, float]:
 
 RUNS = {
     "default experiment": ({}, unwired, 1000),
-    "manoeuvre": (manoeuvre.START_VALUES, manoeuvre_inputs().at, 10_000),
+    "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000),
 }
 
 
