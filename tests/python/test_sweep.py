@@ -22,6 +22,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import reports
+import xarray
 from distributed import Client
 
 from pushbelt.fmu.unit import Archive, Instance, UnitError
@@ -228,15 +229,15 @@ def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
 # Checks and maps
 
 
-def changed(study: Study, index: int, **values: float) -> maps.Results:
+def changed(study: Study, index: int, **values: float) -> xarray.Dataset:
     """The made-up results with a point changed; double underscores stand for dots."""
     rows = made_up(study)
     rows[index] |= {name.replace("__", "."): value for name, value in values.items()}
-    return maps.Results(study.grid, table(study, rows))
+    return maps.gridded(study.grid, table(study, rows))
 
 
 def test_checks_pass_what_is_right(study: Study) -> None:
-    results = maps.Results(study.grid, table(study, made_up(study)))
+    results = maps.gridded(study.grid, table(study, made_up(study)))
     assert [check.statement for check in checks.evaluate(results) if not check.passed] == []
     assert max(abs(spot.share) for spot in checks.spots(results)) < 0.03
 
@@ -262,10 +263,11 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
 def test_checks_find_a_hole(study: Study) -> None:
     rows = made_up(study)
     rows[4] = {"reason": "none found"}
-    results = maps.Results(study.grid, table(study, rows))
+    results = maps.gridded(study.grid, table(study, rows))
     failed = [check for check in checks.evaluate(results) if not check.passed]
     assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
-    assert checks.name_of(results, np.unravel_index(4, GRID.shape)) in failed[0].found
+    point = GRID.points()[4]
+    assert checks.name_of(results, vars(point)) in failed[0].found
 
 
 def test_roughest_spot_comes_first(study: Study) -> None:
@@ -277,7 +279,7 @@ def test_roughest_spot_comes_first(study: Study) -> None:
 
 def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
-    sheets = maps.sheets(maps.Results(several.grid, table(several, made_up(several))))
+    sheets = maps.sheets(maps.gridded(several.grid, table(several, made_up(several))))
     assert list(sheets) == ["thrust-ratio", "efficiency", "slip"]
     for name, figure in sheets.items():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
@@ -333,7 +335,7 @@ def test_beyond_capacity_is_a_reason(study: Study, solved: dict[int, Row]) -> No
 
 def test_states_make_sense(study: Study, solved: dict[int, Row]) -> None:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
-    results = maps.Results(study.grid, table(study, solved))
+    results = maps.gridded(study.grid, table(study, solved))
     failed = [check.statement for check in checks.evaluate(results) if not check.passed]
     assert [statement for statement in failed if not statement.startswith("Losses of the belt sum")] == []
 
