@@ -9,7 +9,7 @@ import numpy as np
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
-from pushbelt.report.belt_view import Motion, integrated, motion
+from pushbelt.report.belt_view import Motion, over_time
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
@@ -186,8 +186,7 @@ def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion
         float(moment): BeltState({name: float(at[name][k]) for name in names}, run.snapshots[moment])
         for k, moment in enumerate(moments)
     }
-    speeds = ("primary.speed", "secondary.speed", "belt.speed")
-    return motion(states, parameters, [integrated(trace.time, trace[name], moments) for name in speeds])
+    return over_time(trace.time, trace.columns, states, parameters)
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:

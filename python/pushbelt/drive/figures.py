@@ -6,7 +6,7 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
-from pushbelt.report.belt_view import Motion, integrated, motion
+from pushbelt.report.belt_view import SPEEDS, Motion, over_time
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
@@ -59,9 +59,8 @@ def drive(run: Run, group: str = "") -> Chart:
 def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
     """The belt during a run."""
     moments = np.array(sorted(run.snapshots))
-    speeds = ("primary.speed", "secondary.speed", "belt.speed")
-    at = [np.array([run.snapshots[moment][name] for moment in moments]) for name in speeds]
-    return motion(run.snapshots, parameters, [integrated(moments, values, moments) for values in at])
+    columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
+    return over_time(moments, columns, run.snapshots, parameters)
 
 
 def savings(fixed: Run, slip: Run) -> Chart:
