@@ -23,7 +23,7 @@ BROAD = {
     "fmu/untrusted.py",
     "fmu/steady.py",
     "rig/text.py",
-    "side_by_side.py",
+    "report/side_by_side.py",
     "study/cluster.py",
 }
 """Files that convert any exception of a library or a worker to an error or a reason."""

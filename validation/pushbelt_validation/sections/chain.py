@@ -6,7 +6,6 @@ friction with speed. Torques are shares r of that of full slip of the secondary 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np

@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pushbelt.fmu.starts import StartValues, driven_at_speed, driven_by_torque
-from pushbelt.fmu.tilt import moment_of
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan
 from ..limit import EFFECTS, PULLEYS, QUICK, belt_of, deviation
 from ..outcome import Column, Part, Section, Unit, curve, table
+from ..tilt import moment_of
 from .continuum import (
     IDLE_SPEED,
     SHIFT_FORCE,
