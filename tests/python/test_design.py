@@ -31,11 +31,6 @@ COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in COARSE.items()]
 
 
-@pytest.fixture(scope="module")
-def variables(fmu: Path) -> Mapping[str, Any]:
-    return Study(fmu, variator("bench168")).variables
-
-
 # Designs
 
 

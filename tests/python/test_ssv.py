@@ -24,11 +24,6 @@ import related_files  # noqa: E402
 FOLDER = ROOT / "resources" / "parameters"
 
 
-@pytest.fixture
-def variables(description: Any) -> dict[str, Any]:
-    return {variable.name: variable for variable in description.modelVariables}
-
-
 @pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
     """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
