@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -89,16 +89,8 @@ class Results:
     units: Mapping[str, str]
     """Units of the columns of the runs by name."""
     thrust_map: ThrustMap
-    fixed: Run
-    slip: Run
-    close_up: Run
-    fixed_low_friction: Run
-    slip_low_friction: Run
-
-    @property
-    def runs(self) -> tuple[Run, ...]:
-        """All runs."""
-        return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
+    runs: Sequence[Run]
+    """In the order of `Plan.setups`."""
 
 
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
@@ -116,7 +108,7 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
             title="driving",
             workers=len(setups),
         )
-        return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], *done)
+        return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], done)
 
 
 def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
