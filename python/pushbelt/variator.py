@@ -284,9 +284,7 @@ class Variator(LinearPoints):
     def _follow(self, ramp: Ramp, origin: float) -> None:
         """A step in which the inputs change linearly."""
         inputs = [name for name in ramp.begin if self._declared[name].causality == "input"]
-        tunable = {
-            name: 0.5 * (value + ramp.end[name]) for name, value in ramp.begin.items() if name not in inputs
-        }
+        tunable = {name: 0.5 * (value + ramp.end[name]) for name, value in ramp.begin.items() if name not in inputs}
         if tunable:
             self.set(tunable)
         rates = [(ramp.end[name] - ramp.begin[name]) / ramp.duration for name in inputs]

@@ -18,7 +18,6 @@ from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
 from pushbelt.variator import Variator
 
 
-
 @pytest.fixture(scope="module")
 def belt(fmu: Path) -> Iterator[Variator]:
     """A variator on a coarse mesh, for steady states."""

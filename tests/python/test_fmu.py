@@ -37,11 +37,7 @@ def test_a_first_user_wires_four_inputs_and_reads_two_outputs(fmu: Path) -> None
         ],
     )
     result = fmpy.simulate_fmu(
-        fmu,
-        stop_time=0.1,
-        output_interval=1e-3,
-        input=wires,
-        output=["thrustRatio", "belt.speed"],
+        fmu, stop_time=0.1, output_interval=1e-3, input=wires, output=["thrustRatio", "belt.speed"]
     )
     assert len(result) == 101
     assert 0.5 < result["thrustRatio"][-1] < 3.0

@@ -164,9 +164,7 @@ def test_refusals_in_python_name_the_point(belt: Variator) -> None:
 def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     common = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(["primary.clampingForce=20000", *common]) == 1
-    assert re.search(
-        r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err
-    )
+    assert re.search(r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err)
     assert linearize.main(["secondary.torque=-59", *common]) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
 

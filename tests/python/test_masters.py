@@ -41,10 +41,7 @@ def unwired(_time: float) -> dict[str, float]:
     return {}
 
 
-RUNS = {
-    "default experiment": ({}, unwired, 1000),
-    "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000),
-}
+RUNS = {"default experiment": ({}, unwired, 1000), "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000)}
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,6 @@ from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import StartValueError, checked
 
 
-
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 

@@ -104,12 +104,7 @@ class SlipControl:
     """Least speed of the primary pulley for slip control, rad/s."""
 
     def __init__(
-        self,
-        friction: Friction,
-        thrust_map: ThrustMap,
-        flywheel: float,
-        utilisation: float = 0.9,
-        safety: float = 1.3,
+        self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3
     ) -> None:
         """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
         self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation

@@ -164,11 +164,7 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
 
 
 def run(
-    archive: Archive,
-    car: Car,
-    thrust_map: ThrustMap,
-    setup: Setup,
-    progress: Callable[[float], None] = lambda _: None,
+    archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None
 ) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
 

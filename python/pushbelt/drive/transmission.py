@@ -94,10 +94,7 @@ def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: 
 
     Raises ValueError for any other name.
     """
-    strategies = {
-        "safety": lambda: SafetyFactor(friction),
-        "slip": lambda: SlipControl(friction, thrust_map, flywheel),
-    }
+    strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, flywheel)}
     if name not in strategies:
         raise ValueError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
     return strategies[name]()
@@ -112,9 +109,7 @@ class TransmissionControl:
     POWER_RISE, POWER_FALL = 0.3, 1.5
     """Time constants with which the ratio follows the demanded power, s."""
 
-    def __init__(
-        self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0
-    ) -> None:
+    def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale
         self.clamping = strategy_of(strategy, friction, thrust_map, car.engine_inertia)
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)

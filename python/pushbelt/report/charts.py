@@ -303,12 +303,7 @@ def _hover(one: Series) -> dict[str, Any]:
 
 def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
     lying = one.kind == "rows"
-    trace: dict[str, Any] = {
-        "type": "bar",
-        "x": encoded(x),
-        "y": encoded(y),
-        "marker": {"color": one.colour},
-    }
+    trace: dict[str, Any] = {"type": "bar", "x": encoded(x), "y": encoded(y), "marker": {"color": one.colour}}
     if one.bar_width is not None:
         trace["width"] = one.bar_width
     if lying:

@@ -145,10 +145,7 @@ def by_value(*modules: ModuleType) -> Iterator[None]:
 
 
 def rows(
-    client: Client,
-    solve: Callable[[Chunk], Rows],
-    chunks: Iterable[Chunk],
-    waiting: Callable[[], object],
+    client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk], waiting: Callable[[], object]
 ) -> Iterator[Rows]:
     """Rows of the chunks in the order of completion. `waiting` is called periodically.
 

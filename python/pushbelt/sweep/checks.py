@@ -39,9 +39,7 @@ class Spot:
 def name_of(results: xarray.Dataset, at: Mapping[str, float]) -> str:
     """Description of a point."""
     force = f", {at['force']:.0f} N" if results.sizes["force"] > 1 else ""
-    return (
-        f"ratio {at['ratio']:.3g}, utilisation {at['utilisation']:g}, μ {at['friction']:g}, {in_rpm(at['speed']):.0f} rpm{force}"
-    )
+    return f"ratio {at['ratio']:.3g}, utilisation {at['utilisation']:g}, μ {at['friction']:g}, {in_rpm(at['speed']):.0f} rpm{force}"
 
 
 def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:

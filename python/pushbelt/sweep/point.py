@@ -26,12 +26,7 @@ Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,
 2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
 
-STANDARD = {
-    "initial.ratio": 1.0,
-    "utilisation": 0.6,
-    "initial.primarySpeed": 209.44,
-    "secondary.clampingForce": 12e3,
-}
+STANDARD = {"initial.ratio": 1.0, "utilisation": 0.6, "initial.primarySpeed": 209.44, "secondary.clampingForce": 12e3}
 """Values of what a point does not have. Its friction is then that of the parameters."""
 ACTING: Mapping[str, Mapping[str, float]] = {
     "primary.clampingForce": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True},
