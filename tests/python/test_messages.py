@@ -21,7 +21,7 @@ BUILTIN = {
 BROAD = {
     "fmu/unit.py",
     "fmu/untrusted.py",
-    "fmu/steady.py",
+    "study/worker.py",
     "rig/text.py",
     "report/side_by_side.py",
     "study/cluster.py",

@@ -53,17 +53,17 @@ def parameter_sets() -> list[str]:
     return sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
 
 
+REMOVED = {
+    "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
+    "belt.filmForce": "delete it, and see CHANGELOG.md for the new values of belt.filmDamping and belt.squeezeDamping",
+}
+"""Parameters of earlier versions, and what to do."""
+
+
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
     """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
-    if "belt.contactStrain" in values:
-        raise InputFileError(
-            f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness"
-        )
-    if "belt.filmForce" in values:
-        raise InputFileError(
-            f"{path}: belt.filmForce has been removed; delete it, and see CHANGELOG.md for the new values of belt.filmDamping and "
-            "belt.squeezeDamping"
-        )
+    for name in REMOVED.keys() & values.keys():
+        raise InputFileError(f"{path}: {name} has been removed; {REMOVED[name]}")
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
             raise InputFileError(
