@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .charts import Chart, Panel, Series, around
 from .fmu.geometry import Array
-from .page import MINUS
-from .style import BLUE, MUTED, ORANGE
+from .report.charts import Chart, Panel, Series, around
+from .report.page import MINUS
+from .report.style import BLUE, MUTED, ORANGE
 
 SURE = 2.0
 """Half-width of the shaded band, in standard deviations."""

@@ -13,9 +13,10 @@ from typing import Any
 import pytest
 import reports
 
-from pushbelt import page, provenance
+from pushbelt import provenance
 from pushbelt.calibrate import __main__ as calibrate
 from pushbelt.fmu.data import RESOURCES, parameter_set
+from pushbelt.report import page
 from pushbelt.rig import worker
 from pushbelt.rig.measured import Measured, Point
 

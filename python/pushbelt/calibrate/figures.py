@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pushbelt import residual_figures
-from pushbelt.charts import Chart
+from pushbelt.report.charts import Chart
 from pushbelt.residual_figures import Residual
 
 from .results import Results, Row

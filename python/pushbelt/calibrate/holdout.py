@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt import page, residual_figures, tables
-from pushbelt.charts import Chart
+from pushbelt import residual_figures, tables
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
-from pushbelt.progress import progress_bar
+from pushbelt.report import page
+from pushbelt.report.charts import Chart
+from pushbelt.report.side_by_side import progress_bar
 from pushbelt.residual_figures import Residual
 from pushbelt.rig import model, points
 from pushbelt.rig.model import Value

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pushbelt import tables
-from pushbelt.page import write_html as write_page
+from pushbelt.report.page import write_html as write_page
 from pushbelt.rig import model, worker
 from pushbelt.rig.points import MEASURED
 

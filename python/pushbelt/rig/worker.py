@@ -14,7 +14,7 @@ import fmpy
 from pushbelt.fmu.enumerations import Axial, Drive, StartState
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
-from pushbelt.side_by_side import tick
+from pushbelt.report.side_by_side import tick
 
 from .measured import SAMPLED, Point, Record
 

@@ -14,7 +14,7 @@ from typing import Any
 import pushbelt
 from pushbelt import cli
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 WRITTEN = "<!-- Written by `cargo fmu describe`: don't edit. -->\n\n"
 
 
