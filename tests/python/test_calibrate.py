@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.calibrate import __main__, fit
+from pushbelt.calibrate import __main__, fit, model, parameters, worker
 from pushbelt.fmu.data import RESOURCES, parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
-from pushbelt.rig import model, parameters, worker
-from pushbelt.rig import points as table
-from pushbelt.rig.measured import Measured, Point
-from pushbelt.rig.model import Model
-from pushbelt.rig.parameters import ParameterError, choose
-from pushbelt.rig.points import TableError
-from pushbelt.rig.worker import Found, Job
+from pushbelt.calibrate.model import Model
+from pushbelt.calibrate.parameters import ParameterError, choose
+from pushbelt.calibrate.worker import Found, Job
+from pushbelt.tables import columns
+from pushbelt.tables import points as table
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Measured, Point
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 BASE = {**parameter_set("bench168"), **COARSE}
@@ -121,9 +121,9 @@ def test_template_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
     assert str(path) in capsys.readouterr().out
     points = table.read(path).points
-    assert [point.name for point in points] == [line[0] for line in table.EXAMPLES]
+    assert [point.name for point in points] == ["underdrive", "ratio 1", "overdrive", "upshift"]
     text = path.read_text(encoding="utf-8")
-    assert all(f"#     {column} [" in text for column in [*table.CONDITIONS, *table.QUANTITIES])
+    assert all(f"#     {column} [" in text for column in [*columns.CONDITIONS, *columns.QUANTITIES])
 
 
 @pytest.mark.parametrize(

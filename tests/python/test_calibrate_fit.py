@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.calibrate import __main__, fit, report, results
+from pushbelt.calibrate import __main__, fit, report, results, worker
 from pushbelt.fmu.data import parameter_set
-from pushbelt.rig import points as tables
-from pushbelt.rig import worker
-from pushbelt.rig.measured import Measured, Point, Record
-from pushbelt.rig.model import Model
-from pushbelt.rig.parameters import Parameter
-from pushbelt.rig.worker import Found, Job
+from pushbelt.calibrate.model import Model
+from pushbelt.calibrate.parameters import Parameter
+from pushbelt.calibrate.worker import Found, Job
+from pushbelt.tables import points as tables
+from pushbelt.tables.points import Measured, Point, Record
 
 NAMES = tuple("abcdef")
 Law = Callable[[np.ndarray, float], float]

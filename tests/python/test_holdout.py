@@ -16,8 +16,8 @@ import reports
 from pushbelt import page, provenance
 from pushbelt.calibrate import __main__ as calibrate
 from pushbelt.fmu.data import RESOURCES, parameter_set
-from pushbelt.rig import worker
-from pushbelt.rig.measured import Measured, Point
+from pushbelt.calibrate import worker
+from pushbelt.tables.points import Measured, Point
 
 SPEED, FORCE = 190.0, 12e3
 

@@ -11,8 +11,10 @@ import pytest
 from rig_tables import UNITS, columns, table
 
 from pushbelt.calibrate import __main__
-from pushbelt.rig import points
-from pushbelt.rig.points import Reading, Rig, TableError
+from pushbelt.tables import points
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Rig
+from pushbelt.tables.sheet import Reading
 
 RPM = np.pi / 30.0
 Columns = dict[str, np.ndarray]

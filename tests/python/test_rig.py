@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import random
@@ -15,8 +14,10 @@ import numpy as np
 import pytest
 
 from pushbelt.calibrate import __main__
-from pushbelt.rig import numerals, options, points, text, units
-from pushbelt.rig.points import Oil, Reading, Rig, TableError
+from pushbelt.tables import files, numerals, points, units
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Oil, Rig
+from pushbelt.tables.sheet import Reading
 
 QUANTITIES = (
     "ratio.geometric", "primary.speed", "primary.torque", "secondary.clampingForce", "primary.clampingForce", "slip", "efficiency",
@@ -272,11 +273,11 @@ def test_a_number_with_the_other_sign_is_a_fault(tmp_path: Path) -> None:
 @pytest.mark.parametrize("dimension", ["ratio", "speed", "torque", "force", "pressure", "time", "rate", "velocity", "length", "area"])
 def test_units_in_other_cases_have_the_same_factor_or_none(dimension: str) -> None:
     """A prefix in the wrong case never changes the factor silently."""
-    for spelling, unit in units.SPELLINGS[dimension].items():
+    for spelling, unit in units.spellings()[dimension].items():
         assert units.find(spelling, dimension) == unit
         for other in (spelling.lower(), spelling.upper(), spelling.capitalize()):
-            assert units.find(other, dimension) in (unit, None) or other in units.SPELLINGS[dimension]
-    for unit in units.PREFERRED[dimension]:
+            assert units.find(other, dimension) in (unit, None) or other in units.spellings()[dimension]
+    for unit in units.usual(dimension):
         assert units.find(unit, dimension) is not None
 
 
@@ -310,7 +311,7 @@ def test_all_faults_of_a_file_are_in_one_answer_at_once(tmp_path: Path) -> None:
     assert time.process_time() - begin < 0.5
     said = str(error.value)
     for part in (
-        "line 1, column primary.torque [kN]: the unit of primary.torque is N.m, not kN",
+        "line 1, column primary.torque [kN]: the unit of primary.torque is N.m or kN.m, not kN",
         "line 1, column thrustRato: there is no such column; thrustRatio is meant?",
         "line 3, column n_P [rpm]: '15x0' is not a number",
         "line 3, column slip [%]: 80 is not within -50 to 50 %",
@@ -409,15 +410,6 @@ def test_pressures_give_forces(tmp_path: Path) -> None:
     assert not any("warning" in remark for remark in rig.remarks)
 
 
-def test_options_of_earlier_versions_name_the_parameters(capsys: pytest.CaptureFixture[str]) -> None:
-    for option, name in (("--piston-area", "area"), ("--centrifugal", "centrifugal")):
-        parser = argparse.ArgumentParser()
-        options.add(parser)
-        with pytest.raises(SystemExit):
-            parser.parse_args([option, "0.01"])
-        assert f"primary.cylinder.{name} and secondary.cylinder.{name}" in capsys.readouterr().err
-
-
 def test_a_ratio_that_contradicts_the_speeds_is_a_fault(tmp_path: Path) -> None:
     titles = ["i_geo", "n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "F_S [kN]"]
     rows = [["0.5", "2000", "990", "40", "10"], ["1.6", "1500", "2380", "40", "10"]]
@@ -476,8 +468,8 @@ def test_files_that_are_no_tables_say_so(content: bytes, why: str, tmp_path: Pat
 
 
 def test_remarks_and_error_values_both_start_with_a_hash() -> None:
-    assert text.is_remark("# remark") and text.is_remark('"# remark"')
-    assert not any(map(text.is_remark, ("#DIV/0!;2", "#N/A", "#NV;1", "2;#")))
+    assert files.is_remark("# remark") and files.is_remark('"# remark"')
+    assert not any(map(files.is_remark, ("#DIV/0!;2", "#N/A", "#NV;1", "2;#")))
 
 
 def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,8 +12,9 @@ import pytest
 from rig_tables import COLUMNS, POINTS, UNITS, columns, recorded, table, titled, written
 
 from pushbelt.calibrate import __main__
-from pushbelt.rig import points, titles
-from pushbelt.rig.points import Oil, Rig, TableError
+from pushbelt.tables import names, points
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Oil, Rig
 from pushbelt.sweep.design import listed
 
 POUND, FOOT = 4.4482216152605, 0.3048
@@ -43,7 +44,7 @@ def is_right(rig: Rig, rel: float = 1e-9) -> None:
     ],
 )  # fmt: skip
 def test_words_for_pulley_and_quantity(written: str, known: str | None) -> None:
-    found = titles.in_words(written)
+    found = names.in_words(written)
     assert (found[0] if found else None) == known
 
 

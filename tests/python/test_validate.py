@@ -19,7 +19,7 @@ from markupsafe import escape
 from pushbelt.fmu import shift
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
-from pushbelt.rig.units import dimensions
+from pushbelt.tables.units import dimensions
 from pushbelt.tables import split
 from pushbelt_validation import __main__, measured, report, results
 from pushbelt_validation.bench import Bench, Plan

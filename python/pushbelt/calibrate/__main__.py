@@ -38,15 +38,21 @@ from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
-from pushbelt.rig import model, parameters, points
-from pushbelt.rig import options as reading_options
-from pushbelt.rig.parameters import ParameterError
-from pushbelt.rig.points import TableError
+from pushbelt.tables import columns, points
+from pushbelt.tables import options as reading_options
+from pushbelt.tables.faults import TableError
+
+from . import model, parameters
+from .parameters import ParameterError
 
 MISFIT = 3
 """Exit code of a bad fit."""
 ITERATIONS = 12
 """Number of iterations of a fit that the progress bar assumes."""
+SOLUTION = 0.03
+"""Processor time of a steady state, s."""
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
+"""Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 
 
 def wanted(text: str) -> dict[str, float | None]:
@@ -121,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     provenance.begin("calibrate", arguments)
     if options.template is not None:
-        options.template.write_text(points.template(), encoding="utf-8")
+        options.template.write_text(columns.template(), encoding="utf-8")
         print(options.template.resolve())
         return 0
     if options.table is None:
@@ -161,6 +167,16 @@ def _check(options: argparse.Namespace) -> int:
     return 0
 
 
+def solving_time(rig: points.Rig) -> float:
+    """Processor time of a solution of all points, s."""
+    costs = (
+        SAMPLE_COST * len(point.measured) if isinstance(point, points.Record)
+        else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
+        for point in rig.points
+    )  # fmt: skip
+    return SOLUTION * sum(costs)
+
+
 def sets(parameters: int) -> int:
     """Number of solutions of all points in a fit of so many parameters."""
     return 1 + ITERATIONS + 4 * parameters
@@ -168,7 +184,7 @@ def sets(parameters: int) -> int:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    seconds = sets(parameters) * points.solving_time(rig) / workers
+    seconds = sets(parameters) * solving_time(rig) / workers
     text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
     return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 

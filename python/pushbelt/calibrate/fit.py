@@ -11,9 +11,10 @@ from scipy.stats import t as student
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
-from pushbelt.rig.model import LOST, Model
-from pushbelt.rig.parameters import Parameter, assign
-from pushbelt.rig.worker import Found
+
+from .model import LOST, Model
+from .parameters import Parameter, assign
+from .worker import Found
 
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0

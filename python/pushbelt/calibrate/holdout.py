@@ -14,10 +14,14 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
 from pushbelt.residual_figures import Residual
-from pushbelt.rig import model, points
-from pushbelt.rig.model import Value
-from pushbelt.rig.points import MEASURED, Oil, Reading, Rig
-from pushbelt.rig.worker import Found
+from pushbelt.tables import points
+from pushbelt.tables.columns import MEASURED
+from pushbelt.tables.points import Oil, Rig
+from pushbelt.tables.sheet import Reading
+
+from . import model
+from .model import Value
+from .worker import Found
 
 DEFAULT = "bench168"
 

@@ -10,10 +10,9 @@ import numpy as np
 
 from pushbelt import tables
 from pushbelt.page import write_html as write_page
-from pushbelt.rig import model, worker
-from pushbelt.rig.points import MEASURED
+from pushbelt.tables.columns import MEASURED
 
-from . import figures, fit
+from . import figures, fit, model, worker
 from .fit import Estimate
 from .results import Results, Row
 

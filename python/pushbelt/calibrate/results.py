@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from pushbelt.rig.model import Value
-from pushbelt.rig.points import MEASURED, Measured, Point
+from pushbelt.tables.columns import MEASURED
+from pushbelt.tables.points import Measured, Point
 
 from .fit import Fit
+from .model import Value
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 
 from ..fmu.data import parameter_set
-from .points import Oil, Reading
+from .points import Oil
+from .sheet import Reading
 
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
 
 
 def mapped(text: str) -> tuple[str, str]:
     """`title=name`."""
-    title, separator, name = text.partition("=")
-    if not separator or not title.strip() or not name.strip():
+    title, separator, name = (part.strip() for part in text.partition("="))
+    if not (separator and title and name):
         raise argparse.ArgumentTypeError(f"{text} is not of the form title=name")
-    return title.strip(), name.strip()
+    return title, name
 
 
 def decimal(text: str) -> str:
@@ -25,26 +26,12 @@ def decimal(text: str) -> str:
     return DECIMAL[text]
 
 
-class _Removed(argparse.Action):
-    """Refuses an option in whose place there are parameters."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        """Ends with the parameters in place of the option."""
-        parser.error(f"{self.option_strings[0]} has been removed: set {self.metavar} in the parameter set or by --set")
-
-
 def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Adds those of any table; returns their group."""
     group = parser.add_argument_group("how the table is read")
-    group.add_argument(
-        "--map",
-        type=mapped,
-        action="append",
-        default=[],
-        metavar="TITLE=NAME",
-        help='what a column is, such as --map i=ratio.geometric, --map n_P="primary.speed [rpm]", --map T_P=-primary.torque or '
-        "--map i=1/ratio.speed; can be repeated",
-    )
+    example = "such as --map i=ratio.geometric, --map n_P=\"primary.speed [rpm]\", --map T_P=-primary.torque or --map i=1/ratio.speed"
+    group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME",
+                       help=f"what a column is, {example}; can be repeated")  # fmt: skip
     group.add_argument("--decimal", type=decimal, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
     return group
@@ -52,11 +39,8 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Adds all options."""
-    group = add_reading(parser)
-    group.add_argument("--as-written", action="store_true", help="take values that are not plausible on a variator as they are written")
-    for option, name in (("--piston-area", "area"), ("--centrifugal", "centrifugal")):
-        names = " and ".join(f"{pulley}.cylinder.{name}" for pulley in ("primary", "secondary"))
-        group.add_argument(option, action=_Removed, help=argparse.SUPPRESS, metavar=names)
+    text = "take values that are not plausible on a variator as they are written"
+    add_reading(parser).add_argument("--as-written", action="store_true", help=text)
 
 
 def reading(options: argparse.Namespace) -> Reading:

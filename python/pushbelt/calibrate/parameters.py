@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..errors import PushbeltError
+from pushbelt.errors import PushbeltError
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
 """Parameters that are fitted by default."""
