@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.calibrate import __main__, fit, report, results, worker
+from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
@@ -144,7 +144,7 @@ def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
     double = opened.with_points(points, {})
     found = fit.fit(double, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15]
-    shown = results.Results("t.csv", "1", "v", {}, double.points, double.values, found, results.Effort(1, 1.0))
+    shown = report.Results("t.csv", "1", "v", {}, double.points, double.values, found, 1, 1.0)
     (outlier,) = shown.outliers
     assert outlier.point.line == 9
     text = report.outliers(shown)

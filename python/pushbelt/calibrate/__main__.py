@@ -193,7 +193,6 @@ def _run(options: argparse.Namespace) -> int:
     # Imported here, so that the help needs no packages of the extras.
     from . import report
     from .fit import fit
-    from .results import Effort, Results
 
     rig = once(points.read(options.table, reading_options.reading(options), reading_options.oil(options)))
     fmu = options.fmu or default_fmu()
@@ -216,9 +215,9 @@ def _run(options: argparse.Namespace) -> int:
 
         with model.opened(fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
-            results = Results(
+            results = report.Results(
                 options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin), _notes(rig),
+                opened.solves, time.perf_counter() - begin, _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
