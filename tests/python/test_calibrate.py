@@ -1,4 +1,4 @@
-"""Calibration: tables and parameters as pure functions, then fits of tables with results of the FMU."""
+"""Calibration: parameters as pure functions, then fits of tables with results of the FMU."""
 
 from __future__ import annotations
 
@@ -20,9 +20,6 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import ParameterError, choose
 from pushbelt.calibrate.worker import Found, Job
-from pushbelt.tables import columns
-from pushbelt.tables import points as table
-from pushbelt.tables.faults import TableError
 from pushbelt.tables.points import Measured, Point
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -33,118 +30,6 @@ NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
 """Standard deviations of the tables."""
 SPEED, FORCE = 209.0, 10e3
 """Primary speed, rad/s, and secondary force, N, of the points."""
-
-HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
-
-
-# Table
-
-
-def parsed(text: str, tmp_path: Path) -> list[Point]:
-    """Points of a table."""
-    path = tmp_path / "table.csv"
-    path.write_text(text, encoding="utf-8")
-    return table.read(path).points
-
-
-def test_units_are_in_the_header(tmp_path: Path) -> None:
-    (point,) = parsed(
-        f"# a remark\n\nname,{HEADER},thrustRatio,slip [%],slip.sd [%],efficiency [%],#oil [C]\n"
-        "first,2,1500,-40,12,1.05,0.8,0.05,,85\n\n,1,1500,0,12,,,,,\n",
-        tmp_path,
-    )
-    assert (point.line, point.name, point.ratio, point.speed_ratio) == (4, "first", 2.0, None)
-    assert (point.speed, point.torque, point.force) == pytest.approx((157.0796, -40.0, 12e3))
-    assert [(m.quantity, m.given) for m in point.measured] == [("thrustRatio", False), ("slip", True)]
-    assert [m.value for m in point.measured] == pytest.approx([1.05, 0.008])
-    assert [m.deviation for m in point.measured] == pytest.approx([0.0105, 5e-4])
-    assert not point.shifting
-
-
-def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift(tmp_path: Path) -> None:
-    steady, shift = parsed(
-        f"{HEADER.replace(',', ';')};primary.clampingForce [N];di/dt [1/s]\n1;2000;50;10;14000;\n1;2000;50;10;16000;-0.5\n",
-        tmp_path,
-    )
-    assert [(m.quantity, m.value) for m in steady.measured] == [("thrustRatio", pytest.approx(1.4))]
-    assert not steady.shifting
-    assert [(m.quantity, m.value) for m in shift.measured] == [("di/dt", -0.5)]
-    assert shift.primary_force == 16e3
-
-
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        ("", "the table is empty"),
-        (f"{HEADER},slip\n", "nothing is measured"),
-        (f"{HEADER}\n1,2000,50,10\n", "nothing is measured"),
-        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is not a number"),
-        (
-            f"{HEADER};slip [%]\n1.25;2000;50;10;0,5\n1.5;2000;50;10;1\n".replace(",p", ";p").replace(",s", ";s"),
-            "'0,5' is not a number with a decimal point",
-        ),
-        (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
-        (
-            f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n",
-            "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 500",
-        ),
-        (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
-        (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
-        (f"{HEADER},slip\n1,,50,10,0.01\n", r"line 2, column primary.speed \[rpm\]: the cell is empty"),
-        (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: neither ratio.geometric nor ratio.speed"),
-        (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2: 6 cells, but the header has 5"),
-        (f"{HEADER},slipp\n1,2000,50,10,1\n", "line 1, column slipp: there is no such column; slip is meant?"),
-        (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "there is no column slip"),
-        (f"{HEADER},slip,slip [%]\n1,2000,50,10,.1,1\n", "column slip: it appears 2 times"),
-        (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit of slip is 1 or %, not mm"),
-        (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
-        (
-            f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n",
-            "no column ratio.geometric or ratio.speed",
-        ),
-        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt requires a value"),
-        (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
-        (f"{HEADER},slip\n1,2000,50,10,nan\n", "nothing is measured"),
-    ],
-)
-def test_bad_tables_give_one_clear_error(text: str, why: str, tmp_path: Path) -> None:
-    path = tmp_path / "table.csv"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(TableError, match=why) as error:
-        table.read(path)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)
-
-
-def test_template_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "template.csv"
-    assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
-    assert str(path) in capsys.readouterr().out
-    points = table.read(path).points
-    assert [point.name for point in points] == ["underdrive", "ratio 1", "overdrive", "upshift"]
-    text = path.read_text(encoding="utf-8")
-    assert all(f"#     {column} [" in text for column in [*columns.CONDITIONS, *columns.QUANTITIES])
-
-
-@pytest.mark.parametrize(
-    ("content", "why"),
-    [
-        (None, "No such file"),
-        (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is not a number"),
-        (b"\xff\xfe", "the table is empty"),
-    ],
-)
-def test_the_program_says_what_is_wrong_in_a_line(
-    content: str | bytes | None, why: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "table.csv"
-    if content is not None:
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1
-    error = capsys.readouterr().err
-    assert error.startswith("pushbelt calibrate: ") and error.count("\n") == 1
-    assert why in error and str(path) in error
-
 
 # Parameters
 

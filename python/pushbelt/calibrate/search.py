@@ -84,7 +84,7 @@ class Search:
             for k in free:
                 if self.at_bound(k):
                     self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
-            renewed = self._moved > NEAR
+            renewed = self._moved > NEAR or (self._moved > 0.0 and not self.expects_little(free, CONFIRMED))
             if renewed:
                 self.slopes, self._moved = self._differences(every, central=True), 0.0
             self.converged = self.expects_little(free, CONFIRMED)
