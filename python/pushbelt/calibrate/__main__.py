@@ -26,10 +26,9 @@ import math
 import re
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from pushbelt import console, provenance
 from pushbelt.cli.options import add_set, add_variator, count, program
@@ -43,7 +42,6 @@ from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
 
 from . import model, parameters
-from .parameters import ParameterError
 
 MISFIT = 3
 """Exit code of a bad fit."""
@@ -89,30 +87,12 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
     found.add_argument("--hold-out", metavar="SET", help="no fit: score a parameter set on a table that it was not fitted to, a name or a file ….json")
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
-    found.add_argument(
-        "--fit",
-        type=wanted,
-        default=dict.fromkeys(parameters.DEFAULT),
-        metavar="NAME[=START],…",
-        help="fitted parameters, any real ones of the FMU; tiltStiffness means that of both pulleys "
-        f"[default: {','.join(parameters.DEFAULT)}]",
-    )
-    found.add_argument(
-        "--bounds",
-        type=limits,
-        action="append",
-        default=[],
-        metavar="NAME=LOW:HIGH",
-        help="narrower bounds than the FMU's",
-    )
-    found.add_argument(
-        "--prior",
-        type=prior,
-        action="append",
-        default=[],
-        metavar="NAME=VALUE±SD",
-        help="what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD",
-    )
+    default = ",".join(parameters.DEFAULT)
+    found.add_argument("--fit", type=wanted, default=dict.fromkeys(parameters.DEFAULT), metavar="NAME[=START],…",
+                       help=f"fitted parameters, any real ones of the FMU; tiltStiffness means that of both pulleys [default: {default}]")
+    found.add_argument("--bounds", type=limits, action="append", default=[], metavar="NAME=LOW:HIGH", help="narrower bounds than the FMU's")
+    known = "what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD"
+    found.add_argument("--prior", type=prior, action="append", default=[], metavar="NAME=VALUE±SD", help=known)  # fmt: skip
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     add_variator(found)
     add_set(found, "fixed value of a parameter")
@@ -137,11 +117,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return _run(options) if options.hold_out is None else _hold_out(options)
 
 
-def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
-    """Parameters of the FMU that are common to all points, before the fit."""
-    return checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
-
-
 def once(rig: points.Rig) -> points.Rig:
     """A table without rows that repeat all values of an earlier one, and with a remark about them."""
     first: dict[points.Point, points.Point] = {}
@@ -157,7 +132,7 @@ def once(rig: points.Rig) -> points.Rig:
 def _check(options: argparse.Namespace) -> int:
     """Prints what is understood of the table."""
     try:
-        rig = points.read(options.table, reading_options.reading(options), reading_options.oil(options))
+        rig = reading_options.read(options.table, options)
     except TableError as error:
         if error.found is not None:
             print("\n".join(points.described(error.found)))
@@ -194,15 +169,12 @@ def _run(options: argparse.Namespace) -> int:
     from . import report
     from .fit import fit
 
-    rig = once(points.read(options.table, reading_options.reading(options), reading_options.oil(options)))
+    rig = once(reading_options.read(options.table, options))
     fmu = options.fmu or default_fmu()
     description = described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
-    base = start_values(options, variables)
+    base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
-    for one in chosen:
-        if one.prior is not None and not one.low <= one.prior[0] <= one.high:
-            raise ParameterError(f"{one.name}: the prior, {one.prior[0]:g}, is not within its bounds, {one.low:g} to {one.high:g}")
     begin = time.perf_counter()
     warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
@@ -217,7 +189,7 @@ def _run(options: argparse.Namespace) -> int:
             found = fit(opened, chosen)
             results = report.Results(
                 options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
-                opened.solves, time.perf_counter() - begin, _notes(rig),
+                opened.solves, time.perf_counter() - begin, (*points.notes(rig.sheet), *rig.remarks),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -229,10 +201,8 @@ def _run(options: argparse.Namespace) -> int:
         print(f"does not fit: {found.misfit}")
     if results.outliers:
         print(report.outliers(results))
-    for line in results.notes:
+    for line in (*results.notes, *map(report.sentence, found.estimates)):
         print(f"  {line}")
-    for estimate in found.estimates:
-        print(f"  {report.sentence(estimate)}")
     for lost in results.lost:
         print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
@@ -244,21 +214,13 @@ def _hold_out(options: argparse.Namespace) -> int:
     from . import holdout
 
     begin = time.perf_counter()
-    held = holdout.hold_out(
-        options.fmu or default_fmu(), options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
-    )  # fmt: skip
+    rig = reading_options.read(options.table, options)
+    held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
     path = holdout.write(held, options.output)
     for score in held.scores():
         print(f"  {holdout.sentence(score)}")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
-
-
-def _notes(rig: points.Rig) -> tuple[str, ...]:
-    """What the report says about the table."""
-    ignored = (f"ignored columns: {', '.join(rig.sheet.ignored)}",) if rig.sheet.ignored else ()
-    left_out = (f"left out: {fault}" for fault in rig.sheet.left_out)
-    return (*ignored, *rig.sheet.remarks, *rig.remarks, *left_out)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,7 @@ from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
-from pushbelt.tables.points import Oil, Rig
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.points import Rig
 
 from . import figures, model
 from .residuals import Residual, Score, of, quantities, residuals, score
@@ -42,12 +41,8 @@ class HoldOut:
         return [score(rows, quantity, name) for quantity in measured for name, rows in self.sets.items()]
 
 
-def hold_out(fmu: Path, table: Path, variator: str, reading: Reading | None = None, oil: Oil | None = None, workers: int = 2) -> HoldOut:
-    """Solves all points of a table with a set, and with the default one if it is another.
-
-    Raises TableError, and the errors of the parameter set.
-    """
-    rig = points.read(table, reading, oil)
+def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
+    """Solves all points of a table with a set, and with the default one if it is another. Raises the errors of the parameter set."""
     sets = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
     total = len(sets) * len(rig.points)
     with progress_bar(total, "steady states") as bar, model.opened(fmu, {}, rig.points, workers, bar.update) as opened:

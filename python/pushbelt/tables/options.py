@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from ..fmu.data import parameter_set
-from .points import Oil
+from . import points
+from .points import Oil, Rig
 from .sheet import Reading
 
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
@@ -48,6 +50,8 @@ def reading(options: argparse.Namespace) -> Reading:
     return Reading(options.decimal, dict(options.map), options.sheet, getattr(options, "as_written", False))
 
 
-def oil(options: argparse.Namespace) -> Oil:
-    """Cylinders of the parameter set and of --set; the geometry is that of `bench168`, the default of the FMU, unless they have their own."""
-    return Oil({**parameter_set("bench168"), **parameter_set(options.variator), **dict(getattr(options, "set", []))})
+def read(path: Path, options: argparse.Namespace) -> Rig:
+    """What a rig's table measures. Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the default of
+    the FMU, unless they have their own."""
+    oil = Oil({**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)})
+    return points.read(path, reading(options), oil)

@@ -415,5 +415,10 @@ def described(sheet: Sheet) -> list[str]:
         extent = f"{values.min():.5g} to {values.max():.5g} {si}" if values.size else "no values"
         unit = f" [{one.unit}]" if one.unit else ""
         lines.append(f"  {one.title}: {one.turned}{name}{unit}, {values.size} values, {extent}")
+    return [*lines, *(f"  {note}" for note in notes(sheet))]
+
+
+def notes(sheet: Sheet) -> list[str]:
+    """What is ignored, assumed and left out of a table."""
     ignored = [f"ignored: {', '.join(sheet.ignored)}"] if sheet.ignored else []
-    return lines + [f"  {text}" for text in (*ignored, *sheet.remarks, *(f"left out: {text}" for text in grouped(sheet.left_out)))]
+    return [*ignored, *sheet.remarks, *(f"left out: {text}" for text in grouped(sheet.left_out))]
