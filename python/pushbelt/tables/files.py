@@ -221,7 +221,7 @@ def _cell(cell: Any, formula: Any) -> str | float:
         return "=" if formula.data_type == "f" else ""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value).strip()
-    return Percent(value) if "%" in str(cell.number_format) else value
+    return Percent(100.0 * value) if "%" in str(cell.number_format) else value
 
 
 # Data frames

@@ -34,7 +34,10 @@ SAMPLE = 50
 
 
 class Percent(float):
-    """The share of a spreadsheet cell that is shown in per cent."""
+    """The number of a spreadsheet cell that is shown in per cent, as it is shown."""
+
+    def __str__(self) -> str:
+        return f"{float(self):g}%"
 
 
 class NumeralError(PushbeltError, ValueError):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -154,20 +154,8 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
 # Header
 
 
-class Header(NamedTuple):
-    """Titles of a table and what is around them."""
-
-    titles: list[str]
-    units: list[str]
-    row: int
-    """Row of the titles."""
-    first: int
-    """First row of values."""
-    remarks: list[str]
-
-
-def header(cells: Cells, names: Names) -> Header | None:
-    """Titles, units and the first row of values; None for a table whose titles are below each other."""
+def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]] | None:
+    """Titles, units, row of the titles, first row of values, and remarks; None for a table whose titles are below each other."""
     head = cells.head()
     # The first of the rows with most names.
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
@@ -190,7 +178,7 @@ def header(cells: Cells, names: Names) -> Header | None:
         for row in range(at + 1, first)
         if row != found
     ]
-    return Header(titles, [""] * len(titles) if found is None else head[found], at, first, remarks)
+    return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
 
 
 def _is_number(cell: str) -> bool:
@@ -215,6 +203,11 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
 
 
 # Columns and values
+
+
+def _shares(one: Taken) -> Taken:
+    """A column whose numbers are in per cent."""
+    return replace(one, unit="%", scale=Unit(0.01))
 
 
 class _Reader:
@@ -420,7 +413,7 @@ class _Reader:
         if found.size < SEVERAL or not low < float(typical(found)) <= high:
             return one
         self.remarks.append(f"{one.title} has values that are no shares and is read as %")
-        return replace(one, unit="%", scale=Unit(0.01))
+        return _shares(one)
 
     def _values(self, one: Taken, column: pd.Series, decimal: str) -> tuple[Array, list[Fault]]:
         """SI values of a column, NaN without one, and the rows to leave out. A cell that is empty is no fault."""
@@ -428,10 +421,8 @@ class _Reader:
             return numerals.seconds(column, one.scale, decimal), []
         numbers = numerals.numbers(column, decimal)
         values = one.si(numbers)
-        for row in [row for row, cell in enumerate(column) if isinstance(cell, Percent) or str(cell).endswith("%")]:
-            share = Unit(1.0 if isinstance(column.iloc[row], Percent) else 0.01)
-            ratio = one.column.dimension == "ratio" or isinstance(column.iloc[row], Percent)
-            values[row] = replace(one, scale=share).si(numbers[row : row + 1])[0] if ratio else np.nan
+        shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
+        values[shares] = _shares(one).si(numbers[shares]) if one.column.dimension == "ratio" else np.nan
         low, high = one.limits
         above = values > low if one.deviation else values >= low
         inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
@@ -466,13 +457,11 @@ class _Reader:
                 # A decimal sign unlike that of the other numbers is ambiguous.
                 return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             return "word", f"'{cell}' is not a number"
-        shares = isinstance(cell, Percent) or str(cell).endswith("%")
-        scaled = replace(one, scale=Unit(1.0 if isinstance(cell, Percent) else 0.01)) if shares else one
+        scaled = _shares(one) if str(cell).endswith("%") else one
         low, high = sorted(scaled.written(np.array(one.limits)))
         written = one.unit or one.column.default or ""
         unit = "" if written in ("", "1", "-") else f" {written}"
-        shown = f"{cell:g}" if isinstance(cell, Percent) else cell
-        return "range", f"{shown} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
+        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
 
     @staticmethod
     def _other_unit(one: Taken, numbers: Array) -> str:
