@@ -17,10 +17,10 @@ import numpy as np
 
 from pushbelt import console, tables
 from pushbelt.calibrate import __main__ as program
+from pushbelt.calibrate import worker
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
-from pushbelt.rig import worker
-from pushbelt.rig.measured import Measured, Point
+from pushbelt.tables.points import Measured, Point
 
 
 FACTORS = {

@@ -6,9 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from pushbelt.tables.points import Rig
+
+RPM = np.pi / 30.0
 COLUMNS = ("i_geo", "n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
 UNITS = ("-", "rpm", "rpm", "Nm", "Nm", "kN", "kN")
+TITLES = [f"{name} [{unit}]" for name, unit in zip(COLUMNS, UNITS, strict=True)]
 POINTS = np.array(
     [
         (0.5, 1425.8, 2865.1, -29.98, 16.01, 8.0, 8.476),
@@ -26,10 +31,7 @@ POINTS = np.array(
     ]
 )
 """Ratio, rpm, N·m, kN."""
-
-
-def titled() -> list[str]:
-    return [f"{name} [{unit}]" for name, unit in zip(COLUMNS, UNITS, strict=True)]
+ROWS = POINTS.tolist()
 
 
 def columns() -> dict[str, np.ndarray]:
@@ -51,15 +53,14 @@ def table(path: Path, some: Mapping[str, np.ndarray]) -> Path:
     return written(path, [list(some), *map(list, np.column_stack(list(some.values())))])
 
 
-def recorded(
-    step: float = 0.01, length: float = 2.0, ramp: float = 0.0, noise: float = 0.005, points: int = 12
-) -> np.ndarray:
-    """A time series of the points with time in its first column; `ramp` is the time of the change between two of them."""
-    held = [np.tile(point, (round(length / step), 1)) for point in POINTS[:points]]
-    parts = [held[0]]
-    for before, after in zip(held, held[1:], strict=False):
-        parts += [np.linspace(before[0], after[0], round(ramp / step) + 2)[1:-1], after]
-    values = np.concatenate(parts)
-    scatter = noise * np.abs(POINTS).mean(axis=0) * np.random.default_rng(62).standard_normal(values.shape)
-    scatter[:, 0] = 0.0
-    return np.column_stack([step * np.arange(len(values)), values + scatter])
+def values(rig: Rig) -> np.ndarray:
+    return np.array([[p.ratio or p.speed_ratio, p.speed, p.torque, p.force, *(m.value for m in p.measured)] for p in rig.points])
+
+
+def is_right(rig: Rig, count: int = 12, rel: float = 1e-9) -> None:
+    """The points with thrust ratio, slip and efficiency, which are those of the averages in a time series."""
+    c = {name: column[:count] for name, column in columns().items()}
+    assert [[m.quantity for m in p.measured] for p in rig.points] == [["thrustRatio", "slip", "efficiency"]] * count
+    right = [c["i_geo"], RPM * c["n_P"], c["T_P"], 1e3 * c["F_S"], c["F_P"] / c["F_S"], c["slip"] / 100.0, c["eta"] / 100.0]
+    some = slice(None) if rel < 1e-3 else slice(5)
+    assert values(rig)[:, some] == pytest.approx(np.column_stack(right)[:, some], rel=rel)

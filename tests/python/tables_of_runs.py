@@ -7,8 +7,9 @@ from pathlib import Path
 
 from pushbelt.fmu.unit import units_of
 from pushbelt.fmu.untrusted import described
-from pushbelt.rig import sheet, units
+from pushbelt.tables import sheet, units
 from pushbelt.tables import split
+from pushbelt.tables.names import Column
 
 
 def units_are_those_of(fmu: Path, *paths: Path) -> None:
@@ -22,7 +23,7 @@ def units_are_those_of(fmu: Path, *paths: Path) -> None:
         assert all(unit is not None for name, unit in found if name not in texts), titles
         assert {name: unit for name, unit in found if name in known} == {name: known[name] for name, _ in found if name in known}
         columns = {
-            name: sheet.Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None
+            name: Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None
         }
         read = sheet.read(path, columns, misspelled=False)
         assert set(read.taken) == set(columns), path

@@ -18,8 +18,8 @@ import pytest
 import reports
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.rig import units
-from pushbelt.rig.sheet import Reading
+from pushbelt.tables import units
+from pushbelt.tables.sheet import Reading
 from pushbelt.study.cluster import ClusterError
 from pushbelt.sweep import Design, DesignError, Study, plausible, slurm, sweep
 from pushbelt.sweep.__main__ import main

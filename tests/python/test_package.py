@@ -49,10 +49,10 @@ def imported(module: str) -> set[str]:
     return found & MODULES.keys() - {module}
 
 
-LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "rig"}
+LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "tables"}
 MAY_IMPORT = {
     "errors": set(), "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
-    "maps": {*LOW, "cli"}, "rig": LOW, "cli": {*LOW, "cli"},
+    "maps": {*LOW, "cli"}, "tables": LOW, "cli": {*LOW, "cli"},
 } | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 
 

@@ -8,17 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rig_tables import UNITS, columns, table
+from rig_tables import RPM, TITLES, columns, table, values
 
 from pushbelt.calibrate import __main__
-from pushbelt.rig import points
-from pushbelt.rig.points import Reading, Rig, TableError
+from pushbelt.tables import points
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.sheet import Reading
 
-RPM = np.pi / 30.0
 Columns = dict[str, np.ndarray]
-TITLES = dict(
-    zip(columns(), [f"{name} [{unit}]" for name, unit in zip(columns(), [*UNITS, "%", "%"], strict=True)], strict=True)
-)
+TITLE = dict(zip(columns(), [*TITLES, "slip [%]", "eta [%]"], strict=True))
 FULL = ("i_geo", "n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
 WITHOUT_OUTPUT = ("i_geo", "n_P", "T_P", "F_S", "F_P", "slip", "eta")
 WITHOUT_RATIO = ("n_P", "n_S", "T_P", "T_S", "F_S", "F_P")
@@ -55,29 +53,19 @@ FAULTS: Mapping[str, tuple[Callable[[Columns], Columns], tuple[tuple[str, ...], 
 }  # fmt: skip
 
 
-def of(some: tuple[str, ...], fault: Callable[[Columns], Columns]) -> Columns:
+def of(some: tuple[str, ...], fault: Callable[[Columns], Columns] = dict) -> Columns:
     """The titled columns of a table with a fault."""
-    return {TITLES[name]: values for name, values in fault({name: columns()[name] for name in some}).items()}
-
-
-def values(rig: Rig) -> np.ndarray:
-    return np.array(
-        [[p.ratio or p.speed_ratio, p.speed, p.torque, p.force, *(m.value for m in p.measured)] for p in rig.points]
-    )
+    return {TITLE[name]: column for name, column in fault({name: columns()[name] for name in some}).items()}
 
 
 @pytest.mark.parametrize("some", [FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST])
 def test_a_right_table_is_read_without_a_warning(some: tuple[str, ...], tmp_path: Path) -> None:
-    rig = points.read(table(tmp_path / "table.csv", of(some, dict)))
+    rig = points.read(table(tmp_path / "table.csv", of(some)))
     assert len(rig.points) == 12 and not any("warning" in remark for remark in rig.remarks)
 
 
-@pytest.mark.parametrize(
-    ("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables]
-)
-def test_a_wrong_column_is_named_with_the_reading_that_is_right(
-    fault: str, some: tuple[str, ...], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables])
+def test_a_wrong_column_is_named_with_the_reading_that_is_right(fault: str, some: tuple[str, ...], tmp_path: Path) -> None:
     """The options of the message, taken as they are, give the points of the right table."""
     change, _, options = FAULTS[fault]
     path = table(tmp_path / "wrong.csv", of(some, change))
@@ -85,51 +73,31 @@ def test_a_wrong_column_is_named_with_the_reading_that_is_right(
         points.read(path)
     said = str(error.value)
     assert all(f'--map "{option}"' in said for option in options)
-    # The first reading that has all these options.
-    named = next(
-        n
-        for n in re.findall(r"\(((?:--map \"[^\"]+\" ?)+)\)", said)
-        if all(f'"{option}"' in n for option in options[:1])
-    )
+    # The first reading that has the first of these options.
+    named = next(one for one in re.findall(r"\(((?:--map \"[^\"]+\" ?)+)\)", said) if f'"{options[0]}"' in one)
     renamed = dict(text.split("=") for text in re.findall(r'--map "([^"]+)"', named))
     if fault == "N under kN":
         renamed["F_P [kN]"] = "primary.clampingForce [N]"
-    right = points.read(table(tmp_path / "right.csv", of(some, dict)))
+    right = points.read(table(tmp_path / "right.csv", of(some)))
     assert values(points.read(path, Reading(renamed=renamed))) == pytest.approx(values(right), rel=1e-9)
 
 
-@pytest.mark.parametrize("share", [0.45, 0.6, 1.0])
-def test_rpm_under_rad_per_second_are_named_at_any_speed(share: float, tmp_path: Path) -> None:
-    c = columns()
-    some = {
-        "i_geo": c["i_geo"],
-        "n_P [rad/s]": share * c["n_P"],
-        "T_P [Nm]": c["T_P"],
-        "F_S [kN]": c["F_S"],
-        "slip [%]": c["slip"],
-    }
-    with pytest.raises(TableError, match=re.escape('--map "n_P [rad/s]=primary.speed [rpm]"')):
-        points.read(table(tmp_path / "table.csv", some))
-
-
-def test_a_fast_table_is_read(tmp_path: Path) -> None:
-    c = columns()
-    overdrive = c["i_geo"] == 0.5
-    some = {TITLES[name]: c[name][overdrive] for name in ("i_geo", "T_P", "F_S", "slip")} | {
-        "n_P [rpm]": np.full(4, 6000.0)
-    }
-    assert len(points.read(table(tmp_path / "table.csv", some)).points) == 4
+def test_rpm_under_rad_per_second_are_named_at_any_speed_and_a_fast_table_is_read(tmp_path: Path) -> None:
+    c, path = columns(), tmp_path / "table.csv"
+    for share in (0.45, 0.6, 1.0):
+        with pytest.raises(TableError, match=re.escape('--map "n_P [rad/s]=primary.speed [rpm]"')):
+            points.read(table(path, {**of(("i_geo", "T_P", "F_S", "slip")), "n_P [rad/s]": share * c["n_P"]}))
+    some = {title: column[c["i_geo"] == 0.5] for title, column in of(("i_geo", "T_P", "F_S", "slip")).items()}
+    assert len(points.read(table(path, {**some, "n_P [rpm]": np.full(4, 6000.0)})).points) == 4
 
 
 def test_an_offset_of_the_ratio_and_torques_near_zero_are_no_reason_to_refuse(tmp_path: Path) -> None:
     """The slip from a ratio 1 % too high has the wrong sign in drive, and an idle rig has the noise of its torque sensor."""
-    drive = columns()["T_P"] > 0.0
-    some = {TITLES[name]: columns()[name][drive] for name in FULL}
+    drive, path = columns()["T_P"] > 0.0, tmp_path / "table.csv"
+    some = {title: column[drive] for title, column in of(FULL).items()}
     some["i_geo [-]"] = 1.015 * some["i_geo [-]"]
-    assert len(points.read(table(tmp_path / "offset.csv", some)).points) == drive.sum()
-    idle = {TITLES[name]: columns()[name] for name in LEAST}
-    idle["T_P [Nm]"] = np.linspace(-0.3, 0.3, 12)
-    assert len(points.read(table(tmp_path / "idle.csv", idle)).points) == 12
+    assert len(points.read(table(path, some)).points) == drive.sum()
+    assert len(points.read(table(path, {**of(LEAST), "T_P [Nm]": np.linspace(-0.3, 0.3, 12)})).points) == 12
 
 
 def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -143,18 +111,8 @@ def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys:
 
 
 def test_a_single_wrong_line_is_named_and_kept(tmp_path: Path) -> None:
-    some = of(FULL, dict)
+    some = of(FULL)
     some["F_P [kN]"] = np.where(np.arange(12) == 3, 10.0, 1.0) * some["F_P [kN]"]
     rig = points.read(table(tmp_path / "table.csv", some))
-    assert len(rig.points) == 12
-    assert [r for r in rig.remarks if "warning" in r] == ["warning: the thrust ratio is not within 0.2 to 5: line 5"]
-
-
-@pytest.mark.parametrize(
-    ("title", "name"), [("n_S/n_P", "ratio.speed"), ("i (n2/n1)", "ratio.speed"), ("r_P/r_S", "ratio.geometric")]
-)
-def test_a_title_that_says_the_inverse_is_the_inverse(title: str, name: str, tmp_path: Path) -> None:
-    c = columns()
-    some = {title: 1.0 / c["i_geo"], **{TITLES[n]: c[n] for n in ("n_P", "T_P", "F_S", "F_P")}}
-    found = points.read(table(tmp_path / "table.csv", some)).points
-    assert [p.ratio if name == "ratio.geometric" else p.speed_ratio for p in found] == pytest.approx(c["i_geo"])
+    (warning,) = [remark for remark in rig.remarks if "warning" in remark]
+    assert len(rig.points) == 12 and "thrust ratio" in warning and warning.endswith(": line 5")

@@ -7,7 +7,10 @@ import pytest
 
 from pushbelt.report import charts
 from pushbelt.report.charts import Chart, Panel
-from pushbelt.residual_figures import Residual, reach, residuals
+from pushbelt.calibrate.figures import chart as residuals
+from pushbelt.calibrate.figures import reach
+from pushbelt.calibrate.residuals import Residual
+from pushbelt.tables.points import Measured, Point
 
 
 def points(errors: np.ndarray, fifth: float | None = None) -> list[Residual]:
@@ -17,7 +20,7 @@ def points(errors: np.ndarray, fifth: float | None = None) -> list[Residual]:
     if fifth is not None:
         measured[4] = fifth
     return [
-        Residual(f"line {k}", 10.0 * k, 0.5 + 0.1 * k, m, f, 0.01)
+        Residual(Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, ()), Measured("thrustRatio", m, 0.01, True), f)
         for k, (m, f) in enumerate(zip(measured, found, strict=True))
     ]
 

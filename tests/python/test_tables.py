@@ -9,7 +9,8 @@ import pytest
 
 import pushbelt
 from pushbelt import tables
-from pushbelt.rig import sheet, units
+from pushbelt.tables import names, sheet, units
+from pushbelt.tables.names import Column
 from pushbelt_validation.outcome import SPELLED, UNSCALED
 
 PACKAGE = Path(pushbelt.__file__).parent
@@ -24,7 +25,7 @@ def test_no_other_module_writes_csv() -> None:
         for path in PACKAGE.rglob("*.py")
         if WRITERS.search(path.read_text(encoding="utf-8"))
     }
-    assert found == {"tables.py", *OTHERS}
+    assert found == {"tables/__init__.py", *OTHERS}
 
 
 @pytest.mark.parametrize("unit", ["rad/s", "N.m", "1", "kg.m2", "N.m.s/rad", "Pa"])
@@ -32,7 +33,7 @@ def test_no_other_module_writes_csv() -> None:
 def test_titles_are_read_as_they_are_written(name: str, unit: str) -> None:
     assert tables.split(tables.title(name, unit)) == (name, unit)
     assert tables.split(name) == (name, None)
-    assert (name, unit) in list(sheet.splits(tables.title(name, unit)))
+    assert (name, unit) in list(names.splits(tables.title(name, unit)))
 
 
 def test_a_variable_without_a_unit_has_the_unit_1() -> None:
@@ -55,7 +56,7 @@ def test_numbers_without_a_unit_are_refused(tmp_path: Path) -> None:
 def test_files_are_read_by_the_reader_of_rigs(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     tables.write(path, ["primary.speed [rpm]", "profile.ringStress[3] [MPa]"], [(3000.0, 1.5)])
-    known = {"primary.speed": sheet.Column("speed", 0.0, 1e4, ""), "profile.ringStress[3]": sheet.Column("stress", 0.0, 1e9, "")}
+    known = {"primary.speed": Column("speed", 0.0, 1e4, ""), "profile.ringStress[3]": Column("stress", 0.0, 1e9, "")}
     found = sheet.read(path, known)
     assert not found.faults
     assert found.values["primary.speed"][0] == pytest.approx(314.159, rel=1e-5)
@@ -64,4 +65,4 @@ def test_files_are_read_by_the_reader_of_rigs(tmp_path: Path) -> None:
 
 def test_units_of_shown_columns_have_one_in_files() -> None:
     for unit in {*SPELLED.values(), *UNSCALED.values()}:
-        assert any(units.find(unit, dimension) == units.Unit(1.0) for dimension in units.SPELLINGS), unit
+        assert any(units.find(unit, dimension) == units.Unit(1.0) for dimension in units.SPELLED), unit

@@ -34,7 +34,7 @@ from pushbelt_validation.sections import efficiency, shifting, slip, steps
 
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
-from pushbelt.rig.units import dimensions
+from pushbelt.tables.units import dimensions
 from pushbelt.tables import split
 
 SOURCE = Source("somebody 2007", "fitted")

@@ -26,10 +26,9 @@ import math
 import re
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from pushbelt import console, provenance
 from pushbelt.cli.options import add_set, add_variator, count, program
@@ -38,15 +37,20 @@ from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.report.side_by_side import progress_bar
-from pushbelt.rig import model, parameters, points
-from pushbelt.rig import options as reading_options
-from pushbelt.rig.parameters import ParameterError
-from pushbelt.rig.points import TableError
+from pushbelt.tables import columns, points
+from pushbelt.tables import options as reading_options
+from pushbelt.tables.faults import TableError
+
+from . import model, parameters
 
 MISFIT = 3
 """Exit code of a bad fit."""
 ITERATIONS = 12
 """Number of iterations of a fit that the progress bar assumes."""
+SOLUTION = 0.03
+"""Processor time of a steady state, s."""
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
+"""Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 
 
 def wanted(text: str) -> dict[str, float | None]:
@@ -83,30 +87,12 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
     found.add_argument("--hold-out", metavar="SET", help="no fit: score a parameter set on a table that it was not fitted to, a name or a file ….json")
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
-    found.add_argument(
-        "--fit",
-        type=wanted,
-        default=dict.fromkeys(parameters.DEFAULT),
-        metavar="NAME[=START],…",
-        help="fitted parameters, any real ones of the FMU; tiltStiffness means that of both pulleys "
-        f"[default: {','.join(parameters.DEFAULT)}]",
-    )
-    found.add_argument(
-        "--bounds",
-        type=limits,
-        action="append",
-        default=[],
-        metavar="NAME=LOW:HIGH",
-        help="narrower bounds than the FMU's",
-    )
-    found.add_argument(
-        "--prior",
-        type=prior,
-        action="append",
-        default=[],
-        metavar="NAME=VALUE±SD",
-        help="what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD",
-    )
+    default = ",".join(parameters.DEFAULT)
+    found.add_argument("--fit", type=wanted, default=dict.fromkeys(parameters.DEFAULT), metavar="NAME[=START],…",
+                       help=f"fitted parameters, any real ones of the FMU; tiltStiffness means that of both pulleys [default: {default}]")
+    found.add_argument("--bounds", type=limits, action="append", default=[], metavar="NAME=LOW:HIGH", help="narrower bounds than the FMU's")
+    known = "what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD"
+    found.add_argument("--prior", type=prior, action="append", default=[], metavar="NAME=VALUE±SD", help=known)  # fmt: skip
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     add_variator(found)
     add_set(found, "fixed value of a parameter")
@@ -121,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     provenance.begin("calibrate", arguments)
     if options.template is not None:
-        options.template.write_text(points.template(), encoding="utf-8")
+        options.template.write_text(columns.template(), encoding="utf-8")
         print(options.template.resolve())
         return 0
     if options.table is None:
@@ -129,11 +115,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.check:
         return _check(options)
     return _run(options) if options.hold_out is None else _hold_out(options)
-
-
-def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
-    """Parameters of the FMU that are common to all points, before the fit."""
-    return checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -151,7 +132,7 @@ def once(rig: points.Rig) -> points.Rig:
 def _check(options: argparse.Namespace) -> int:
     """Prints what is understood of the table."""
     try:
-        rig = points.read(options.table, reading_options.reading(options), reading_options.oil(options))
+        rig = reading_options.read(options.table, options)
     except TableError as error:
         if error.found is not None:
             print("\n".join(points.described(error.found)))
@@ -161,6 +142,16 @@ def _check(options: argparse.Namespace) -> int:
     return 0
 
 
+def solving_time(rig: points.Rig) -> float:
+    """Processor time of a solution of all points, s."""
+    costs = (
+        SAMPLE_COST * len(point.measured) if isinstance(point, points.Record)
+        else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
+        for point in rig.points
+    )  # fmt: skip
+    return SOLUTION * sum(costs)
+
+
 def sets(parameters: int) -> int:
     """Number of solutions of all points in a fit of so many parameters."""
     return 1 + ITERATIONS + 4 * parameters
@@ -168,7 +159,7 @@ def sets(parameters: int) -> int:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    seconds = sets(parameters) * points.solving_time(rig) / workers
+    seconds = sets(parameters) * solving_time(rig) / workers
     text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
     return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
@@ -177,17 +168,13 @@ def _run(options: argparse.Namespace) -> int:
     # Imported here, so that the help needs no packages of the extras.
     from . import report
     from .fit import fit
-    from .results import Effort, Results
 
-    rig = once(points.read(options.table, reading_options.reading(options), reading_options.oil(options)))
+    rig = once(reading_options.read(options.table, options))
     fmu = options.fmu or default_fmu()
     description = described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
-    base = start_values(options, variables)
+    base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
-    for one in chosen:
-        if one.prior is not None and not one.low <= one.prior[0] <= one.high:
-            raise ParameterError(f"{one.name}: the prior, {one.prior[0]:g}, is not within its bounds, {one.low:g} to {one.high:g}")
     begin = time.perf_counter()
     warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
@@ -200,9 +187,9 @@ def _run(options: argparse.Namespace) -> int:
 
         with model.opened(fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
-            results = Results(
+            results = report.Results(
                 options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin), _notes(rig),
+                opened.solves, time.perf_counter() - begin, (*points.notes(rig.sheet), *rig.remarks),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -214,10 +201,8 @@ def _run(options: argparse.Namespace) -> int:
         print(f"does not fit: {found.misfit}")
     if results.outliers:
         print(report.outliers(results))
-    for line in results.notes:
+    for line in (*results.notes, *map(report.sentence, found.estimates)):
         print(f"  {line}")
-    for estimate in found.estimates:
-        print(f"  {report.sentence(estimate)}")
     for lost in results.lost:
         print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
@@ -229,21 +214,13 @@ def _hold_out(options: argparse.Namespace) -> int:
     from . import holdout
 
     begin = time.perf_counter()
-    held = holdout.hold_out(
-        options.fmu or default_fmu(), options.table, options.hold_out, reading_options.reading(options), reading_options.oil(options), options.workers
-    )  # fmt: skip
+    rig = reading_options.read(options.table, options)
+    held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
     path = holdout.write(held, options.output)
     for score in held.scores():
         print(f"  {holdout.sentence(score)}")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
-
-
-def _notes(rig: points.Rig) -> tuple[str, ...]:
-    """What the report says about the table."""
-    ignored = (f"ignored columns: {', '.join(rig.sheet.ignored)}",) if rig.sheet.ignored else ()
-    left_out = (f"left out: {fault}" for fault in rig.sheet.left_out)
-    return (*ignored, *rig.sheet.remarks, *rig.remarks, *left_out)
 
 
 if __name__ == "__main__":

@@ -1,24 +1,72 @@
-"""The calibration's report, parameter file and residuals."""
+"""Results of a calibration: report, parameter file and residuals."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pushbelt import tables
-from pushbelt.report.page import write_html as write_page
-from pushbelt.rig import model, worker
-from pushbelt.rig.points import MEASURED
+from pushbelt.report import page
+from pushbelt.tables.columns import MEASURED
+from pushbelt.tables.points import Point
 
-from . import figures, fit
-from .fit import Estimate
-from .results import Results, Row
+from . import figures, fit, model, residuals, worker
+from .fit import Estimate, Fit
+from .model import Value
+from .residuals import Residual
 
 WORST = 10
 """Number of values with the largest residuals in the list."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """The fit and its table."""
+
+    table: str
+    """Name of the table's file."""
+    version: str
+    """Version of the FMU."""
+    variator: str
+    """Parameter set of the start values."""
+    base: Mapping[str, float]
+    """Values of the parameter set, with the additional settings."""
+    points: tuple[Point, ...]
+    values: tuple[Value, ...]
+    fit: Fit
+    solves: int
+    """Steady states solved."""
+    seconds: float
+    """Wall-clock time."""
+    notes: tuple[str, ...] = ()
+    """What was computed, ignored or left out of the table."""
+
+    @cached_property
+    def before(self) -> list[Residual]:
+        """All measured values with the start values of the parameters, in the order of the table."""
+        return residuals.residuals(self.points, self.values, self.fit.before, self.fit.kept)
+
+    @cached_property
+    def rows(self) -> list[Residual]:
+        """All measured values with the fitted parameters."""
+        return residuals.residuals(self.points, self.values, self.fit.after, self.fit.kept)
+
+    @property
+    def lost(self) -> list[Residual]:
+        """One row for each point without a steady state after the fit."""
+        return list({row.point.line: row for row in self.rows if row.reason is not None}.values())
+
+    @property
+    def outliers(self) -> list[Residual]:
+        """For each row or sample of the table that was left out, its value with the largest residual."""
+        found: dict[tuple[int, float], Residual] = {}
+        for row in sorted((row for row in self.rows if not row.kept), key=lambda row: -abs(row.relative or 0.0)):
+            found.setdefault((row.point.line, row.measured.time or 0.0), row)
+        return [found[place] for place in sorted(found)]
 
 
 def sentence(estimate: Estimate) -> str:
@@ -42,10 +90,10 @@ def outliers(results: Results) -> str:
     )
 
 
-def _outlier(row: Row) -> str:
+def _outlier(row: Residual) -> str:
     place = f"line {row.point.line}" + (f" at {row.measured.time:g} s" if row.measured.time is not None else "")
     text = f"{place}, {row.measured.quantity} {row.measured.value:.5g}"
-    return text if row.after is None else f"{text} ({abs(row.relative):.3g} standard deviations from {row.after:.5g})"
+    return text if row.found is None else f"{text} ({abs(row.relative):.3g} standard deviations from {row.found:.5g})"
 
 
 def why_undetermined(estimate: Estimate) -> str:
@@ -63,7 +111,7 @@ def write_parameters(results: Results, path: Path) -> None:
     """Writes all parameters in the form of `resources/parameters/`, which the other programs read."""
     fitted = {name: estimate for estimate in results.fit.estimates for name in estimate.parameter.variables}
     entries: dict[str, dict[str, Any]] = {}
-    for name in [*results.base, *(name for name in fitted if name not in results.base)]:
+    for name in dict.fromkeys((*results.base, *fitted)):
         estimate = fitted.get(name)
         if estimate is None or estimate.undetermined is not None:
             value = results.base.get(name, estimate.parameter.start if estimate else None)
@@ -90,45 +138,40 @@ def write_residuals(results: Results, path: Path) -> None:
         "secondary.clampingForce [N]", "primary.clampingForce [N]", "quantity", "unit", "measured [SI]", "sd [SI]", "before [SI]",
         "after [SI]", "residual [SI]", "residual/sd [1]", "reason",
     ]  # fmt: skip
-    tables.write(path, header, map(_cells, results.rows))
-
-
-def _cells(row: Row) -> list[Any]:
-    point, measured = row.point, row.measured
-    return [
-        point.line, point.name, measured.time, point.ratio, point.speed_ratio, point.speed, point.torque, point.force,
-        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s",
-        measured.value, measured.deviation, row.before, row.after, row.residual, row.relative,
-        row.reason if row.kept else "outlier",
+    rows = [
+        [
+            p.line, p.name, m.time, p.ratio, p.speed_ratio, p.speed, p.torque, p.force, p.primary_force, m.quantity, _unit(m.quantity) or "1",
+            m.value, m.deviation, before.found, row.found, row.value, row.relative, row.reason if row.kept else "outlier",
+        ]
+        for before, row in zip(results.before, results.rows, strict=True)
+        for p, m in [(row.point, row.measured)]
     ]  # fmt: skip
+    tables.write(path, header, rows)
 
 
-def write_html(results: Results, path: Path) -> None:
-    """Writes the report."""
-    write_page("calibrate/calibrate.html.j2", context(results), path, plain=plain)
+def _unit(quantity: str) -> str:
+    return "" if MEASURED[quantity].dimension == "ratio" else "1/s"
 
 
 def plain(value: float | None) -> str:
     """A number with five significant digits."""
-    return "" if value is None else f"{value:.5g}".replace("-", "\N{MINUS SIGN}")
+    return "" if value is None or value != value else f"{value:.5g}".replace("-", page.MINUS)
 
 
-def context(results: Results) -> dict[str, Any]:
-    """Values for the template."""
-    found = results.fit
-    used = [row for row in results.rows if row.relative is not None and row.kept]
-    return {
+def write_html(results: Results, path: Path) -> None:
+    """Writes the report."""
+    found, rows = results.fit, results.rows
+    used = [row for row in rows if row.found is not None and row.kept]
+    context = {
         "results": results,
         "fit": found,
         "used": len(used),
         "outliers": outliers(results),
         "rms": found.rms,
-        "lost_values": sum(row.reason is not None for row in results.rows),
-        "quantities": [_quantity(results, quantity) for quantity in results.quantities if results.of(quantity)],
-        "assumed": [
-            q for q in results.quantities if any(not r.measured.given for r in results.rows if r.measured.quantity == q)
-        ],
-        "correlated": _correlated(results),
+        "lost_values": sum(row.reason is not None for row in rows),
+        "quantities": [_quantity(results, q) for q in residuals.quantities(rows) if residuals.of(rows, q)],
+        "assumed": list(dict.fromkeys(row.measured.quantity for row in rows if not row.measured.given)),
+        "correlated": _correlated(found),
         "worst": sorted(used, key=lambda row: -abs(row.relative))[:WORST],
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "why": why_undetermined,
@@ -138,32 +181,25 @@ def context(results: Results) -> dict[str, Any]:
         "settling": worker.SETTLING,
         "window": worker.WINDOW,
     }
+    page.write_html("calibrate/calibrate.html.j2", context, path, plain=plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
-    rows = [row for row in results.of(quantity) if row.kept] or results.of(quantity)
-    after = np.array([row.residual for row in rows])
-    before = np.array([row.before - row.measured.value for row in rows if row.before is not None])
+    """Scores and figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
+    after, before = residuals.of(results.rows, quantity), residuals.of(results.before, quantity)
+    kept = [row for row in after if row.kept] or after
+    lines = {(row.point.line, row.measured.time) for row in kept}
     return {
-        "name": quantity,
         "meaning": MEASURED[quantity].meaning,
-        "unit": "" if MEASURED[quantity].dimension == "ratio" else "1/s",
-        "count": len(rows),
-        "before": float(np.sqrt(np.mean(before**2))) if before.size else None,
-        "after": float(np.sqrt(np.mean(after**2))),
-        "bias": float(after.mean()),
-        "relative": float(np.sqrt(np.mean([row.relative**2 for row in rows]))),
-        "picture": figures.residuals(results, quantity),
+        "unit": _unit(quantity),
+        "score": residuals.score(kept, quantity),
+        "before": residuals.score([row for row in before if (row.point.line, row.measured.time) in lines], quantity).rms,
+        "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
     }
 
 
-def _correlated(results: Results) -> list[tuple[str, str, float]]:
+def _correlated(found: Fit) -> list[tuple[str, str, float]]:
     """Pairs of parameters with a high correlation."""
-    names = [estimate.parameter.name for estimate in results.fit.determined]
-    matrix = results.fit.correlations
-    return [
-        (names[k], names[m], float(matrix[k, m]))
-        for k in range(len(names))
-        for m in range(k)
-        if abs(matrix[k, m]) >= fit.PARTNER
-    ]
+    names = [estimate.parameter.name for estimate in found.determined]
+    pairs = [(names[k], names[m], float(found.spread.correlations[k, m])) for k in range(len(names)) for m in range(k)]
+    return [pair for pair in pairs if abs(pair[2]) >= fit.PARTNER]

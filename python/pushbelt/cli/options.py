@@ -14,7 +14,7 @@ from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
 from ..provenance import COMMAND
-from ..rig import units
+from ..tables import units
 from ..steel import Material
 
 VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"

@@ -12,9 +12,11 @@ import numpy as np
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
-from pushbelt.rig import sheet as sheets
-from pushbelt.rig.sheet import Column, Sheet, TableError
+from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.names import Column
+from pushbelt.tables.sheet import Sheet
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"

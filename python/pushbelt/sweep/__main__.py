@@ -18,7 +18,7 @@ from pushbelt import console, provenance
 from pushbelt.cli.options import add_short, add_study, numbers, program
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.untrusted import described
-from pushbelt.rig.options import add_reading, reading
+from pushbelt.tables.options import add_reading, reading
 
 from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
 from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator

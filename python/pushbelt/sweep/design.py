@@ -17,10 +17,12 @@ import numpy as np
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
-from pushbelt.rig import sheet as sheets
-from pushbelt.rig import units
-from pushbelt.rig.points import CONDITIONS
-from pushbelt.rig.sheet import Column, Fault, Reading, TableError
+from pushbelt.tables import sheet as sheets
+from pushbelt.tables import units
+from pushbelt.tables.columns import CONDITIONS
+from pushbelt.tables.faults import Fault, TableError
+from pushbelt.tables.names import Column
+from pushbelt.tables.sheet import Reading
 
 from .point import Point
 

@@ -1,6 +1,8 @@
-"""CSV files: every program writes them by `write`, with name and unit of each column in the one spelling `primary.speed [rad/s]`.
+"""Tables. Here: CSV files that every program writes by `write`, with name and unit of each column in the one spelling
+`primary.speed [rad/s]`. In the modules: tables of rigs and of other tools.
 
-`pushbelt.rig.sheet` reads these titles, and those of other tools.
+files (bytes → cells)   ┐
+names, numerals, units  ┴→ sheet (cells → columns in SI) → series (plateaus) → points (what is measured where) → plausible
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from .errors import PushbeltError
+from ..errors import PushbeltError
 
 SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
 OF_A_VARIABLE = "[SI]"
@@ -46,21 +48,20 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
     """
     header = list(header)
     without = {place: text for place, text in enumerate(header) if split(text)[1] is None}
+
+    def cell(place: int, value: Any) -> Any:
+        if not isinstance(value, float):
+            return value
+        if place in without:
+            raise TitleError(f"{path.name}: the column {without[place]} has no unit")
+        return repr(float(value)) if digits is None else f"{value:.{digits}g}"
+
     with path.open("w", encoding="utf-8", newline="") as file:
         if remark is not None:
             file.write(f"# {remark}\n")
         writer = csv.writer(file)
         writer.writerow(header)
-        for row in rows:
-            cells = list(row)
-            for place, text in without.items():
-                if place < len(cells) and isinstance(cells[place], float):
-                    raise TitleError(f"{path.name}: the column {text} has no unit")
-            writer.writerow([_number(value, digits) if isinstance(value, float) else value for value in cells])
-
-
-def _number(value: float, digits: int | None) -> str:
-    return repr(float(value)) if digits is None else f"{value:.{digits}g}"
+        writer.writerows([cell(place, value) for place, value in enumerate(row)] for row in rows)
 
 
 def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:

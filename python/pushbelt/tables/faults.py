@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import PushbeltError
 
@@ -13,8 +12,7 @@ SHOWN = 12
 """Largest number of faults that an error lists in full."""
 
 
-@dataclass(frozen=True)
-class Fault:
+class Fault(NamedTuple):
     """A fault of a table."""
 
     text: str
@@ -22,8 +20,7 @@ class Fault:
     column: str | None = None
 
     def __str__(self) -> str:
-        place = [f"line {self.line}"] if self.line is not None else []
-        place += [f"column {self.column}"] if self.column is not None else []
+        place = [f"{what} {name}" for what, name in (("line", self.line), ("column", self.column)) if name is not None]
         return f"{', '.join(place)}: {self.text}" if place else self.text
 
 
@@ -37,20 +34,19 @@ class TableError(PushbeltError, ValueError):
         start = f"{path}: " if path is not None else ""
         if len(self.faults) == 1:
             super().__init__(f"{start}{self.faults[0]}")
-        else:
-            lines = [f"  {fault}" for fault in self.faults[:SHOWN]]
-            if len(self.faults) > SHOWN:
-                lines.append(f"  and {len(self.faults) - SHOWN} more of the same kinds")
-            super().__init__("\n".join([f"{start}{len(self.faults)} faults", *lines]))
+            return
+        more = len(self.faults) - SHOWN
+        lines = [f"  {fault}" for fault in self.faults[:SHOWN]] + [f"  and {more} more of the same kinds"] * (more > 0)
+        super().__init__("\n".join([f"{start}{len(self.faults)} faults", *lines]))
 
 
 def grouped(faults: Sequence[Fault]) -> list[str]:
     """Texts of faults; equal ones of several lines are one."""
-    lines: dict[tuple[str, str | None], list[Fault]] = {}
+    lines: dict[Fault, list[int | None]] = {}
     for fault in faults:
-        lines.setdefault((fault.text, fault.column), []).append(fault)
-    found = []
-    for (said, column), own in lines.items():
-        numbers = ", ".join(str(fault.line) for fault in own[:SHOWN]) + (" …" if len(own) > SHOWN else "")
-        found.append(str(own[0]) if len(own) == 1 else f"{len(own)} lines, {numbers}: {str(Fault(said, None, column))}")
-    return found
+        lines.setdefault(fault._replace(line=None), []).append(fault.line)
+    return [
+        str(same._replace(line=own[0])) if len(own) == 1
+        else f"{len(own)} lines, {', '.join(map(str, own[:SHOWN]))}{' …' * (len(own) > SHOWN)}: {same}"
+        for same, own in lines.items()
+    ]  # fmt: skip

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from .faults import Fault
+from .names import DEVIATION
 from .sheet import Sheet
-from .titles import DEVIATION
 
 Array = np.ndarray
 
@@ -37,7 +37,7 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
 
     channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
     timed = time in sheet.values
-    times = sheet.values[time] if timed else np.arange(len(sheet), dtype=float)
+    times = sheet.values[time].copy() if timed else np.arange(len(sheet), dtype=float)
     good = np.isfinite(times)
     steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
     step = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
@@ -45,65 +45,48 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
         return sheet
     half = max(SAMPLES, round(HALF / step)) if timed else WITHOUT_TIME
     # A pause of the recording has the length of two windows.
-    pauses = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * step, 0.0)
-    times = times.copy()
-    times[good] -= np.cumsum(pauses)
+    times[good] -= np.cumsum(np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * step, 0.0))
     grid = np.arange(times[good][0], times[good][-1] + 0.5 * step, step)
-    channels = {channel: values for channel, values in channels.items() if (good & np.isfinite(values)).any()}
-    raw = {channel: _even(times, values, grid) for channel, values in channels.items()}
+    own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
+    raw = pd.DataFrame({c: np.interp(grid, times[there], channels[c][there]) for c, there in own.items() if there.any()})
     # Without spikes of one or two samples.
-    even = {
-        channel: pd.Series(values).rolling(5, center=True, min_periods=1).median().to_numpy()
-        for channel, values in raw.items()
-    }
-    found = _plateaus([(even[channel], raw[channel]) for channel in channels], half)
+    found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
     enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
     if not enough and (not timed or step > 2.0 or len(sheet) < MANY):
         return sheet
-    drifting = [span for span in found if any(_drifts(values, span) for values in raw.values())]
-    found = [span for span in found if span not in drifting]
-    spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found]
+    drifting = [span for span in found if any(_drifts(values, span) for values in raw.to_numpy().T)]
+    spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found if (start, end) not in drifting]
     reduced = _rows(sheet, times, spans, time, name)
-    reduced.remarks.append(
-        f"a time series of {len(sheet)} rows{f' and {np.ptp(times[good]):.4g} s' if timed else ''}: {len(spans)} plateaus"
-    )
-    for start, end in drifting:
-        reduced.remarks.append(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used")
-    reduced.remarks += [_described(sheet, times, reduced, row, span, channels) for row, span in enumerate(spans)]
+    length = f" and {np.ptp(times[good]):.4g} s" if timed else ""
+    reduced.remarks += [
+        f"a time series of {len(sheet)} rows{length}: {len(spans)} plateaus",
+        *(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used" for start, end in drifting),
+        *(_described(sheet, times, reduced, row, span, raw.columns) for row, span in enumerate(spans)),
+    ]
     if not spans:
-        length = 3 * half * step
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
-        text = f"a time series without a plateau of {length:.3g} s{why}; for recorded shifts add a column series"
+        text = f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"
         reduced.faults.append(Fault(text))
     return reduced
 
 
-def _even(times: Array, values: Array, grid: Array) -> Array:
-    """A channel at evenly spaced times."""
-    own = np.isfinite(values) & np.isfinite(times)
-    return np.interp(grid, times[own], values[own])
-
-
-def _plateaus(channels: Sequence[tuple[Array, Array]], half: int) -> list[tuple[int, int]]:
+def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
     """Spans without a change in any channel, at least a window long. The windows before and after a place are within the plateau."""
-    count = len(channels[0][0]) - 2 * half + 1
+    count = len(raw) - 2 * half + 1
     if count < half:
         return []
-    steady = np.ones(count, dtype=bool)
-    for values, raw in channels:
-        sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
-        means = (sums[half:] - sums[:-half]) / half
-        change = np.abs(means[half:] - means[:-half])
-        level = np.quantile(np.abs(values), 0.95)
-        # The scatter of the quieter half of the places, and that of white noise: the first one includes slow noise.
-        usual = np.quantile(change, 0.4) / 0.524
-        white = np.median(np.abs(np.diff(raw))) / 0.954 * np.sqrt(2.0 / half)
-        limit = min(max(NOISE * usual, LEAST * level), max(LARGEST * level, NOISE * white))
-        steady &= change <= limit
+    sums = np.concatenate([np.zeros((1, raw.shape[1])), np.cumsum(even - even[0], axis=0)])
+    means = (sums[half:] - sums[:-half]) / half
+    change = np.abs(means[half:] - means[:-half])
+    level = np.quantile(np.abs(even), 0.95, axis=0)
+    # The scatter of the quieter half of the places, and that of white noise: the first one includes slow noise.
+    usual = np.quantile(change, 0.4, axis=0) / 0.524
+    white = np.median(np.abs(np.diff(raw, axis=0)), axis=0) / 0.954 * np.sqrt(2.0 / half)
+    limit = np.minimum(np.maximum(NOISE * usual, LEAST * level), np.maximum(LARGEST * level, NOISE * white))
+    steady = (change <= limit).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(int)))
-    return [
-        (start + half, end + half) for start, end in zip(edges[::2], edges[1::2], strict=True) if end - start >= half
-    ]
+    spans = zip(edges[::2], edges[1::2], strict=True)
+    return [(start + half, end + half) for start, end in spans if end - start >= half]
 
 
 def _drifts(values: Array, span: tuple[int, int]) -> bool:
@@ -118,30 +101,27 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
     """A row for each span, with means, and standard errors of the means."""
     values = {channel: np.full(len(spans), np.nan) for channel in sheet.values if channel != time}
     errors = {channel: np.full(len(spans), np.nan) for channel in values if not channel.endswith(DEVIATION)}
-    lines, texts, spikes = [], [], 0
+    lines, spikes = np.zeros(len(spans), dtype=int), 0
     for row, (start, end) in enumerate(spans):
         inside = (times >= start) & (times < end)
-        lines.append(int(sheet.lines[np.argmax(inside)]))
-        texts.append(f"plateau {row + 1}")
+        lines[row] = sheet.lines[np.argmax(inside)]
         for channel in values:
             column = sheet.values[channel]
-            own = column[inside & np.isfinite(column)]
-            if not own.size and np.isfinite(column).sum() > 1:
+            there = np.isfinite(column)
+            own = column[inside & there]
+            if not own.size and there.sum() > 1:
                 # A channel with a slower raster than the plateau.
-                there = np.isfinite(column) & np.isfinite(times)
+                there &= np.isfinite(times)
                 own = np.interp([0.5 * (start + end)], times[there], column[there])
             if own.size:
                 kept = _kept(own)
                 spikes += own.size - kept.size
                 values[channel][row] = kept.mean()
-                if channel in errors:
-                    errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size) if kept.size > 1 else np.nan
-    remarks = (
-        [*sheet.remarks, f"{spikes} samples far from their plateau are not averaged"] if spikes else list(sheet.remarks)
-    )
-    return replace(
-        sheet, values=values, texts={name: texts}, lines=np.array(lines, dtype=int), errors=errors, remarks=remarks
-    )
+                if channel in errors and kept.size > 1:
+                    errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size)
+    texts = {name: np.array([f"plateau {row + 1}" for row in range(len(spans))], dtype=object)}
+    remarks = [*sheet.remarks, *[f"{spikes} samples far from their plateau are not averaged"] * (spikes > 0)]
+    return replace(sheet, values=values, texts=texts, lines=lines, errors=errors, remarks=remarks)
 
 
 def _kept(values: Array) -> Array:
@@ -152,17 +132,14 @@ def _kept(values: Array) -> Array:
     return values[apart <= limit] if len(values) > 2 * SAMPLES and limit > 0.0 else values
 
 
-def _described(
-    sheet: Sheet, times: Array, reduced: Sheet, row: int, span: tuple[float, float], channels: Iterable[str]
-) -> str:
+def _described(sheet: Sheet, times: Array, reduced: Sheet, row: int, span: tuple[float, float], channels: Iterable[str]) -> str:
     """A plateau with time, number of samples, means and standard deviations in the units of the file."""
     inside = np.flatnonzero((times >= span[0]) & (times < span[1]))
     parts = []
     for channel in channels:
         one, column = sheet.taken[channel], sheet.values[channel][inside]
-        factor, offset = (1.0, 0.0) if one.turned else (one.scale.factor, one.scale.offset)
-        own = _kept(column[np.isfinite(column)]) if np.isfinite(column).any() else column[:0]
-        spread = f" ± {own.std(ddof=1) / factor:.2g}" if own.size > 1 else ""
-        parts.append(f"{one.title} {(reduced.values[channel][row] - offset) / factor:.5g}{spread}")
+        own = column[np.isfinite(column)]
+        spread = f" ± {one.written(_kept(own)).std(ddof=1):.2g}" if own.size > 1 else ""
+        parts.append(f"{one.title} {one.written(reduced.values[channel][row]):.5g}{spread}")
     ends = f"lines {sheet.lines[inside[0]]} to {sheet.lines[inside[-1]]}"
     return f"plateau {row + 1}: {span[0]:.4g} to {span[1]:.4g} s, {ends}, {inside.size} samples: {'; '.join(parts)}"

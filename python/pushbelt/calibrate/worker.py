@@ -15,8 +15,9 @@ from pushbelt.fmu.enumerations import Axial, Drive, StartState
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.report.side_by_side import tick
+from pushbelt.tables.columns import SAMPLED
+from pushbelt.tables.points import Point, Record
 
-from .measured import SAMPLED, Point, Record
 
 SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""

@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from . import units
 from .units import Unit
@@ -18,24 +19,25 @@ DEVIATION = ".sd"
 """Suffix of a column of standard deviations."""
 CLOSE = 0.82
 """Similarity above which an unknown name is taken for a misspelled one."""
-LETTERS = str.maketrans(
-    {"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s"}
-)
-
-SIDES = {
-    "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
-    "secondary": "secondary sekundär sekundaer sekundäre sekundärer sekundäres sec sek output out driven abtrieb abtriebs ab ausgang ausgangs",
-}
+LETTERS = str.maketrans({
+    "ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s",
+})  # fmt: skip
 WORDS = {
-    "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit",
-    "torque": "torque moment drehmoment",
-    "clampingForce": "clampingforce clampforce clamping force axialforce thrust thrustforce anpresskraft anpreßkraft klemmkraft spannkraft "
-    "axialkraft kraft",
-    "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck",
+    "side": {
+        "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
+        "secondary": "secondary sekundär sekundaer sekundäre sekundärer sekundäres sec sek output out driven abtrieb abtriebs ab ausgang "
+        "ausgangs",
+    },
+    "quantity": {
+        "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit",
+        "torque": "torque moment drehmoment",
+        "clampingForce": "clampingforce clampforce clamping force axialforce thrust thrustforce anpresskraft anpreßkraft klemmkraft spannkraft "
+        "axialkraft kraft",
+        "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck",
+    },
+    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"},
 }
-FILLERS = (
-    "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"
-)
+"""Words of titles by what they mean."""
 BARE = {"speed": "primary.speed", "torque": "primary.torque", "clampingForce": "secondary.clampingForce"}
 """Names of quantities whose title has no pulley."""
 INVERSE = {
@@ -52,11 +54,7 @@ def key(name: str) -> str:
     return re.sub(r"[^a-z0-9/äöüß]", "", name)
 
 
-_MEANING = {
-    **{word: ("side", side) for side, words in SIDES.items() for word in words.split()},
-    **{word: ("", "") for word in FILLERS.split()},
-    **{word: ("quantity", quantity) for quantity, words in WORDS.items() for word in words.split()},
-}
+_MEANING = {w: (kind, value) for kind, group in WORDS.items() for value, words in group.items() for w in words.split()}
 _TOKEN = re.compile("|".join(sorted(_MEANING, key=len, reverse=True)))
 _TURNED = {key(title): name for name, titles in INVERSE.items() for title in titles.split()}
 
@@ -65,7 +63,7 @@ def in_words(name: str) -> tuple[str, bool] | None:
     """The known name that words for pulley and quantity have, and whether the pulley is missing; None for other words."""
     spelled = key(name)
     tokens = _TOKEN.findall(spelled)
-    if not tokens or "".join(tokens) != spelled:
+    if "".join(tokens) != spelled:
         return None
     meanings = [_MEANING[token] for token in tokens]
     sides = {value for kind, value in meanings if kind == "side"}
@@ -101,14 +99,16 @@ class Column:
 
 
 class Names:
-    """Known names and their other spellings."""
+    """Known names and their other spellings, and the titles that the user maps."""
 
-    def __init__(self, columns: Mapping[str, Column]) -> None:
-        self.columns = columns
+    def __init__(self, columns: Mapping[str, Column], mapped: Iterable[str] = ()) -> None:
+        self.columns, self.mapped = columns, tuple(mapped)
         self._known: dict[str, list[str]] = {}
         for name, column in columns.items():
             for spelled in (name, *column.aliases):
                 self._known.setdefault(key(spelled), []).append(name)
+        self.split = cache(self._split)
+        """Known names and units of a title, possibly several if the unit decides."""
 
     def find(self, written: str) -> list[str]:
         """Known names with this spelling."""
@@ -120,25 +120,23 @@ class Names:
 
     def bare(self, title: str) -> bool:
         """Whether a title names a quantity without a pulley."""
-        return any(
-            key(written) not in self._known and (in_words(written) or ("", False))[1] for written, _ in splits(title)
-        )
+        return any(key(name) not in self._known and (in_words(name) or ("", False))[1] for name, _ in splits(title))
 
-    def close(self, written: str) -> str | None:
-        """The known name that is probably meant by an unknown one."""
-        spelled = key(written)
-        if len(spelled) < 4:
-            return None
-        near = difflib.get_close_matches(spelled, [known for known in self._known if len(known) > 3], 1, CLOSE)
-        return self._known[near[0]][0] if near else None
+    def close(self, title: str) -> str | None:
+        """The known name that is probably meant by an unknown title."""
+        known = [name for name in self._known if len(name) > 3]
+        for spelled in (key(written) for written, _ in splits(title)):
+            if len(spelled) > 3 and (near := difflib.get_close_matches(spelled, known, 1, CLOSE)):
+                return self._known[near[0]][0]
+        return None
 
     def count(self, cells: Sequence[str]) -> float:
-        """Number of different known names among titles. One without a pulley counts half."""
+        """Number of different known names among titles, and of mapped ones. One without a pulley counts half."""
         found = {split[0][0]: 0.5 if self.bare(cell) else 1.0 for cell in cells if (split := self.split(cell))}
-        return sum(found.values())
+        own = sum(any(same(cell, one) for one in self.mapped) and not self.split(cell) for cell in cells if cell)
+        return sum(found.values()) + own
 
-    def split(self, title: str) -> list[tuple[str, str | None]]:
-        """Known names and units of a title, possibly several if the unit decides."""
+    def _split(self, title: str) -> list[tuple[str, str | None]]:
         if not any(map(str.isalpha, title)):
             return []
         bracketed = title.rstrip()[-1:] in ("]", ")", "}")
@@ -147,10 +145,8 @@ class Names:
             # T_S is a torque, not a T in S; t_s is a time.
             return [(name, None) for name in whole]
         for written, unit in splits(title):
-            base, deviation = without_deviation(written)
-            found = self.find(written)
-            end = ""
-            if not found and deviation:
+            found, end = self.find(written), ""
+            if not found and (base := without_deviation(written)) is not None:
                 found, end = self.find(base), DEVIATION
             # Without brackets the end of a title is a unit only if the column may have it.
             fitting = [
@@ -164,31 +160,27 @@ class Names:
 
     def inverse(self, title: str) -> str | None:
         """The name such as `1/ratio.speed` of a title that says so; `i (n_S/n_P)` does as well."""
-        for text in (part for pair in splits(title) for part in pair if part is not None):
-            wanted = _TURNED.get(key(text))
-            if wanted is not None and wanted.removeprefix("1/") in self.columns:
-                return wanted
-        return None
+        wanted = (_TURNED.get(key(text)) for pair in splits(title) for text in pair if text is not None)
+        return next((name for name in wanted if name is not None and name.removeprefix("1/") in self.columns), None)
 
 
-def without_deviation(name: str) -> tuple[str, bool]:
-    """A name without the word for a standard deviation, and whether it has one."""
-    found = re.fullmatch(
-        r"(.+?)[.\s_-]*(?:sd|std|stddev|sigma)|(?:sd|std|sigma)[\s_.(]+(.+?)\)?", name.strip(), re.IGNORECASE
-    )
-    return (found.group(1) or found.group(2), True) if found else (name, False)
+def without_deviation(name: str) -> str | None:
+    """A name without the word for a standard deviation; None if it has none."""
+    words = r"(.+?)[.\s_-]*(?:sd|std|stddev|sigma)|(?:sd|std|sigma)[\s_.(]+(.+?)\)?"
+    found = re.fullmatch(words, name.strip(), re.IGNORECASE)
+    return (found[1] or found[2]) if found else None
 
 
 def splits(title: str) -> Iterable[tuple[str, str | None]]:
     """Possible pairs of name and unit of a title, the most explicit one first."""
     title = title.strip().strip("\"'").strip()
     bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\((.*)\))\s*", title)
-    if bracketed and bracketed.group(1):
-        yield bracketed.group(1), next(group for group in bracketed.groups()[1:] if group is not None)
+    if bracketed and bracketed[1]:
+        yield bracketed[1], next(group for group in bracketed.groups()[1:] if group is not None)
     for pattern in (r"(.+?)\s+/\s*(\S.*)", r"(.+)/(\S+)", r"(.+?)\s*,\s*(\S.*)", r"(.+?)\s+in\s+(\S.*)"):
         found = re.fullmatch(pattern, title)
-        if found and units.dimensions(found.group(2)):
-            yield found.group(1), found.group(2)
+        if found and units.dimensions(found[2]):
+            yield found[1], found[2]
     for sign in re.finditer(r"[\s_.:]+", title):
         if sign.start() and units.dimensions(title[sign.end() :]):
             yield title[: sign.start()], title[sign.end() :]
@@ -200,9 +192,8 @@ def same(title: str, wanted: str) -> bool:
     return title.strip() == wanted.strip() or any(key(written) == key(wanted) != "" for written, _ in splits(title))
 
 
-def turned(wanted: str | None) -> tuple[str, str | None]:
+def turned(wanted: str) -> tuple[str, str]:
     """The prefix `1/` or `-` of a name, and the name."""
-    for prefix in ("1/", "-"):
-        if wanted is not None and wanted.strip().startswith(prefix):
-            return prefix, wanted.strip().removeprefix(prefix).strip()
-    return "", wanted
+    wanted = wanted.strip()
+    prefix = next((sign for sign in ("1/", "-") if wanted.startswith(sign)), "")
+    return prefix, wanted.removeprefix(prefix).strip()

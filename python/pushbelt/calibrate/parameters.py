@@ -5,10 +5,10 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from ..errors import PushbeltError
+from pushbelt.errors import PushbeltError
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
 """Parameters that are fitted by default."""
@@ -56,19 +56,13 @@ class Parameter:
     @property
     def bounds(self) -> tuple[float, float]:
         """Lower and upper bound of the coordinate."""
-        ends = [
-            self.coordinate(value) if math.isfinite(value) else value * self._sign for value in (self.low, self.high)
-        ]
-        return min(ends), max(ends)
-
-    @property
-    def _sign(self) -> float:
-        return math.copysign(1.0, self.start)
+        low, high = sorted(map(self.coordinate, (self.low, self.high)))
+        return low, high
 
     def interval(self, coordinate: float, half: float) -> tuple[float, float]:
         """Lower and upper value of an interval of the coordinate."""
-        ends = self.value(coordinate - half), self.value(coordinate + half)
-        return min(ends), max(ends)
+        low, high = sorted((self.value(coordinate - half), self.value(coordinate + half)))
+        return low, high
 
 
 def choose(
@@ -84,16 +78,11 @@ def choose(
     """
     priors = priors or {}
     for given, what in ((limits, "bounds are"), (priors, "a prior is")):
-        unknown = [name for name in given if name not in wanted]
-        if unknown:
-            raise ParameterError(f"{what} specified for {', '.join(unknown)}, which is not fitted")
-    found = [
-        replace(_parameter(name, start, limits.get(name), variables, values), prior=priors.get(name))
-        for name, start in wanted.items()
-    ]
+        if unknown := given.keys() - wanted.keys():
+            raise ParameterError(f"{what} specified for {', '.join(sorted(unknown))}, which is not fitted")
+    found = [_parameter(name, start, limits.get(name), priors.get(name), variables, values) for name, start in wanted.items()]
     taken = [variable for parameter in found for variable in parameter.variables]
-    twice = sorted({variable for variable in taken if taken.count(variable) > 1})
-    if twice:
+    if twice := sorted({variable for variable in taken if taken.count(variable) > 1}):
         raise ParameterError(f"{', '.join(twice)} appears twice in --fit")
     return found
 
@@ -102,32 +91,31 @@ def _parameter(
     name: str,
     start: float | None,
     limits: tuple[float, float] | None,
+    prior: tuple[float, float] | None,
     variables: Mapping[str, Any],
     values: Mapping[str, float],
 ) -> Parameter:
+    known = {full: one for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"}
     names = (name,) if name in variables else tuple(f"{pulley}.{name}" for pulley in PULLEYS)
-    described = [variables.get(full) for full in names]
-    if any(one is None or one.causality != "parameter" or one.type != "Real" for one in described):
-        known = [full for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"]
+    if not known.keys() >= set(names):
         near = difflib.get_close_matches(name, known, 1, 0.5)
         raise ParameterError(f"the FMU has no real parameter {name}" + (f"; did you mean {near[0]}?" if near else ""))
-    first = described[0]
+    first = known[names[0]]
     if start is None:
         start = values.get(names[0], float(first.start))
     low = -math.inf if first.min is None else float(first.min)
     high = math.inf if first.max is None else float(first.max)
     if name == "friction.pulley":
         # The FMU rejects a friction coefficient at which the belt is self-locking in the groove.
-        high = min(
-            high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start)))
-        )
+        high = min(high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start))))
     if limits is not None:
         low, high = max(low, limits[0]), min(high, limits[1])
-    if not low < high or not low <= start <= high:
-        raise ParameterError(f"{name}: the start value {start:g} is not within its bounds, {low:g} to {high:g}")
+    for what, value in (("start value", start), ("prior", prior and prior[0])):
+        if value is not None and not (low <= value <= high and low < high):
+            raise ParameterError(f"{name}: the {what}, {value:g}, is not within its bounds, {low:g} to {high:g}")
     if start == 0.0:
         raise ParameterError(f"{name} starts at 0, which defines no scale: specify a start value by --fit {name}=VALUE")
-    return Parameter(name, names, first.unit or "1", first.description or "", start, low, high)
+    return Parameter(name, names, first.unit or "1", first.description or "", start, low, high, prior)
 
 
 def assign(parameters: Sequence[Parameter], coordinates: Sequence[float]) -> dict[str, float]:

@@ -1,0 +1,283 @@
+"""Cells of a table file: CSV in any usual encoding and with any usual separator, a sheet of an .xlsx file, Parquet or MF4; gzip in any case."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import gzip
+import io
+import re
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..errors import PushbeltError
+from .names import Names
+from .numerals import MISSING, Percent
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
+"""Signs between columns, in the order of preference."""
+LARGEST = 1_000_000_000
+"""Largest file, bytes."""
+HEAD = 60
+"""Rows in which the header is searched."""
+MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
+         codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
+"""Encodings by the bytes with which files start; those of UTF-32 start with those of UTF-16."""
+
+
+class TextError(PushbeltError, ValueError):
+    """The file is not a table. The message contains the reason."""
+
+
+class Cells(NamedTuple):
+    """Cells of a file, row by row."""
+
+    frame: pd.DataFrame
+    """Text, or numbers and `Percent` of a spreadsheet. An empty cell is an empty text. The columns are counted from 0, and the index has the
+    line of each row in the file, from 1."""
+    source: str
+    """Encoding and separator, or the name of the sheet, for people."""
+    separator: str = ""
+    """Sign between columns; empty in a spreadsheet."""
+
+    def head(self) -> list[list[str]]:
+        """The first rows as text without blanks around the cells."""
+        return [[str(cell).strip() for cell in row] for row in self.frame.iloc[:HEAD].itertuples(index=False)]
+
+
+def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
+    """Cells of a file. The separator or the sheet is the one with most known names.
+
+    Raises TextError if the file is not a table, OSError if it cannot be read.
+    """
+    size = path.stat().st_size
+    if size > LARGEST:
+        raise TextError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
+    data = path.read_bytes()
+    if data.startswith(b"\x1f\x8b"):
+        data = _unzipped(data)
+    if data.startswith((b"MDF ", b"UnFinMF ")):
+        return _mf4(data, names)
+    if data.startswith(b"PAR1"):
+        return _parquet(data)
+    if data.startswith(b"PK\x03\x04"):
+        return _spreadsheet(data, names, sheet)
+    if data.startswith(b"\xd0\xcf\x11\xe0"):
+        raise TextError("this is an old Excel file: save it as .xlsx or CSV")
+    return _text(data, names)
+
+
+def _unzipped(data: bytes) -> bytes:
+    with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+        try:
+            found = file.read(LARGEST + 1)
+        except (OSError, EOFError, zlib.error) as error:
+            raise TextError(f"the file is not a whole gzip file: {error}") from error
+    if len(found) > LARGEST:
+        raise TextError(f"the file has more than {LARGEST / 1e6:.0f} MB when it is unpacked")
+    return found
+
+
+# Text
+
+
+def _decoded(data: bytes) -> tuple[str, str]:
+    """Text and encoding of a file."""
+    encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
+    if encoding is None and data[:4000].count(0):
+        # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
+        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
+        if max(even, odd) < len(data[:4000]) // 8:
+            raise TextError("the file is not a table: it has bytes that no text has")
+        encoding = "utf-16-le" if odd > even else "utf-16-be"
+    for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
+        try:
+            return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
+        except UnicodeDecodeError as error:
+            reason = error
+    raise TextError(f"the file is not text in {encoding}: {reason}")
+
+
+def _text(data: bytes, names: Names) -> Cells:
+    text, encoding = _decoded(data)
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
+    lines = _with_header([*[""] * bool(declared), *lines[bool(declared) :]], names)
+    shown = [line for line in lines if line.strip(' ,;|\t"')]
+    if not shown:
+        raise TextError("the table is empty")
+    separator = declared[1] if declared else _separator(shown[:HEAD], names)
+    frame = _frame(lines, separator)
+    # A quoted cell may contain line breaks.
+    breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy(dtype=int)
+    frame.index = 1 + np.arange(len(frame)) + np.cumsum(breaks) - breaks
+    frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
+    name = f"{encoding.upper()}, {SEPARATORS.get(separator, repr(separator))} between columns"
+    return Cells(frame[(frame != "").any(axis=1)], name, separator)
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if separator == "  ":
+        return re.split(r"\s{2,}", line.strip())
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+
+
+def is_remark(line: str) -> bool:
+    """Whether a line is a remark: it starts with `#`, and this is not an error value of a spreadsheet."""
+    start = line.lstrip().lstrip('"').lower()
+    return start.startswith("#") and not any(word.startswith("#") and start.startswith(word) for word in MISSING)
+
+
+def _with_header(lines: list[str], names: Names) -> list[str]:
+    """The lines with remarks emptied. A remark with known names above rows of numbers is the header."""
+
+    def most(line: str) -> float:
+        return max(names.count(_split(line, separator)) for separator in SEPARATORS)
+
+    found, has_header = list(lines), None
+    for place, line in enumerate(lines):
+        if not is_remark(line):
+            continue
+        if has_header is None:
+            has_header = most(next((other for other in lines if other.strip() and not is_remark(other)), "")) >= 2
+        start = line.lstrip()
+        bare = line.replace("#", "", 1) if start.startswith('"#') else start.lstrip('"#').strip()
+        best = 0.0 if has_header else most(bare)
+        # A first cell `#` is an index column.
+        indexed = re.match(r'\s*"?#"?\s*[;,|\t]', line) and most(line) == best
+        found[place] = "" if best < 3 else line if indexed else bare
+    return found
+
+
+def _separator(lines: Sequence[str], names: Names) -> str:
+    """The separator by which the lines have most known names; among equals, the one in most lines."""
+
+    def merit(separator: str) -> tuple[float, int]:
+        rows = [_split(line, separator) for line in lines]
+        return max(map(names.count, rows)), sum(len(row) > 1 for row in rows)
+
+    return max(SEPARATORS, key=merit)
+
+
+def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
+    import pandas as pd
+
+    if separator == "  ":
+        lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
+    # The C parser of pandas takes the number of columns from here.
+    width = max(line.count(separator) for line in lines) + 1
+    return pd.read_csv(
+        io.StringIO("\n".join(lines)), sep=separator, header=None, names=range(width), index_col=False, dtype=str, keep_default_na=False,
+        skip_blank_lines=False, skipinitialspace=separator != "\t", on_bad_lines="error",
+    ).fillna("")  # fmt: skip
+
+
+# Spreadsheets
+
+
+def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
+    try:
+        import openpyxl
+    except ImportError as error:
+        raise TextError("an .xlsx file requires the package openpyxl: pip install 'pushbelt[excel]'") from error
+    try:
+        # Only the file of formulas says that an empty cell has one.
+        values, formulas = (openpyxl.load_workbook(io.BytesIO(data), data_only=only) for only in (True, False))
+    except Exception as error:  # openpyxl and zipfile have no common base class of errors.
+        raise TextError(f"the file is not a readable .xlsx file: {error}") from error
+    if wanted is not None and wanted not in values.sheetnames:
+        raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
+    sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
+    found = [cells for sheet in sheets if (cells := _sheet(sheet, formulas[sheet.title])) is not None]
+    if not found:
+        raise TextError("the table is empty")
+    return max(found, key=lambda cells: max(map(names.count, cells.head())))
+
+
+def _sheet(values: Any, formulas: Any) -> Cells | None:
+    """The cells of a sheet; None without any. Empty rows and remarks are left out."""
+    import pandas as pd
+
+    rows = [list(map(_cell, *pair)) for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=True)]
+    texts = [[str(cell) for cell in row if str(cell) != ""] for row in rows]
+    keep = [line for line, row in enumerate(texts, 1) if row and (len(row) > 3 or not is_remark(row[0]))]
+    if not keep:
+        return None
+    frame = pd.DataFrame([rows[line - 1] for line in keep], index=keep, dtype=object)
+    return Cells(frame, f"sheet {values.title}")
+
+
+def _cell(cell: Any, formula: Any) -> str | float:
+    """A number, or any other value as text; `=` for a formula that no spreadsheet program has calculated."""
+    value = cell.value
+    if value is None:
+        return "=" if formula.data_type == "f" else ""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value).strip()
+    return Percent(100.0 * value) if "%" in str(cell.number_format) else value
+
+
+# Data frames
+
+
+def _parquet(data: bytes) -> Cells:
+    import pandas as pd
+
+    try:
+        frame = pd.read_parquet(io.BytesIO(data), engine="pyarrow")
+    except ImportError as error:
+        raise TextError("a .parquet file requires the package pyarrow: pip install 'pushbelt[parquet]'") from error
+    except (OSError, ValueError) as error:
+        raise TextError(f"the file is not a readable .parquet file: {error}") from error
+    if not isinstance(frame.index, pd.RangeIndex):
+        frame = frame.reset_index(names=[frame.index.name or "time"] if frame.index.nlevels == 1 else None)
+    for name in frame.select_dtypes("timedelta"):
+        frame[name] = frame[name].dt.total_seconds()
+    return _cells([list(map(str, frame.columns))], frame, "Parquet")
+
+
+def _mf4(data: bytes, names: Names) -> Cells:
+    """The channels with a known name, each at its own times."""
+    import pandas as pd
+
+    try:
+        from asammdf import MDF
+    except ImportError as error:
+        raise TextError("an MDF file requires the package asammdf: pip install 'pushbelt[mf4]'") from error
+    columns, titles, unit_row = [], ["time"], ["s"]
+    try:
+        with MDF(io.BytesIO(data)) as file:
+            for name, ((group, index), *_) in file.channels_db.items():
+                title = name.split("\\")[0]
+                if file.masters_db.get(group) == index or not names.count([title]):
+                    continue
+                signal = file.get(group=group, index=index)
+                if np.issubdtype(signal.samples.dtype, np.number) and signal.samples.ndim == 1:
+                    own = pd.Series(signal.samples.astype(float), index=signal.timestamps)
+                    columns.append(own[~own.index.duplicated()])
+                    titles.append(title)
+                    unit_row.append(signal.unit or "")
+    except Exception as error:  # asammdf's errors have no common base class.
+        raise TextError(f"the file is not a readable MDF file: {error}") from error
+    if not columns:
+        raise TextError("no channel has a known name; --map says what a channel is")
+    return _cells([titles, unit_row], pd.concat(columns, axis=1).sort_index().reset_index(), "MDF")
+
+
+def _cells(head: list[list[str]], body: pd.DataFrame, source: str) -> Cells:
+    """Cells below rows of titles; the lines count the rows of values."""
+    import pandas as pd
+
+    body = body.astype(object).where(body.notna(), "")
+    body = body.map(lambda cell: cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip())
+    body.columns = range(body.shape[1])
+    frame = pd.concat([pd.DataFrame(head, dtype=object), body], ignore_index=True)
+    frame.index = frame.index - len(head) + 1
+    return Cells(frame, source)

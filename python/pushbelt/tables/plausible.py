@@ -1,0 +1,258 @@
+"""What cannot be on a variator, before anything is solved, and the reading of the columns that would be plausible.
+
+A doubt is a property that the whole table has, such as a belt speed of 1 m/s. The readings are the inverse of a ratio, other signs and
+units, and exchanged columns. A reading is named if it removes doubts and adds none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from ..fmu.capacity import BELT_SPEED, BEYOND
+from ..fmu.data import parameter_set, pitch_radius, torque_capacity
+from . import units
+from .columns import POWER, SHIFTS
+from .faults import Fault, TableError
+from .sheet import MOST, Sheet, Taken
+
+Array = np.ndarray
+Values = Mapping[str, Array]
+
+USUAL = "bench168"
+"""Parameter set for radii and capacity. Those of other variators for cars differ by less than the limits allow."""
+SLOWEST = 3.0
+"""Belt speed that the fastest point of a table has at least, m/s: about 500 rpm."""
+FASTEST = 40.0
+"""Median belt speed above which another unit of speed is likely, m/s."""
+UNCERTAIN = frozenset({"fast", "slip sign", "small slip", "thrust law"})
+"""Doubts that count only if another reading removes them."""
+CARRIED = 1.5 * BEYOND
+"""Largest utilisation at the usual friction."""
+IDLE = 0.0012
+"""Largest utilisation of a table whose torques are in a wrong unit."""
+LOADED = 0.1
+"""Utilisation above which slip, thrust ratio and efficiency have the sign of the torque."""
+FORCES = (300.0, 150e3)
+THRUST = (0.2, 5.0)
+SLIP = 0.05
+EFFICIENCY = (0.3, 1.005)
+AGREE = 0.1
+"""Difference of the logarithms of a ratio and the speeds' ratio."""
+OFF = 0.3
+"""Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
+INVERTED = ("ratio.geometric", "ratio.speed", "thrustRatio")
+SIGNED = ("primary.torque", "slip")
+READ_AS = ("speed", "torque", "force", "pressure")
+"""Dimensions of which other units are tried."""
+PAIRS = ("speed", "torque", "clampingForce", "pressure")
+
+
+def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_written: bool) -> list[str]:
+    """Warnings about a table. `values` are its columns with computed ones, which `rebuilt` gives for a changed sheet.
+
+    Raises TableError with what is not plausible, and how else the columns could be read, unless the table is taken `as_written`.
+    """
+    found = doubts(values, len(sheet))
+    others = _better(sheet, rebuilt, values, found) if found else []
+    certain = [text for kind, text in found.items() if kind not in UNCERTAIN]
+    texts = certain or list(found.values()) if certain or others else []
+    if texts and not as_written:
+        fault = f"not plausible: {'; '.join(texts)}. "
+        fault += f"Plausible is: {', or '.join(map(str, others))}. " if others else "No other unit, sign or exchange of a column explains it. "
+        raise TableError([Fault(fault + "--as-written takes the table as it is"), *sheet.faults], sheet.path, sheet)
+    return [f"warning: {text}" for text in (*texts, *_single_rows(values, sheet.lines))]
+
+
+@cache
+def _curves() -> tuple[Array, Array, Array]:
+    """Ratios, with the primary pitch radius, m, and the torque capacity per clamping force, m."""
+    parameters, ratios = parameter_set(USUAL), np.geomspace(0.4, 2.5, 15)
+    radii = [pitch_radius(parameters, float(ratio)) for ratio in ratios]
+    return ratios, np.array(radii), np.array([torque_capacity(parameters, float(ratio), 1.0) for ratio in ratios])
+
+
+class _Points:
+    """Columns of steady points; NaN where a value is unknown."""
+
+    def __init__(self, values: Values, count: int) -> None:
+        def get(name: str) -> Array:
+            return values.get(name, np.full(count, np.nan))
+
+        ratios, radii, carried = _curves()
+        self.geometric, self.speed_ratio = get("ratio.geometric"), get("ratio.speed")
+        self.ratio = np.where(np.isfinite(self.geometric), self.geometric, self.speed_ratio)
+        self.speeds = get("primary.speed") / get("secondary.speed")
+        self.torque, self.force = get("primary.torque"), get("secondary.clampingForce")
+        self.efficiency, self.slip = get(POWER), get("slip")
+        self.belt_speed = np.abs(get("primary.speed")) * np.interp(self.ratio, ratios, radii)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.used = self.torque / (np.interp(self.ratio, ratios, carried) * self.force)
+            thrust = get("thrustRatio")
+            self.thrust = np.where(np.isfinite(thrust), thrust, get("primary.clampingForce") / self.force)
+        self.loaded = np.abs(self.used) > LOADED
+        if any(name in values for name in SHIFTS):
+            self.thrust = np.full(count, np.nan)
+
+    def thrust_off(self) -> float:
+        """Root mean square difference of the logarithms of the thrust ratios and usual ones, which rise to overdrive and with the torque."""
+        known = self.loaded & (self.thrust > 0.0) & (self.ratio > 0.0)
+        if known.sum() < 4:
+            return 0.0
+        usual = -0.4 * np.log(self.ratio) + 0.25 * np.sign(self.used) + 0.2 * np.clip(self.used, -1.0, 1.0)
+        return float(np.sqrt(np.mean((np.log(self.thrust) - usual)[known] ** 2)))
+
+
+def _mostly(bad: Array, known: Array) -> bool:
+    return bool(known.any()) and bool(bad[known].mean() > MOST)
+
+
+def _outside(values: Array, limits: tuple[float, float]) -> Array:
+    return (values < limits[0]) | (values > limits[1])
+
+
+def _extent(values: Array, unit: str = "") -> str:
+    values = values[np.isfinite(values)]
+    return f"{values.min():.3g} to {values.max():.3g}{unit}"
+
+
+def doubts(values: Values, count: int) -> dict[str, str]:
+    """What the whole table has that no variator has, by kind."""
+    p, found = _Points(values, count), {}
+    speeds = p.belt_speed[np.isfinite(p.belt_speed)]
+    if speeds.size and (speeds.max() < SLOWEST or np.median(speeds) > BELT_SPEED):
+        found["speed"] = f"belt speeds of {_extent(speeds)} m/s; usual are {SLOWEST:g} to {BELT_SPEED:g} m/s"
+    elif speeds.size and np.median(speeds) > FASTEST:
+        found["fast"] = f"belt speeds of {_extent(speeds)} m/s"
+    used = np.abs(p.used[np.isfinite(p.used) & (p.torque != 0.0)])
+    if used.size and np.median(used) > CARRIED:
+        found["capacity"] = f"torques of {_extent(used)} times the capacity of the clamping forces"
+    if used.size and used.max() < IDLE:
+        found["idle"] = f"torques of at most {used.max():.2g} times the capacity of the clamping forces"
+    for kind, own, limits, unit, text in (
+        ("force", p.force, FORCES, " N", "secondary clamping forces"),
+        ("thrust", p.thrust, THRUST, "", "thrust ratios (primary/secondary force)"),
+    ):
+        if _mostly(_outside(own, limits), np.isfinite(own)):
+            found[kind] = f"{text} of {_extent(own)}; usual are {limits[0]:g} to {limits[1]:g}{unit}"
+    for kind, ratio in (("ratio.geometric", p.geometric), ("ratio.speed", p.speed_ratio)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            apart = np.abs(np.log(ratio / p.speeds))
+        known = np.isfinite(apart) & ((np.abs(np.log(p.speeds)) > AGREE) | (apart > AGREE))
+        if _mostly(apart > AGREE, known):
+            row = int(np.argmax(known & (apart > AGREE)))
+            found[kind] = f"{kind} is {ratio[row]:.4g} where the speeds give {p.speeds[row]:.4g}"
+    known = p.loaded & np.isfinite(p.efficiency)
+    if _mostly(_outside(p.efficiency, EFFICIENCY), known):
+        found["power"] = f"driven over driving power is {_extent(p.efficiency[known])} with the direction of the primary torque"
+    known = p.loaded & np.isfinite(p.slip)
+    several, slips = known.sum() >= 4, 100.0 * p.slip[known]
+    if _mostly(np.abs(p.slip) > SLIP, known):
+        found["slip"] = f"slips of {_extent(slips, ' %')}; usual are at most {100.0 * SLIP:g} %"
+    elif several and _mostly(p.slip * p.used < 0.0, known & (np.abs(p.slip) > 3e-4)):
+        found["slip sign"] = "slips have the opposite sign of the primary torque"
+    elif several and np.abs(slips).max() < 0.02:
+        found["small slip"] = f"slips of at most {np.abs(slips).max():.2g} %"
+    if p.thrust_off() > OFF:
+        found["thrust law"] = "thrust ratios do not rise to overdrive and with the primary torque as usual"
+    return found
+
+
+def _single_rows(values: Values, lines: Array) -> Iterator[str]:
+    """What no variator has in single lines."""
+    p = _Points(values, len(lines))
+    for text, bad in (
+        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
+        (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
+        (f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}", _outside(p.thrust, THRUST)),
+        (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
+    ):
+        if bad.any():
+            yield f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' if bad.sum() > 10 else ''}"
+
+
+# Other readings
+
+
+@dataclass(frozen=True)
+class Other:
+    """Another reading of some columns."""
+
+    text: str
+    columns: Mapping[str, Taken]
+    """What columns would be, by the known names that they have now."""
+    unit: bool = False
+    """Whether it is another unit."""
+
+    @property
+    def options(self) -> dict[str, str]:
+        """Its `--map` options, by title."""
+        return {
+            one.title: f"{one.turned}{one.name}" + (f" [{one.unit}]" if one.unit and one.turned != "1/" else "")
+            for one in self.columns.values()
+        }
+
+    def changed(self, sheet: Sheet) -> Sheet:
+        """The sheet with these columns."""
+        new = {one.name: one.si(sheet.taken[name].written(sheet.values[name])) for name, one in self.columns.items()}
+        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[])
+
+    def __str__(self) -> str:
+        options = " ".join(f'--map "{title}={name}"' for title, name in self.options.items())
+        return f"{self.text} ({options})"
+
+
+def _others(sheet: Sheet) -> Iterator[Other]:
+    """Other readings of the columns of a table."""
+    there = {name: one for name, one in sheet.taken.items() if name in sheet.values}
+    for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
+        for name in (name for name in names if name in there):
+            one = there[name]
+            turned = {name: replace(one, turned="" if one.turned == prefix else prefix)}
+            yield Other(one.title + text.format(name), turned)
+    yield from _other_units(there)
+    pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
+    for some in [*([quantity] for quantity in pairs), *[["speed", "torque"]] * ({"speed", "torque"} <= set(pairs))]:
+        sides = [(f"{one}.{q}", f"{other}.{q}") for q in some for one, other in (("primary", "secondary"), ("secondary", "primary"))]
+        titles = " and ".join(there[name].title for name, _ in sides)
+        yield Other(f"{titles} exchanged (P and S)", {name: replace(there[name], name=other) for name, other in sides})
+
+
+def _other_units(there: Mapping[str, Taken]) -> Iterator[Other]:
+    """Other units of all columns of a quantity that have the same one, or of one of them."""
+    groups: dict[tuple[str, str], list[Taken]] = {}
+    for name, one in there.items():
+        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
+            group = name if one.column.dimension == "ratio" else one.column.dimension
+            groups.setdefault((group, one.unit), []).append(one)
+    for columns in groups.values():
+        for some in [columns, *([one] for one in columns if len(columns) > 1)]:
+            dimension, scale = some[0].column.dimension, some[0].scale
+            for unit in units.confused(dimension):
+                other = units.find(unit, dimension)
+                if other is not None and other != scale:
+                    titles = " and ".join(one.title for one in some)
+                    yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
+
+
+def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, found: Mapping[str, str]) -> Sequence[Other]:
+    """The readings that remove most doubts and add none, best first."""
+    before = _Points(values, len(sheet)).thrust_off()
+    better: list[tuple[int, int, float, Other]] = []
+    for other in _others(sheet):
+        if set(found) == ({"thrust law"} if other.unit else {"fast"}):
+            # The law is too rough to tell units, and a fast belt can only have another unit.
+            continue
+        new = rebuilt(other.changed(sheet))
+        left, off = doubts(new, len(sheet)), _Points(new, len(sheet)).thrust_off()
+        if set(left) < set(found) and off <= max(1.2 * before, OFF):
+            better.append((len(left), len(other.columns), off, other))
+    fewest = min((left for left, *_ in better), default=0)
+    best = [one for one in better if one[0] == fewest]
+    closest = min((off for _, _, off, _ in best), default=0.0)
+    close = [other for _, _, off, other in best if off <= 1.5 * closest + 0.05]
+    # A reading of more columns is named only if none of its parts is enough.
+    return [one for one in close if not any(set(other.options.items()) < set(one.options.items()) for other in close)]

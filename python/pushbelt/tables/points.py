@@ -1,0 +1,424 @@
+"""What a rig's table measures: steady points, or recorded shifts. Errors are reported by line and column, all at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..fmu.data import pitch_radius
+from . import plausible, series, units
+from . import sheet as sheets
+from .columns import (
+    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
+)  # fmt: skip
+from .faults import Fault, TableError, grouped
+from .names import DEVIATION
+from .sheet import MOST, Reading, Sheet
+
+Array = np.ndarray
+AGREE = 0.05
+"""Relative difference below which a geometric ratio and n_P/n_S are the same ratio."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured value."""
+
+    quantity: str
+    value: float
+    """SI."""
+    deviation: float
+    """Standard deviation, SI."""
+    given: bool
+    """Whether the standard deviation is from the table."""
+    key: str = ""
+    """Name of the model's value; empty if it is the quantity."""
+    time: float | None = None
+    """Time of a sample, s."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A working point with measured values. Exactly one of `ratio` and `speed_ratio` is given."""
+
+    line: int
+    name: str
+    ratio: float | None
+    """Geometric ratio r_S/r_P."""
+    speed_ratio: float | None
+    """Primary speed/secondary speed."""
+    speed: float
+    """Primary speed, rad/s."""
+    torque: float
+    """Torque on the primary shaft, N·m."""
+    force: float
+    """Secondary clamping force, N."""
+    primary_force: float | None
+    """Primary clamping force, N; only with a shift rate."""
+    measured: tuple[Measured, ...]
+    slip: float = 0.0
+    """Estimate of the model's slip, from which the search for a speed ratio starts."""
+
+    @property
+    def shifting(self) -> bool:
+        """Whether the measured values are shift rates."""
+        return self.measured[0].quantity in SHIFTS
+
+
+@dataclass(frozen=True)
+class Record(Point):
+    """A recorded shift: a point at its first sample, and the samples. The measured values are the ratios of the later samples."""
+
+    samples: tuple[tuple[float, float, float, float, float, float], ...] = ()
+    """Time from the first one in s, primary speed, primary torque, primary force, secondary force, ratio; SI."""
+
+
+@dataclass(frozen=True)
+class Oil:
+    """Forces of the cylinders of a parameter set from oil pressures, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
+
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Values by name: those of `primary.cylinder` and `secondary.cylinder`, and with a stiff spring the geometry."""
+
+    def of(self, pulley: str, name: str) -> float:
+        """A parameter of the cylinder of a pulley, 0 if it is not given."""
+        return self.parameters.get(f"{pulley}.cylinder.{name}", 0.0)
+
+    def forces(self, pulley: str, pressures: Array, speeds: Array, ratios: Array) -> Array:
+        """Forces of a cylinder, N, at pressures in Pa, speeds in rad/s and geometric ratios. What does not act is not needed."""
+        found = pressures * self.of(pulley, "area") + self.of(pulley, "springForce")
+        if self.of(pulley, "centrifugal"):
+            found = found + self.of(pulley, "centrifugal") * speeds**2
+        if self.of(pulley, "springStiffness"):
+            found = found - self.of(pulley, "springStiffness") * np.array([self._position(pulley, ratio) for ratio in ratios])
+        return found
+
+    def _position(self, pulley: str, ratio: float) -> float:
+        """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
+        if not ratio > 0.0:
+            return math.nan
+        radius = pitch_radius(self.parameters, ratio) * (ratio if pulley == "secondary" else 1.0)
+        return 2.0 * math.tan(self.parameters["geometry.wedgeAngle"]) * (radius - pitch_radius(self.parameters, 1.0))
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A table with what it measures."""
+
+    sheet: Sheet
+    points: list[Point]
+    remarks: list[str]
+    """What was computed from other columns, and warnings."""
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the table has recorded shifts."""
+        return any(isinstance(point, Record) for point in self.points)
+
+
+def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> Rig:
+    """Points or recorded shifts of a file; a time series gives a point for each plateau.
+
+    Raises TableError with all faults of the file, or with what cannot be on a variator, and the errors of the file system.
+    """
+    reading, oil = reading or Reading(), oil or Oil()
+    try:
+        sheet = sheets.read(path, COLUMNS, reading)
+    except OSError as error:
+        raise TableError(f"{path}: {error.strerror or error}") from error
+    if SERIES not in sheet.taken and not sheet.faults:
+        sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
+    points = _Points(sheet, oil)
+    rig = points.rig()
+    warnings = plausible.check(sheet, points.checked, lambda changed: _Points(changed, oil).computed(), reading.as_written)
+    rig.remarks.extend(warnings)
+    return rig
+
+
+class _Points:
+    """Points of a sheet."""
+
+    def __init__(self, sheet: Sheet, oil: Oil) -> None:
+        self.sheet, self.oil = sheet, oil
+        self.remarks: list[str] = []
+        self.values: dict[str, Array] = dict(sheet.values)
+        self.lost: set[int] = set()
+        """Rows that are left out because of a computed value."""
+        self.checked: dict[str, Array] = {}
+        self.recorded = SERIES in sheet.taken and TIME in sheet.taken
+
+    def computed(self) -> dict[str, Array]:
+        """Columns with those that follow from others, as they are checked: a recorded shift has no thrust ratio."""
+        self._forces()
+        self._ratios()
+        if self.recorded:
+            return {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
+        self._slip()
+        self._efficiency()
+        return self.values
+
+    def rig(self) -> Rig:
+        sheet = self.sheet
+        self.checked = self.computed()
+        self._require(RECORDED if self.recorded else REQUIRED)
+        points: Sequence[Point] = []
+        if not sheet.faults:
+            points = self._records() if self.recorded else self._steady()
+        if not points and not sheet.faults:
+            what = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
+            reasons = f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}"
+            sheet.faults.append(Fault(reasons if sheet.left_out else what))
+            sheet.left_out.clear()
+        sheet.check()
+        return Rig(sheet, list(points), self.remarks)
+
+    def _require(self, required: Sequence[str]) -> None:
+        there = set(self.values) | self.sheet.failed
+        missing = [name for name in required if name not in there]
+        if not self.recorded and not there & {"ratio.geometric", "ratio.speed"}:
+            missing.insert(0, "ratio.geometric or ratio.speed")
+        if missing:
+            unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
+            self.sheet.faults.append(Fault(f"there is no column {', '.join(missing)}{unknown}"))
+        for name in self.sheet.taken:
+            base = name.removesuffix(DEVIATION)
+            if base not in self.sheet.taken and base not in self.values:
+                self.sheet.faults.append(Fault(f"there is no column {base}", None, self.sheet.title(name)))
+
+    # Columns that follow from others
+
+    def _has(self, *names: str) -> bool:
+        return all(name in self.values and bool(np.isfinite(self.values[name]).any()) for name in names)
+
+    def _get(self, name: str) -> Array:
+        return self.values.get(name, np.full(len(self.sheet), np.nan))
+
+    def _first(self, name: str, other: Array) -> Array:
+        """A column, and another one where it has no value."""
+        return np.where(np.isfinite(self._get(name)), self._get(name), other)
+
+    def _forces(self) -> None:
+        """Clamping forces from oil pressures."""
+        for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
+            pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
+            if not self._has(pressure) or self._has(force):
+                continue
+            title = self.sheet.title(pressure)
+            if not self.oil.of(pulley, "area"):
+                self.sheet.failed.add(force)
+                text = f"a pressure gives no force without the area of the piston: {pulley}.cylinder.area in the parameter set or by --set"
+                self.sheet.faults.append(Fault(text, None, title))
+                continue
+            turns = self._get("ratio.speed" if self._has("ratio.speed") else "ratio.geometric")
+            speed = self._first(f"{pulley}.speed", self._get(f"{other}.speed") * (turns if pulley == "primary" else 1.0 / turns))
+            found = self.oil.forces(pulley, self.values[pressure], speed, self._first("ratio.geometric", turns))
+            self.values[force], column = found, CONDITIONS[force]
+            limits = f"N, not within {column.low:g} to {column.high:g} N"
+            outside = (found < column.low) | (found > column.high)
+            self._drop(force, {row: f"the force is {found[row]:.4g} {limits}" for row in np.flatnonzero(outside)}, title)
+            self.remarks.append(f"{force} is the force of {pulley}.cylinder at {title}")
+            if not self.oil.of(pulley, "centrifugal"):
+                self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
+
+    def _ratios(self) -> None:
+        """The speed ratio from both speeds; agreement of the ratios with each other."""
+        if self._has("primary.speed", "secondary.speed"):
+            found = self.values["primary.speed"] / self.values["secondary.speed"]
+            if self._has("ratio.speed"):
+                self._compare("ratio.speed", found, AGREE)
+            else:
+                self.values["ratio.speed"] = found
+                self.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+        if self._has("ratio.geometric", "ratio.speed"):
+            self._compare("ratio.geometric", self.values["ratio.speed"], 0.5)
+
+    def _compare(self, name: str, speed_ratio: Array, tolerance: float) -> None:
+        """Faults of rows whose ratio contradicts the speeds, unless most do: then the table is checked as a whole."""
+        values = self.values[name]
+        # The ratio 1 distinguishes nothing.
+        there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
+        off = np.abs(values / speed_ratio - 1.0)
+        if not there.any() or (off[there] > 2 * AGREE).mean() > MOST:
+            return
+        for row in np.flatnonzero(there & (off > tolerance)):
+            fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"
+            self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), self.sheet.title(name)))
+
+    def _drop(self, name: str, wrong: Mapping[int, str], title: str) -> None:
+        """Rows with a wrong value of a computed column: left out, or a fault of the column if most are wrong."""
+        faults = [Fault(text, int(self.sheet.lines[row]), title) for row, text in wrong.items()]
+        if len(faults) > MOST * np.isfinite(self.values[name]).sum():
+            more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
+            self.sheet.faults.append(faults[0]._replace(text=faults[0].text + more))
+        else:
+            self.sheet.left_out += faults
+            self.lost.update(wrong)
+
+    def _slip(self) -> None:
+        if self._has("ratio.geometric", "ratio.speed") and not self._has("slip"):
+            self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
+            self.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
+
+    def _efficiency(self) -> None:
+        """The efficiency of the driving direction, as it is given or from speeds and torques."""
+        torque = self._get("primary.torque")
+        if self._has("efficiency"):
+            found, title = self.values["efficiency"], self.sheet.title("efficiency")
+            turned = (found > HIGHEST) & (torque < 0.0)
+            if turned.any():
+                self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
+            self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
+            factor = self.sheet.taken["efficiency"].scale.factor
+            limits = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
+            self._drop("efficiency", {row: f"{found[row] / factor:g} {limits}" for row in np.flatnonzero(found > HIGHEST)}, title)
+            return
+        if not self._has("secondary.torque", "primary.torque"):
+            return
+        turns = self._first("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.abs(self._get("secondary.torque") / torque) / turns
+            found = np.where(torque < 0.0, 1.0 / found, found)
+        known = np.isfinite(found) & (torque != 0.0)
+        if not known.any():
+            return
+        inside = known & (found > 0.01) & (found <= HIGHEST)
+        self.values[POWER], self.values["efficiency"] = np.where(known, found, np.nan), np.where(inside, found, np.nan)
+        titles = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
+        self.remarks.append("efficiency is |{}| ω_S/(|{}| ω_P), its inverse in overrun".format(*titles))
+        if (known & ~inside).any():
+            lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
+            self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
+
+    # Steady points
+
+    def _steady(self) -> list[Point]:
+        rows = [row for row in range(len(self.sheet)) if row not in self.lost]
+        before = len(self.sheet.left_out) + len(self.sheet.faults)
+        points = [point for row in rows if (point := self._point(row)) is not None]
+        refused = len(self.sheet.left_out) + len(self.sheet.faults) - before
+        if empty := len(rows) - len(points) - refused:
+            self.remarks.append(f"{empty} rows without a measured value are not used")
+        return points
+
+    def _leave_out(self, text: str, line: int, name: str | None = None) -> None:
+        self.sheet.left_out.append(Fault(text, line, self.sheet.title(name) if name is not None else None))
+
+    def _point(self, row: int) -> Point | None:
+        """The point of a row; None if nothing is measured in it, or if it is left out."""
+        line = int(self.sheet.lines[row])
+        values = {name: float(column[row]) for name, column in self.values.items() if np.isfinite(column[row])}
+        measured = {quantity: values[quantity] for quantity in QUANTITIES if quantity in values}
+        force, primary_force = values.get("secondary.clampingForce"), values.get("primary.clampingForce")
+        shifting = [quantity for quantity in SHIFTS if quantity in measured]
+        if primary_force is not None and force is not None and not shifting and "thrustRatio" not in measured:
+            thrust, limits = primary_force / force, QUANTITIES["thrustRatio"]
+            if not limits.low <= thrust <= limits.high:
+                text = f"primary force/secondary force is {thrust:.4g}, not within {limits.low:g} to {limits.high:g}"
+                return self._leave_out(text, line, "primary.clampingForce")
+            measured = {"thrustRatio": thrust, **measured}
+        if not measured:
+            return None
+        for name in REQUIRED:
+            if name not in values:
+                return self._leave_out("the cell is empty", line, name)
+        ratio, speed_ratio = values.get("ratio.geometric"), values.get("ratio.speed")
+        if ratio is None and speed_ratio is None:
+            return self._leave_out("neither ratio.geometric nor ratio.speed has a value", line)
+        if shifting and len(measured) > 1:
+            self.sheet.faults.append(Fault(f"with {shifting[0]} the ratio moves, so no other quantity is allowed", line))
+            return None
+        for name in ("primary.clampingForce", "ratio.geometric") if shifting else ():
+            if name not in values:
+                return self._leave_out(f"{shifting[0]} requires a value, but the cell is empty", line, name)
+        found = tuple(self._measured(quantity, row, value) for quantity, value in measured.items())
+        name = self.sheet.texts[NAME][row] if NAME in self.sheet.texts else ""
+        return Point(
+            line, name or f"line {line}", ratio, speed_ratio if ratio is None else None, values["primary.speed"], values["primary.torque"],
+            values["secondary.clampingForce"], primary_force if shifting else None, found,
+        )  # fmt: skip
+
+    def _measured(self, quantity: str, row: int, value: float, key: str = "", time: float | None = None) -> Measured:
+        """A value with the standard deviation of the table, or else the assumed one."""
+        given = float(self._get(quantity + DEVIATION)[row])
+        if math.isfinite(given):
+            return Measured(quantity, value, given, True, key, time)
+        assumed = math.hypot(MEASURED[quantity].assumed(value), self._noise(quantity, row, value))
+        return Measured(quantity, value, assumed, False, key, time)
+
+    def _noise(self, quantity: str, row: int, value: float) -> float:
+        """Standard error of a value that is averaged, or computed from averages."""
+        taken = quantity in self.sheet.taken
+        parts = (quantity,) if taken else PARTS.get(quantity, ())
+        shares = [self.sheet.errors[name][row] / self.sheet.values[name][row] for name in parts if name in self.sheet.errors]
+        size = abs(1.0 - value) if quantity == "slip" and not taken else abs(value)
+        return size * math.sqrt(sum(share**2 for share in shares if math.isfinite(share)))
+
+    # Recorded shifts
+
+    def _records(self) -> list[Point]:
+        rows: dict[str, list[int]] = {}
+        for row, name in enumerate(self.sheet.texts[SERIES]):
+            lost = next((column for column in (TIME, *RECORDED) if not np.isfinite(self._get(column)[row])), None)
+            if lost is None:
+                rows.setdefault(name, []).append(row)
+            elif lost in self.values:
+                self._leave_out("the cell is empty", int(self.sheet.lines[row]), lost)
+        return [point for name, own in rows.items() if (point := self._record(name, own)) is not None]
+
+    def _record(self, name: str, rows: Sequence[int]) -> Record | None:
+        times, lines = self._get(TIME)[rows], self.sheet.lines[rows]
+        back = np.flatnonzero(np.diff(times) <= 0.0)
+        if back.size:
+            row = int(back[0]) + 1
+            text = f"{times[row]:g} s is not after {times[row - 1]:g} s of the same series"
+            self.sheet.faults.append(Fault(text, int(lines[row]), self.sheet.title(TIME)))
+            return None
+        if len(rows) < 2:
+            return self._leave_out(f"series {name} has one sample, and a shift has at least two", int(lines[0]))
+        columns = [times - times[0], *(self._get(column)[rows] for column in RECORDED)]
+        samples = tuple(tuple(map(float, sample)) for sample in zip(*columns, strict=True))
+        measured = tuple(
+            self._measured(SAMPLED, rows[k], sample[5], f"{SAMPLED}@{k}", sample[0]) for k, sample in enumerate(samples) if k
+        )
+        _, speed, torque, primary_force, force, ratio = samples[0]
+        title = f"series {name}" if name else f"line {lines[0]}"
+        return Record(int(lines[0]), title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
+
+
+# Description of a table
+
+
+def understood(rig: Rig) -> list[str]:
+    """Lines that describe what a table contains."""
+    if rig.recorded:
+        counted = f"{len(rig.points)} shifts with {sum(len(point.measured) for point in rig.points)} samples after the first ones"
+    else:
+        found = [measured.quantity for point in rig.points for measured in point.measured]
+        counts = ", ".join(f"{found.count(quantity)} {quantity}" for quantity in QUANTITIES if quantity in found)
+        counted = f"{len(rig.points)} points: {counts}"
+    return [*described(rig.sheet), *(f"  {remark}" for remark in rig.remarks), f"  {counted}"]
+
+
+def described(sheet: Sheet) -> list[str]:
+    """Lines that describe columns, units, and rows that are left out."""
+    lines = [f"{sheet.path}: {sheet.source}, decimal {sheet.decimal}"]
+    for name, one in sheet.taken.items():
+        if name not in sheet.values:
+            lines.append(f"  {one.title}: {name}")
+            continue
+        values = sheet.values[name][np.isfinite(sheet.values[name])]
+        si = units.usual(one.column.dimension)[0]
+        extent = f"{values.min():.5g} to {values.max():.5g} {si}" if values.size else "no values"
+        unit = f" [{one.unit}]" if one.unit else ""
+        lines.append(f"  {one.title}: {one.turned}{name}{unit}, {values.size} values, {extent}")
+    return [*lines, *(f"  {note}" for note in notes(sheet))]
+
+
+def notes(sheet: Sheet) -> list[str]:
+    """What is ignored, assumed and left out of a table."""
+    ignored = [f"ignored: {', '.join(sheet.ignored)}"] if sheet.ignored else []
+    return [*ignored, *sheet.remarks, *(f"left out: {text}" for text in grouped(sheet.left_out))]

@@ -1,0 +1,475 @@
+"""Columns of a table in SI units, by known names. All faults of a file are in one error, with line and column.
+
+A column has a title of name and unit; the unit may also be in the row below. Names are compared without case, blanks and points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import files, numerals, units
+from .faults import Fault, TableError
+from .files import Cells
+from .names import DEVIATION, Column, Names, key, same, splits, turned
+from .numerals import NumeralError, Percent
+from .units import Unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = np.ndarray
+INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
+"""Titles of columns that count the rows."""
+SAMPLE = 500
+"""Rows that suffice to settle the decimal sign if all their numbers agree."""
+SEVERAL = 3
+"""Least number of values without a unit that are read as per cent."""
+SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
+"""Columns that are in per cent without saying so if this of their values is in these limits."""
+HEADERS = 4
+"""Rows below the titles in which units and descriptions are searched."""
+MOST = 0.5
+"""Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Choices of the user."""
+
+    decimal: str | None = None
+    """`point` or `comma`; None: determined from the file."""
+    renamed: Mapping[str, str] = field(default_factory=dict)
+    """Known name, possibly with a unit, by the title of the file, or the other way round."""
+    sheet: str | None = None
+    """Sheet of a spreadsheet."""
+    as_written: bool = False
+    """Whether values that are not plausible are taken as they are written."""
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A column that is used."""
+
+    title: str
+    """Title in the file."""
+    name: str
+    """Known name, with `.sd` for standard deviations."""
+    unit: str
+    """Unit as written; empty without one."""
+    place: int
+    scale: Unit
+    column: Column
+    turned: str = ""
+    """`1/` if the file has the inverse, `-` if it has the opposite sign."""
+
+    @property
+    def deviation(self) -> bool:
+        """Whether these are standard deviations, which an offset or the opposite sign does not change."""
+        return self.name.endswith(DEVIATION)
+
+    def si(self, written: Array) -> Array:
+        """SI values of numbers of the file; NaN for the inverse of 0."""
+        if self.deviation:
+            return self.scale.factor * written
+        found = self.scale.si(written)
+        if self.turned == "1/":
+            return 1.0 / np.where(found == 0.0, np.nan, found)
+        return -found if self.turned else found
+
+    def written(self, si: Array) -> Array:
+        """Numbers of the file of SI values."""
+        if self.deviation:
+            return si / self.scale.factor
+        with np.errstate(divide="ignore"):
+            found = 1.0 / si if self.turned == "1/" else -si if self.turned else si
+        return (found - self.scale.offset) / self.scale.factor
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and largest value, SI."""
+        low, high = self.column.low, self.column.high
+        return (0.0, high - low) if self.deviation else (low, high)
+
+
+@dataclass
+class Sheet:
+    """A table in SI units."""
+
+    path: Path
+    source: str
+    decimal: str
+    taken: dict[str, Taken]
+    """Columns by known name."""
+    ignored: list[str]
+    """Titles of unknown columns."""
+    remarks: list[str]
+    values: dict[str, Array]
+    """SI values by name; NaN where a cell is empty."""
+    texts: dict[str, Array]
+    """Columns of texts by name."""
+    lines: Array
+    """Line of each row."""
+    left_out: list[Fault]
+    """Rows that are not used, and why."""
+    faults: list[Fault]
+    failed: set[str]
+    """Known names of columns that have faults and are not in `taken`."""
+    errors: dict[str, Array] = field(default_factory=dict)
+    """Standard errors of averaged values by name."""
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def title(self, name: str) -> str:
+        """The title in the file of a known name, or the name itself."""
+        return self.taken[name].title if name in self.taken else name
+
+    def check(self) -> None:
+        """Raises TableError if there are faults. It has the rows that are left out as well."""
+        if self.faults:
+            raise TableError([*self.faults, *self.left_out], self.path, self)
+
+
+def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
+    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one.
+
+    Raises TableError if the file is not a table at all, OSError if it cannot be read.
+    """
+    reading = reading or Reading()
+    names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
+    try:
+        cells = files.read(path, names, reading.sheet)
+        return _Reader(path, cells, names, reading, misspelled).sheet()
+    except TableError:
+        raise
+    except ValueError as error:  # A TextError, or pandas' ParserError.
+        raise TableError(str(error), path) from error
+
+
+# Header
+
+
+def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]] | None:
+    """Titles, units, row of the titles, first row of values, and remarks; None for a table whose titles are below each other."""
+    head = cells.head()
+    # The first of the rows with most names.
+    at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
+    titles = head[at]
+    if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
+        return None
+    for row in range(len(head) - 1):
+        # Titles over two rows: primary, secondary above speed, torque.
+        above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
+        joined = [f"{one} {other}".strip() if other else "" for one, other in zip(above, head[row + 1], strict=True)]
+        if names.count(joined) > max(names.count(titles), 1.0):
+            at, titles = row + 1, joined
+    below = [row for row in range(at + 1, at + 1 + HEADERS) if row < len(head)]
+    found = next((row for row in [*below, at - 1] if row >= 0 and _is_row_of_units(head[row])), None)
+    first = max(at, -1 if found is None else found) + 1
+    while first in below and _is_row_of_words(head[first]):
+        first += 1
+    remarks = [f"{at} rows above the header are not read"] * (at > 0) + [
+        f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}"
+        for row in range(at + 1, first)
+        if row != found
+    ]
+    return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
+
+
+def _is_number(cell: str) -> bool:
+    return any(numerals.number(cell, name) is not None for name in numerals.SIGNS)
+
+
+def _is_row_of_words(row: Sequence[str]) -> bool:
+    """Words in all cells, which are neither numbers nor signs for a missing value."""
+    filled = [cell for cell in row if cell]
+    return bool(filled) and all(
+        any(map(str.isalpha, cell)) and not numerals.missing(cell) and not _is_number(cell) for cell in filled
+    )
+
+
+def _is_row_of_units(row: Sequence[str]) -> bool:
+    """No numbers apart from the unit 1, and at least half of the cells are units."""
+    filled = [cell for cell in row if cell]
+    if any(cell != "1" and _is_number(cell) for cell in filled):
+        return False
+    known = [cell for cell in filled if units.is_unit(cell)]
+    return any(cell not in ("1", "-") for cell in known) and 2 * len(known) >= len(filled)
+
+
+# Columns and values
+
+
+def _shares(one: Taken) -> Taken:
+    """A column whose numbers are in per cent."""
+    return replace(one, unit="%", scale=Unit(0.01))
+
+
+class _Reader:
+    def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, misspelled: bool) -> None:
+        self.path, self.cells, self.names, self.reading, self.misspelled = path, cells, names, reading, misspelled
+        found = header(cells, names)
+        if found is None:
+            raise TableError("the table is transposed: its titles are below each other. Exchange rows and columns", path)
+        self.titles, self.units, row, self.first, self.remarks = found
+        self.line = int(cells.frame.index[row])
+        self.faults: list[Fault] = []
+        self.ignored: list[str] = []
+        self.failed: set[str] = set()
+        self.taken: dict[str, Taken] = {}
+        self.clocks: list[Taken] = []
+        """Columns of times, if each channel has its own."""
+
+    def sheet(self) -> Sheet:
+        self._take()
+        body = self.cells.frame.iloc[self.first :]
+        lines = body.index.to_numpy(dtype=int)
+        self._extra_cells(body)
+        decimal = self._decimal(body)
+        values: dict[str, Array] = {}
+        texts: dict[str, Array] = {}
+        left_out: list[Fault] = []
+        for name, one in self.taken.items():
+            column = body[one.place]
+            if one.column.dimension == "text":
+                texts[name] = column.astype(str).to_numpy(dtype=object)
+            elif decimal is not None:
+                one = self.taken[name] = self._per_cent(one, column, decimal)
+                values[name], bad = self._values(one, column, decimal)
+                if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
+                    self.remarks.append(f"column {one.title} has no value")
+                else:
+                    left_out += bad
+        if self.clocks and decimal is not None and not texts:
+            values, lines = self._on_one_clock(values, body, decimal)
+        else:
+            keep = ~np.isin(lines, [fault.line for fault in left_out])
+            values, texts = ({name: column[keep] for name, column in some.items()} for some in (values, texts))
+            lines = lines[keep]
+        return Sheet(
+            self.path, self.cells.source, decimal or "unknown", self.taken, self.ignored, self.remarks, values, texts, lines, left_out,
+            self.faults, self.failed,
+        )  # fmt: skip
+
+    def _on_one_clock(self, values: Mapping[str, Array], body: pd.DataFrame, decimal: str) -> tuple[dict[str, Array], Array]:
+        """Values and lines with a row for each time of any channel; a channel belongs to the times to the left of it."""
+        import pandas as pd
+
+        parts, clock_name = [], self.clocks[0].name
+        for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
+            own = {name: column for name, column in values.items() if clock.place < self.taken[name].place < end}
+            own[clock_name] = self._values(clock, body[clock.place], decimal)[0]
+            parts.append(pd.DataFrame(own, index=body.index).dropna(subset=[clock_name]))
+        found = pd.concat(parts).reindex(columns=list(values)).sort_values(clock_name, kind="stable")
+        self.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
+        return {name: column.to_numpy() for name, column in found.items()}, found.index.to_numpy(dtype=int)
+
+    # Titles
+
+    def _take(self) -> None:
+        """Chooses a column for each known name."""
+        places: dict[str, list[Taken]] = {}
+        renamed = self._renamed()
+        for place, title in enumerate(self.titles):
+            one = self._taken(place, title, renamed.get(place))
+            if one is not None:
+                places.setdefault(one.name, []).append(one)
+        for name, found in places.items():
+            best = [one for one in found if one.place in renamed] or found
+            # A pulley in the title counts before none.
+            best = [one for one in best if one.place in renamed or not self.names.bare(one.title)] or best
+            if best[0].column.dimension == "time":
+                # A date beside a clock is not needed.
+                known = [key(spelled) for spelled in (name, *best[0].column.aliases)]
+                ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in best]
+                best = [one for one, rank in zip(best, ranks, strict=True) if rank == min(ranks)]
+            self.ignored += [one.title for one in found if one not in best]
+            if self.names.bare(best[0].title) and best[0].place not in renamed:
+                self.remarks.append(f"{best[0].title} is taken as {name}")
+            if len(best) > 1 and self._have_channels(best):
+                self.clocks = best
+            elif len(best) > 1:
+                text = f"it appears {len(best)} times: {' and '.join(one.title for one in best)}"
+                self.faults.append(Fault(text, self.line, name))
+            self.taken[name] = best[0]
+
+    def _have_channels(self, clocks: Sequence[Taken]) -> bool:
+        """Whether these are equal titles of times, each with other columns to the right of it."""
+        apart = np.diff([*(clock.place for clock in clocks), len(self.titles)])
+        equal = len({key(clock.title) for clock in clocks}) == 1
+        return bool((apart > 1).all()) and clocks[0].column.dimension == "time" and equal
+
+    def _renamed(self) -> dict[int, str]:
+        """Known name, possibly with a unit, by place, as the user asks for."""
+        found: dict[int, str] = {}
+        for pair in self.reading.renamed.items():
+            known = [bool(self.names.split(turned(side)[1])) for side in pair]
+            for (title, wanted), fits in zip((pair, pair[::-1]), known[::-1], strict=True):
+                places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
+                places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
+                if places and fits:
+                    found[places[0]] = wanted
+                    break
+            else:
+                one, other = pair
+                text = f"there is no column {one} in the file" if any(known) else f"neither {one} nor {other} is a known name"
+                self.faults.append(Fault(f"--map {one}={other}: {text}"))
+        return found
+
+    def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
+        """What a column is, by its title or as the user wants it; None if it is not used."""
+        said = self.names.inverse(title) if wanted is None else None
+        if said:
+            self.remarks.append(f"{title} is taken as {said}")
+        sign, name = turned(said or wanted or "")
+        candidates = self.names.split(name or title)
+        if not candidates or (title.startswith("#") and not name):
+            self._unknown(title)
+            return None
+        written = self._unit(place, title, candidates[0], bool(name), bool(said))
+        for name, _ in candidates:
+            column = self.names.columns[name.removesuffix(DEVIATION)]
+            if column.dimension == "text":
+                return Taken(title, name, "", place, Unit(1.0), column)
+            scale = units.find(written, column.dimension) if written else column.without_unit()
+            if scale is not None:
+                return Taken(title, name, written, place, scale, column, sign)
+        name = candidates[0][0]
+        dimension = self.names.columns[name.removesuffix(DEVIATION)].dimension
+        full = key(name) == key(next(iter(splits(title)))[0])
+        if written and units.dimensions(written) and wanted is None and not said and not full:
+            # A short name may mean something else: T_P in °C is a temperature.
+            self.remarks.append(f"column {title}: {written} is not a unit of {name}")
+            self.ignored.append(title)
+            return None
+        self.failed.add(name)
+        usual = units.usual(dimension)
+        no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
+        text = f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit
+        self.faults.append(Fault(text, self.line, title))
+        return None
+
+    def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
+        """The unit of a column as it is written; empty without one. That in the title counts before that in the row of units."""
+        name, written = candidate
+        ratio = self.names.columns[name.removesuffix(DEVIATION)].dimension == "ratio"
+        if written is None and wanted:
+            written = next((unit for word, unit in splits(title) if unit is not None and key(word)), None)
+            if said and written is not None and units.find(written, "ratio") is None:
+                written = None
+        found = written if written and written.strip() else (self.units[place].strip() if place < len(self.units) else "")
+        # `i (n_P/n_S)` has no unit.
+        return "" if ratio and (self.names.find(found) or self.names.inverse(found)) else found
+
+    def _unknown(self, title: str) -> None:
+        if title.startswith("#") or not title:
+            return
+        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
+        if near is None:
+            self.ignored.append(title)
+            return
+        self.failed.add(near)
+        text = f'there is no such column; {near} is meant? --map "{title}"={near} says so'
+        self.faults.append(Fault(text, self.line, title))
+
+    # Numbers
+
+    def _extra_cells(self, body: pd.DataFrame) -> None:
+        """Cells beyond the last title."""
+        titles = 1 + max((k for k, title in enumerate(self.titles) if title), default=-1)
+        filled = (body.iloc[:, titles:] != "").to_numpy()
+        for row in np.flatnonzero(filled.any(axis=1)):
+            count = titles + 1 + np.flatnonzero(filled[row])[-1]
+            self.faults.append(Fault(f"{count} cells, but the header has {titles}", int(body.index[row])))
+
+    def _decimal(self, body: pd.DataFrame) -> str | None:
+        """The decimal sign of the file, from its first rows if they settle it."""
+        if self.reading.decimal is not None:
+            return self.reading.decimal
+        places = [one.place for one in self.taken.values() if one.column.dimension not in ("text", "time")]
+
+        def texts(rows: pd.DataFrame) -> Iterator[str]:
+            return (cell for place in places for cell in rows[place].unique() if isinstance(cell, str))
+
+        try:
+            first = numerals.settle(texts(body.iloc[:SAMPLE]), certainly=True)
+            return first or numerals.settle(texts(body), self.cells.separator)
+        except NumeralError as error:
+            self.faults.append(Fault(str(error)))
+            return None
+
+    def _per_cent(self, one: Taken, column: pd.Series, decimal: str) -> Taken:
+        """The column in per cent if it has no unit, or 1, and its values are no shares, like an efficiency of 97."""
+        if one.scale != Unit(1.0) or one.turned or one.name not in SHARES or any(isinstance(cell, Percent) for cell in column):
+            return one
+        found = np.abs(numerals.numbers(column, decimal))
+        found = found[np.isfinite(found)]
+        typical, low, high = SHARES[one.name]
+        if found.size < SEVERAL or not low < float(typical(found)) <= high:
+            return one
+        self.remarks.append(f"{one.title} has values that are no shares and is read as %")
+        return _shares(one)
+
+    def _values(self, one: Taken, column: pd.Series, decimal: str) -> tuple[Array, list[Fault]]:
+        """SI values of a column, NaN without one, and the rows to leave out. A cell that is empty is no fault."""
+        if one.column.dimension == "time" and not one.deviation:
+            return numerals.seconds(column, one.scale, decimal), []
+        numbers = numerals.numbers(column, decimal)
+        values = one.si(numbers)
+        shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
+        values[shares] = _shares(one).si(numbers[shares]) if one.column.dimension == "ratio" else np.nan
+        low, high = one.limits
+        above = values > low if one.deviation else values >= low
+        inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
+        empty = column.isin(["", *"-–—"]).to_numpy(dtype=bool)
+        faults: dict[str, list[Fault]] = {"value": [], "word": [], "range": []}
+        for row in np.flatnonzero(~inside & ~empty):
+            kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
+            own = self.faults if kind == "sign" else faults[kind]
+            own.append(Fault(text, int(column.index[row]), one.title))
+        outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
+        self._of_the_column(faults["range"], int(inside.sum()), self._other_unit(one, numbers[outside]))
+        self._of_the_column(faults["word"], int(inside.sum()))
+        return np.where(inside, values, np.nan), sorted((f for some in faults.values() for f in some), key=lambda fault: fault.line or 0)
+
+    def _of_the_column(self, faults: list[Fault], good: int, hint: str = "") -> None:
+        """Makes faults of most values one of the column."""
+        if faults and len(faults) >= MOST * (len(faults) + good):
+            more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
+            self.faults.append(faults[0]._replace(text=faults[0].text + more + hint))
+            faults.clear()
+
+    @staticmethod
+    def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
+        """Kind and text of the fault of a cell."""
+        if isinstance(cell, str) and cell.startswith("="):
+            return "value", "a formula that was never calculated: open the file in a spreadsheet program and save it"
+        if number in numerals.SENTINELS or (isinstance(cell, str) and numerals.missing(cell)):
+            return "value", f"'{cell if isinstance(cell, str) else format(cell, 'g')}' is no value"
+        if np.isnan(number) or (np.isnan(value) and not one.turned):
+            other = next(name for name in numerals.SIGNS if name != decimal)
+            if np.isnan(number) and numerals.number(str(cell), other) is not None:
+                # A decimal sign unlike that of the other numbers is ambiguous.
+                return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
+            return "word", f"'{cell}' is not a number"
+        scaled = _shares(one) if str(cell).endswith("%") else one
+        low, high = sorted(scaled.written(np.array(one.limits)))
+        written = one.unit or one.column.default or ""
+        unit = "" if written in ("", "1", "-") else f" {written}"
+        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
+
+    @staticmethod
+    def _other_unit(one: Taken, numbers: Array) -> str:
+        """The first unit in which numbers would be in the range of the column, with the option that says so."""
+        for unit in units.confused(one.column.dimension) if not one.turned else ():
+            scale = units.find(unit, one.column.dimension)
+            if scale is not None and scale != one.scale:
+                si = scale.si(numbers)
+                if ((si >= one.column.low) & (si <= one.column.high)).all():
+                    return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
+        return ""

@@ -1,0 +1,539 @@
+"""Tables of rigs: one table in many notations gives the same points; faults are named with line and column, all at once."""
+
+from __future__ import annotations
+
+import gzip
+import itertools
+import random
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rig_tables import COLUMNS, POINTS, ROWS, RPM, TITLES, UNITS, columns, is_right, table, values, written
+
+from pushbelt.calibrate import __main__
+from pushbelt.sweep.design import listed
+from pushbelt.tables import columns as known
+from pushbelt.tables import files, names, numerals, points, units
+from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Oil
+from pushbelt.tables.sheet import Reading
+
+POUND, FOOT = 4.4482216152605, 0.3048
+
+# Notations
+
+SPELLED = {
+    "signs": ("-", "1/min", "1/min", "Nm", "N m", "kN", "kN"),
+    "typographic": ("1", "min⁻¹", "min⁻¹", "N·m", "N⋅m", "KN", "kn"),
+    "german": ("[-]", "U/min", "U/min", "N m", "Nm", "kN", "kN"),
+    "english": ("–", "RPM", "rev/min", "N*m", "N.m", "kN", "kN"),
+}
+NAMES = {
+    "own": ("ratio.geometric", *(f"{pulley}.{what}" for what in ("speed", "torque") for pulley in ("primary", "secondary")),
+            "secondary.clampingForce", "PRIMARY.CLAMPINGFORCE"),
+    "words": ("Geometric Ratio", "primary speed", "secondary_speed", "Primary Torque", "secondary torque", "secondary clamping force",
+              "Primary_Clamping_Force"),
+    "letters": COLUMNS,
+    "numbers": ("i_geo", "n1", "n2", "T1", "T2", "F2", "F1"),
+    "greek": ("i_geo", "ω₁", "ω₂", "M1", "M2", "F₂", "F₁"),
+}  # fmt: skip
+STYLES = {"brackets": "{} [{}]", "parentheses": "{} ({})", "slash": "{} / {}", "in": "{} in {}", "tight": "{}[{}]", "row": "", "bracketed row": ""}
+NUMBERS = [(".", ""), (",", ""), (".", ","), (",", "."), (".", " "), (",", "\N{NO-BREAK SPACE}"), (".", "'"), (",", "\N{NARROW NO-BREAK SPACE}")]
+
+
+def numeral(value: float, decimal: str, thousands: str = "") -> str:
+    whole, _, part = f"{abs(value):.3f}".rstrip("0").rstrip(".").partition(".")
+    groups = [whole[max(k - 3, 0) : k] for k in range(len(whole), 0, -3)][::-1]
+    return ("-" if value < 0.0 else "") + thousands.join(groups) + (decimal + part if part else "")
+
+
+def rows_of(decimal: str = ".", thousands: str = "") -> list[list[str]]:
+    return [[numeral(value, decimal, thousands) for value in row] for row in ROWS]
+
+
+def titled(titles: Sequence[str], spelled: Sequence[str], style: str) -> list[list[str]]:
+    """The header: units in brackets, in parentheses, after a word, or in a row of their own."""
+    plain = [unit.strip("[]") for unit in spelled]
+    if "row" in style:
+        return [list(titles), [f"[{unit}]" if "bracketed" in style else unit for unit in plain]]
+    without = ("-", "–", "1") if style != "brackets" else ()
+    return [[title if unit in without else STYLES[style].format(title, unit) for title, unit in zip(titles, plain, strict=True)]]
+
+
+def joined(rows: Sequence[Sequence[str]], separator: str = ",", newline: str = "\n", quotes: bool = False) -> str:
+    def cell(value: str) -> str:
+        return f'"{value}"' if quotes or (separator.strip() and separator in value) else value
+
+    return newline.join(separator.join(map(cell, row)) for row in rows) + newline
+
+
+def file(tmp_path: Path, content: str | bytes, encoding: str = "utf-8") -> Path:
+    path = tmp_path / "table.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode(encoding))
+    return path
+
+
+def test_one_table_in_every_notation_gives_the_same_points(tmp_path: Path) -> None:
+    """Encodings, separators, decimal and thousands signs, names, units and their place, ends of lines, quotes."""
+    encodings = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252")
+    parts = (encodings, (";", "\t", ",", "|"), NUMBERS, NAMES, SPELLED, STYLES, ("\n", "\r\n", "\r"), (False, True))
+    tried = 0
+    for one in random.Random(52).sample(list(itertools.product(*map(tuple, parts))), 80):
+        encoding, separator, numbers, titles, spelled, style, newline, quotes = one
+        content = joined([*titled(NAMES[titles], SPELLED[spelled], style), *rows_of(*numbers)], separator, newline, quotes)
+        try:
+            path = file(tmp_path, content, encoding)
+        except UnicodeEncodeError:
+            continue
+        tried += 1
+        try:
+            is_right(points.read(path))
+        except (TableError, AssertionError) as error:
+            pytest.fail(f"{one}\n{content}\n{error}")
+    assert tried > 60
+
+
+MEASURED = [*TITLES[:2], TITLES[3], *TITLES[5:], "slip [%]", "efficiency [%]"]
+LONG = [[repr(float(columns()[t.split(" ")[0].replace("efficiency", "eta")][k])) for t in MEASURED] for k in range(len(ROWS))]
+"""The table with slip and efficiency in place of the secondary speed and torque."""
+
+
+def long_with(title: str, cell: str) -> str:
+    return joined([[*MEASURED, title], *([*row, cell] for row in LONG)])
+
+
+def numbered(title: str) -> str:
+    return joined([[title, *MEASURED], *([str(k), *row] for k, row in enumerate(LONG))])
+
+
+HABITS = {
+    "sep": "sep=;\n" + joined([TITLES, *rows_of()], ";"),
+    "quoted sep": '"sep=;"\n' + joined([TITLES, *rows_of(",")], ";"),
+    "sep that no row has twice": "sep=|\r\n" + joined([TITLES, *rows_of(",")], "|", "\r\n"),
+    "index": numbered(""),
+    "numbered": numbered("Nr."),
+    "hash": numbered("#"),
+    "unnamed": numbered("Unnamed: 0"),
+    "oil temperature": joined([[*TITLES, "T_oil [°C]"], *([*row, "81,5"] for row in rows_of(","))], ";"),
+    "a temperature that is named like a torque": long_with("T_P [°C]", "81.5"),
+    "date and time": joined([["Date", "Clock", *TITLES], *(["27.11.2026", "10:05:11", *row] for row in rows_of(","))], ";"),
+    "a time that is a word": joined([["Datum", *TITLES], *(["Monday", *row] for row in rows_of(","))], ";"),
+    "empty lines": joined([TITLES]) + "\n\n" + joined(rows_of(), newline="\n,,,,,\n") + "\n",
+    "separators at the ends": "".join(line + ";;\n" for line in joined([TITLES, *rows_of(",")], ";").splitlines()),
+    "blanks": joined([TITLES, *rows_of()], "   "),
+    "padded": joined([[f" {title} " for title in TITLES], *([f"  {cell} " for cell in row] for row in rows_of())], ";"),
+    "remarks": "# rig 3\n#; made by hand\n" + joined([TITLES, *rows_of()]).replace("\n", "\n# between\n", 2),
+    "header in a remark": "# rig 3\n# " + joined([TITLES, *rows_of()]),
+    "preamble": "Rig;3\nOperator;N. N.\n\n" + joined([TITLES, *rows_of(",")], ";"),
+    "title over two lines": joined([['"primary.speed\n[rpm]"' if "n_P" in t else t for t in TITLES], *rows_of()]),
+    "per cent in the cells": joined([[t.replace(" [%]", "") for t in MEASURED], *([*r[:5], r[5] + "%", r[6] + " %"] for r in LONG)]),
+    "per cent without a sign": joined([[*MEASURED[:5], "Schlupf", "Wirkungsgrad"], *LONG]),
+    "shares": joined([[t.replace(" [%]", "") for t in MEASURED], *([*r[:5], *(repr(float(c) / 100) for c in r[5:])] for r in LONG)]),
+    "typographic minus": joined([TITLES, *rows_of()]).replace("-", "\N{MINUS SIGN}"),
+    "exponents": joined([TITLES, *([f"{float(cell):.6E}" for cell in row] for row in rows_of())]),
+    "exponents with commas": joined([TITLES, *([f"{float(cell):.6e}".replace(".", ",") for cell in row] for row in rows_of())], "\t"),
+    "other order": joined([TITLES[::-1], *(row[::-1] for row in rows_of())]),
+    "a column without values": long_with("ds/dt [1/s]", "NaN"),
+    "empty column": long_with("thrustRatio", ""),
+    "units after underscores": joined([["i_geo", "n_P_rpm", "n_S_rpm", "T_P_Nm", "T_S_Nm", "F_S_kN", "F_P_kN"], *rows_of()]),
+    "newtons": joined([[t.replace("kN", "N") for t in MEASURED], *([*r[:3], *(repr(1e3 * float(c)) for c in r[3:5]), *r[5:]] for r in LONG)]),
+    "rad/s": joined([[t.replace("rpm", "rad/s") for t in MEASURED], *([r[0], repr(float(r[1]) * RPM), *r[2:]] for r in LONG)]),
+    "units above an empty row": joined([COLUMNS, ["", "rpm", "rpm", "Nm", "Nm", "kN", "kN"], [""] * 7, *rows_of(",")], ";"),
+    "pounds": joined(
+        [["i_geo", "n_P [rpm]", "n_S [rpm]", "T_P [lb-ft]", "T_S [lbf ft]", "F_S [lbf]", "F_P [klbf]"],
+         *map(lambda row: list(map(repr, row)), (POINTS / [1, 1, 1, POUND * FOOT, POUND * FOOT, POUND / 1e3, POUND]).tolist())]
+    ),
+    "a title without a pulley beside one with it": long_with("Drehmoment [Nm]", "7"),
+    "rows with error values": joined([TITLES, rows_of()[0], ["#DIV/0!", *rows_of()[0][1:]], *rows_of()[1:]]),
+    "rows without a needed value": joined([TITLES, *rows_of(","), ["1,5", "", *rows_of(",")[0][2:]]], ";"),
+    "rows with NaN": joined([TITLES, *rows_of(), ["1.5", *rows_of()[0][1:6], "nan"]]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("habit", HABITS)
+def test_habits_of_rigs_and_spreadsheets(habit: str, tmp_path: Path) -> None:
+    rig = points.read(file(tmp_path, HABITS[habit]))
+    is_right(rig)
+    assert bool(rig.sheet.left_out) == habit.startswith("rows")
+
+
+# Titles and units
+
+HEADS = {
+    "English": ("geometric ratio", "input speed [rpm]", "output speed [rpm]", "Torque In (Nm)", "output torque, Nm", "Sec Clamp Force (kN)", "thrust primary [kN]"),
+    "German": ("geometrische Übersetzung", "Drehzahl Primär [1/min]", "Drehzahl Sekundär [U/min]", "Drehmoment Primär [Nm]", "Drehmoment Sekundär [Nm]", "Anpresskraft Sekundär [kN]", "Anpresskraft Primär [kN]"),
+    "compounds": ("i_geo", "Antriebsdrehzahl in 1/min", "Abtriebsdrehzahl in 1/min", "Antriebsmoment in Nm", "Abtriebsmoment in Nm", "Klemmkraft Sekundärscheibe in kN", "Klemmkraft Primärscheibe in kN"),
+    "without pulleys": ("i_geo", "Drehzahl [1/min]", "Drehzahl Abtrieb [1/min]", "Drehmoment [Nm]", "Drehmoment Abtrieb [Nm]", "Anpresskraft [kN]", "Kraft Antrieb [kN]"),
+}  # fmt: skip
+DESCRIPTIONS = ["ratio", "speed", "speed", "torque", "torque", "force", "force"]
+PULLEYS = ["geometric", "primary", "secondary", "primary", "secondary", "secondary", "primary"]
+HEADERS = {
+    **{name: [titles] for name, titles in HEADS.items()},
+    "description, units": [COLUMNS, DESCRIPTIONS, UNITS],
+    "description above": [DESCRIPTIONS, COLUMNS, UNITS],
+    "units, sensors": [COLUMNS, UNITS, ["calc", *["HBM"] * 6]],
+    "channels, units": [COLUMNS, ["channel", *range(1, 7)], UNITS],
+    "units above": [UNITS, COLUMNS],
+    "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
+}
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_titles_and_headers_of_rigs(header: str, tmp_path: Path) -> None:
+    is_right(points.read(written(tmp_path / "table.csv", [*HEADERS[header], *ROWS], ";", "cp1252")))
+
+
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("primary pulley speed", "primary.speed"), ("driven pulley clamping force", "secondary.clampingForce"), ("Primärdruck", "primary.pressure"),
+        ("Drehzahl der Sekundärscheibe", "secondary.speed"), ("Sekundär-Anpresskraft", "secondary.clampingForce"), ("n1", None),
+        ("axle torque sensor", None), ("primary", None), ("primary secondary speed", None), ("pressure", None),
+    ],
+)  # fmt: skip
+def test_words_for_pulley_and_quantity(written: str, name: str | None) -> None:
+    found = names.in_words(written)
+    assert (found[0] if found else None) == name
+
+
+@pytest.mark.parametrize(
+    ("spelling", "dimension", "si"),
+    [
+        ("N·m", "torque", 1.0), ("N⋅m", "torque", 1.0), ("N m", "torque", 1.0), ("kNm", "torque", 1e3), ("lb-ft", "torque", 1.3558179483314),
+        ("min⁻¹", "speed", RPM), ("min^-1", "speed", RPM), ("1/min", "speed", RPM), ("rad s⁻¹", "speed", 1.0), ("s^-1", "rate", 1.0),
+        ("KN", "force", 1e3), ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("Prozent", "ratio", 0.01), ("pct", "ratio", 0.01),
+        ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6), ("psi", "pressure", 6894.757293168),
+        ("bara", "pressure", 1e5 - 101325.0), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
+        ("mPA", "pressure", None), ("1/s", "speed", None), ("kNm", "force", None), ("", "force", None),
+    ],
+)  # fmt: skip
+def test_spellings_of_units(spelling: str, dimension: str, si: float | None) -> None:
+    """Those without a certain meaning are refused."""
+    found = units.find(spelling, dimension)
+    assert (found and found.si(1.0)) == (si and pytest.approx(si, rel=1e-12))
+
+
+@pytest.mark.parametrize("dimension", units.SPELLED)
+def test_units_in_other_cases_have_the_same_factor_or_none(dimension: str) -> None:
+    """A prefix in the wrong case never changes the factor silently."""
+    for spelling, unit in units.spellings()[dimension].items():
+        assert units.find(spelling, dimension) == unit
+        for other in (spelling.lower(), spelling.upper(), spelling.capitalize()):
+            assert units.find(other, dimension) in (unit, None) or other in units.spellings()[dimension]
+
+
+def test_units_of_the_fmu_have_its_factors(description: Any) -> None:
+    for definition in description.unitDefinitions:
+        dimensions = units.dimensions(definition.name)
+        assert units.find(definition.name, units.OF_FMU[definition.name]) == units.Unit(1.0)
+        for display in definition.displayUnits:
+            found = [unit.si(display.factor) for dimension in dimensions if (unit := units.find(display.name, dimension)) is not None]
+            assert found == pytest.approx([1.0] * len(found), rel=1e-12) and found, display.name
+
+
+@pytest.mark.parametrize("title", ["primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency"])
+def test_a_title_close_to_a_known_name_is_a_fault(title: str, tmp_path: Path) -> None:
+    with pytest.raises(TableError, match="is meant") as error:
+        points.read(file(tmp_path, long_with(title, "1")))
+    assert [fault.column for fault in error.value.faults] == [title]
+
+
+@pytest.mark.parametrize("title", ["T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor"])
+def test_other_unknown_titles_are_named_and_ignored(title: str, tmp_path: Path) -> None:
+    rig = points.read(file(tmp_path, long_with(title, "x")))
+    is_right(rig)
+    assert rig.sheet.ignored == [title]
+
+
+def test_names_by_the_user(tmp_path: Path) -> None:
+    titles = ["k", "Drehzahl", "Moment vorn", "Kraft hinten", "Kraft vorn", "slip [%]", "efficiency [%]"]
+    path = file(tmp_path, joined([titles, *([repr(-float(c)) if k == 2 else c for k, c in enumerate(row)] for row in LONG)]))
+    renamed = {
+        "k": "ratio.geometric", "Drehzahl": "primary.speed [rpm]", "-T_P [Nm]": "Moment vorn", "Kraft hinten": "F_S [kN]", "Kraft vorn": "F_P [kN]",
+    }  # fmt: skip
+    is_right(points.read(path, Reading(renamed=renamed)))
+    with pytest.raises(TableError, match="there is no column Drehmoment in the file"):
+        points.read(path, Reading(renamed=renamed | {"Drehmoment": "primary.torque"}))
+    with pytest.raises(TableError, match="neither k nor gear is a known name"):
+        points.read(path, Reading(renamed={"k": "gear"}))
+
+
+def test_a_ratio_is_that_of_the_speeds_or_inverse_if_its_title_or_the_user_says_so(tmp_path: Path) -> None:
+    c = columns()
+    others = {title: c[name] for title, name in zip(MEASURED[1:], ("n_P", "T_P", "F_S", "F_P", "slip", "eta"), strict=True)}
+    for title, geometric in (("i", False), ("Übersetzung", False), ("n_S/n_P", False), ("i (n2/n1)", False), ("r_P/r_S", True)):
+        ratio = c["i_geo"] if title in ("i", "Übersetzung") else 1.0 / c["i_geo"]
+        found = points.read(table(tmp_path / "table.csv", {title: ratio, **others}))
+        assert all((point.ratio is not None) == geometric for point in found.points)
+        assert values(found)[:, 0] == pytest.approx(c["i_geo"])
+    is_right(points.read(table(tmp_path / "table.csv", {"i": c["i_geo"], **others}), Reading(renamed={"i": "ratio.geometric"})))
+    is_right(points.read(table(tmp_path / "table.csv", {"x": 1.0 / c["i_geo"], **others}), Reading(renamed={"x": "1/ratio.geometric"})))
+
+
+# Cells
+
+
+@pytest.mark.parametrize(
+    ("cells", "separator", "decimal"),
+    [
+        (["1,234", "5,25"], ";", "comma"), (["1,234", "5.25"], ";", "point"), (["1.234", "0.617"], ";", "point"), (["1.234,5"], "\t", "comma"),
+        (["1,234.5"], "\t", "point"), (["1.500", "2.125"], ",", "point"), (["12", "-3"], ";", "point"), (["1.234.567", "1.000"], ";", "comma"),
+        (["nan", "", "1,5"], ";", "comma"), (["1,234", "5"], ";", None), (["2.125", "1.500"], ";", None), (["1,234", "12,500", "-3"], ";", None),
+    ],
+)  # fmt: skip
+def test_the_whole_file_settles_the_decimal_sign(cells: list[str], separator: str, decimal: str | None) -> None:
+    if decimal is None:
+        with pytest.raises(numerals.NumeralError, match=f"{cells[0]}.*--decimal"):
+            numerals.settle(cells, separator)
+    else:
+        assert numerals.settle(cells, separator) == decimal
+
+
+def test_the_user_settles_the_decimal_sign(tmp_path: Path) -> None:
+    content = "i_geo;n_P [rpm];T_P [Nm];F_S [kN];thrustRatio\n1,250;1,500;40;10;1,125\n"
+    with pytest.raises(TableError, match="--decimal"):
+        points.read(file(tmp_path, content))
+    with pytest.raises(TableError, match=r"line 2, column n_P \[rpm\]: 1,500 is not within"):
+        points.read(file(tmp_path, content), Reading(decimal="comma"))
+    (point,) = points.read(file(tmp_path, content.replace("1,500", "1500")), Reading(decimal="comma")).points
+    assert (point.ratio, point.measured[0].value) == (1.25, 1.125)
+
+
+@pytest.mark.parametrize("cell", ["-9999", "-999", "---", "n/a", "NaN", "defect", "#NV", "#N/A", "-nan", "1e9"])
+@pytest.mark.parametrize("column", [1, 3, 6])
+def test_a_cell_without_a_number_loses_its_row(cell: str, column: int, tmp_path: Path) -> None:
+    rows = rows_of()
+    rows[4][column] = cell
+    rig = points.read(written(tmp_path / "table.csv", [TITLES, *rows], ";"))
+    assert [p.line for p in rig.points] == [line for line in range(2, 14) if line != 6]
+    (fault,) = rig.sheet.left_out
+    assert (fault.line, fault.column) == (6, TITLES[column]) and cell in fault.text
+
+
+HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "the table is empty"),
+        (f"{HEADER},slip\n", "nothing is measured"),
+        (f"{HEADER},slip\n1,2000,50,10,nan\n", "nothing is measured"),
+        (f"{HEADER}\n1,2000,50,10\n", "nothing is measured"),
+        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is not a number"),
+        (f"{HEADER};slip [%]\n1.25;2000;50;10;0,5\n1.5;2000;50;10;1\n".replace(",p", ";p").replace(",s", ";s"), r"line 2, column slip \[%\]: '0,5' is not"),
+        (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
+        (f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n", r"line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 500 kN; plausible is N \(--map"),
+        (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
+        (f"{HEADER},efficiency [%]\n1,2000,50,10,104\n", r"line 2, column efficiency \[%\]: 104 is not within 1 to 100"),
+        (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
+        (f"{HEADER},slip\n1,,50,10,0.01\n", r"line 2, column primary.speed \[rpm\]: the cell is empty"),
+        (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: neither ratio.geometric nor ratio.speed"),
+        (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2: 6 cells, but the header has 5"),
+        (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "there is no column slip"),
+        (f"{HEADER},slip,slip [%]\n1,2000,50,10,.1,1\n", "column slip: it appears 2 times"),
+        (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit of slip is 1 or %, not mm"),
+        (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
+        (f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n", "no column ratio.geometric or ratio.speed"),
+        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt requires a value"),
+        (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
+        (f"{HEADER},p_S [bar],slip\n1,2000,50,,10,0.01\n", r"column p_S \[bar\]: .*secondary\.cylinder\.area"),
+        (b"\xff\xfe", "the table is empty"),
+        (b"\xd0\xcf\x11\xe0rest", "old Excel file"),
+        (b"PK\x03\x04rest", "not a readable .xlsx file"),
+        (b"\x1f\x8brest", "not a whole gzip file"),
+        (b"MDF     4.10    rest", "not a readable MDF file"),
+        (b"PAR1rest", "not a readable .parquet file"),
+        (bytes(range(256)) * 8, "bytes that no text has"),
+        (joined(list(zip(*[TITLES, *rows_of()], strict=True))), "transposed"),
+        (joined(list(zip(*[COLUMNS, UNITS, *rows_of()], strict=True))), "transposed"),
+    ],
+)
+def test_bad_tables_give_one_clear_error(text: str | bytes, why: str, tmp_path: Path) -> None:
+    path = file(tmp_path, text)
+    with pytest.raises(TableError, match=why) as error:
+        points.read(path)
+    assert str(error.value).startswith(f"{path}: ") and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("absent", ["n_P", "F_S", "T_P"])
+def test_a_missing_or_empty_column_is_one_line(absent: str, tmp_path: Path) -> None:
+    empty = {title: [""] * 12 if title.startswith(absent) else columns()[name] for title, name in zip(TITLES, COLUMNS, strict=True)}
+    missing = {title: column for title, column in empty.items() if not title.startswith(absent)}
+    del empty["T_S [Nm]"]
+    for some in (missing, empty):
+        with pytest.raises(TableError) as error:
+            points.read(table(tmp_path / "table.csv", some))
+        assert len(error.value.faults) == 1
+
+
+def test_all_faults_of_a_file_are_in_one_answer_at_once(tmp_path: Path) -> None:
+    path = file(
+        tmp_path,
+        "ratio.geometric;n_P [rpm];primary.torque [kN];F_S [kN];thrustRato;slip [%];colour\n"
+        "2,1;1500;60;14;1,1;0,5;red\n2,1;15x0;60;14;1,1;80;red\n0,01;1500;60;14;1,1;0,5;red;7\n",
+    )
+    with pytest.raises(TableError) as error:
+        points.read(path)
+    assert {(fault.line, fault.column) for fault in error.value.faults} == {
+        (1, "primary.torque [kN]"), (1, "thrustRato"), (3, "n_P [rpm]"), (3, "slip [%]"), (4, None), (4, "ratio.geometric"),
+    }  # fmt: skip
+    assert str(error.value).startswith(f"{path}: 6 faults\n")
+
+
+# Quantities that follow from others
+
+
+def test_values_and_standard_deviations_of_a_point(tmp_path: Path) -> None:
+    (point,) = points.read(file(
+        tmp_path,
+        f"# a remark\n\nname,{HEADER},thrustRatio,slip [%],slip.sd [%],efficiency [%],#oil [C]\n"
+        "first,2,1500,-40,12,1.05,0.8,0.05,,85\n\n,1,1500,0,12,,,,,\n",
+    )).points  # fmt: skip
+    assert (point.line, point.name, point.ratio, point.speed_ratio) == (4, "first", 2.0, None)
+    assert (point.speed, point.torque, point.force) == pytest.approx((157.0796, -40.0, 12e3))
+    found = [(m.quantity, m.given, pytest.approx(m.value), pytest.approx(m.deviation)) for m in point.measured]
+    assert found == [("thrustRatio", False, 1.05, 0.0105), ("slip", True, 0.008, 5e-4)]
+    assert not point.shifting
+
+
+def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift(tmp_path: Path) -> None:
+    content = f"{HEADER.replace(',', ';')};primary.clampingForce [N];di/dt [1/s]\n1;2000;50;10;14000;\n1;2000;50;10;16000;-0.5\n"
+    steady, shift = points.read(file(tmp_path, content)).points
+    assert [(m.quantity, m.value) for m in steady.measured] == [("thrustRatio", pytest.approx(1.4))]
+    assert [(m.quantity, m.value) for m in shift.measured] == [("di/dt", -0.5)]
+    assert (steady.shifting, shift.shifting, steady.primary_force, shift.primary_force) == (False, True, None, 16e3)
+
+
+def test_efficiency_takes_the_torque_of_any_sign_and_overrun_inverts_it(tmp_path: Path) -> None:
+    rows = [[2000, 1000, 50, -96, 10], [2000, 1000, 50, 96, 10], [2000, 1000, -48, 100, 10], [2000, 1000, 0, 3, 10]]
+    path = written(tmp_path / "table.csv", [["n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "T_S [Nm]", "F_S [kN]"], *rows])
+    assert [p.measured[0].value for p in points.read(path).points] == pytest.approx([0.96, 0.96, 0.96])
+    path = written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "T_P [Nm]", "F_S [kN]", "eta [%]"], [1, 2000, -40, 10, 104]])
+    assert points.read(path).points[0].measured[0].value == pytest.approx(1.0 / 1.04)
+
+
+def test_pressures_give_forces(tmp_path: Path) -> None:
+    path = written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "T_P [Nm]", "p_S [bar]", "p_P [psi]"], [2, 3000, 40, 10, 12e5 / 6894.757293168]])
+    areas = {"primary.cylinder.area": 0.02, "secondary.cylinder.area": 0.01}
+    more = {"primary.cylinder.centrifugal": 0.01, "secondary.cylinder.centrifugal": 0.02, "secondary.cylinder.springForce": 300.0}
+    speed = 3000 * RPM
+    turning = 1e4 + 300.0 + 0.02 * (speed / 2) ** 2
+    for oil, force, primary in ((areas, 1e4, 2.4e4), (areas | more, turning, 2.4e4 + 0.01 * speed**2)):
+        rig = points.read(path, oil=Oil(oil))
+        (point,) = rig.points
+        assert (point.force, point.measured[0].value) == pytest.approx((force, primary / force))
+        assert any("without the centrifugal force" in remark for remark in rig.remarks) == (oil is areas)
+
+
+def test_a_single_ratio_that_contradicts_the_speeds_is_a_fault(tmp_path: Path) -> None:
+    rows = [[2, 2000, 990, 40, 10], [4, 1500, 2380, 40, 10]]
+    with pytest.raises(TableError) as error:
+        points.read(written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "F_S [kN]"], *rows]))
+    assert [(fault.line, fault.column) for fault in error.value.faults] == [(3, "i_geo")]
+
+
+def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
+    titles = ["series", "time [ms]", "n_P [rpm]", "T_P [Nm]", "F_P [kN]", "F_S [kN]", "ratio.geometric"]
+    rows = [
+        [name, time, 1500, 20, 12, 10, f"{ratio:g}"]
+        for name, start in (("up", 1.5), ("down", 0.8))
+        for time, ratio in ((10, start), (60, start + 0.05), (110, start + 0.09))
+    ]
+    path = tmp_path / "table.csv"
+    rig = points.read(written(path, [titles, *rows]))
+    assert rig.recorded
+    up, down = rig.points
+    assert [m.value for m in down.measured] == pytest.approx([0.85, 0.89])
+    assert [m.time for m in up.measured] == pytest.approx([0.05, 0.1])
+    assert up.samples[0][:3] == pytest.approx((0.0, 50 * np.pi, 20.0))
+    rows[1][1] = 10
+    with pytest.raises(TableError, match=r"line 3, column time \[ms\]: 0.01 s is not after 0.01 s"):
+        points.read(written(path, [titles, *rows]))
+    with pytest.raises(TableError, match="there is no column primary.clampingForce"):
+        points.read(written(path, [[*titles[:4], *titles[5:]], *([*row[:4], *row[5:]] for row in rows)]))
+
+
+# Files
+
+
+def test_spreadsheets_are_read(tmp_path: Path) -> None:
+    """Numbers, per cent formats, error values, formulas without values, a second sheet, text with decimal commas."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["Rig 3", "made by hand"])
+    sheet = book.create_sheet("Points")
+    for row in (["made by hand"], [], [t.replace(" [%]", "") for t in MEASURED], *LONG):
+        sheet.append([float(cell) if cell[-1:].isdigit() and cell[0] in "-0123456789" else cell for cell in row])
+    for line in range(4, 16):
+        for column in (6, 7):
+            sheet.cell(line, column).value /= 100.0
+            sheet.cell(line, column).number_format = "0.00%"
+    sheet.cell(5, 2).value = LONG[1][1].replace(".", ",")
+    sheet.append([*map(float, LONG[0][:6]), "#DIV/0!"])
+    sheet.append([*map(float, LONG[0][:6]), "=1.2*F2"])
+    path = tmp_path / "table.xlsx"
+    book.save(path)
+    rig = points.read(path)
+    is_right(rig)
+    assert rig.sheet.source == "sheet Points"
+    assert [point.line for point in rig.points] == list(range(4, 16))
+    assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
+    with pytest.raises(TableError, match="no sheet Data; there are Sheet, Points"):
+        points.read(path, Reading(sheet="Data"))
+
+
+def test_a_compressed_list_of_points_of_a_sweep_is_read_in_the_same_way(description: Any, tmp_path: Path) -> None:
+    variables = {variable.name: variable for variable in description.modelVariables}
+    c = columns()
+    some = {"Drehzahl Primär [1/min]": c["n_P"], "geometrische Übersetzung": c["i_geo"], "Anpresskraft [lbf]": 1e3 * c["F_S"] / POUND}
+    path = tmp_path / "points.csv.gz"
+    path.write_bytes(gzip.compress(table(tmp_path / "points.csv", some).read_bytes()))
+    design, _ = listed(path, variables)
+    assert design.columns == ("initial.primarySpeed", "initial.ratio", "secondary.clampingForce")
+    assert np.array(design.rows) == pytest.approx(np.column_stack([c["n_P"] * RPM, c["i_geo"], 1e3 * c["F_S"]]))
+
+
+def test_remarks_and_error_values_both_start_with_a_hash() -> None:
+    assert files.is_remark("# remark") and files.is_remark('"# remark"')
+    assert not any(map(files.is_remark, ("#DIV/0!;2", "#N/A", "#NV;1", "2;#")))
+
+
+# The program
+
+
+def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = [[*row[:3], "n/a" if k % 3 == 0 else row[3], *row[4:]] for k, row in enumerate(rows_of(","))]
+    path = file(tmp_path, joined([[*TITLES, "T_oil [°C]"], *([*row, "80"] for row in rows)], ";"), "cp1252")
+    assert __main__.main([str(path), "--check"]) == 0
+    said = capsys.readouterr().out
+    for part in (
+        "CP1252, semicolon between columns, decimal comma",
+        "n_P [rpm]: primary.speed [rpm], 8 values, 150.28 to 261.97 rad/s",
+        "ignored: T_oil [°C]",
+        "left out: 4 lines, 2, 5, 8, 11: column T_P [Nm]: 'n/a' is no value",
+        "8 points: 8 thrustRatio, 8 slip, 8 efficiency",
+    ):
+        assert part in said
+    assert __main__.main([str(file(tmp_path, "n_P;slip\n1;2\n")), "--check"]) == 1
+    printed = capsys.readouterr()
+    assert "column n_P: no unit" in printed.err and "slip: slip, 0 values" in printed.out
+
+
+@pytest.mark.parametrize("content", [None, f"{HEADER},slip\n1,2000,50,10,x\n"])
+def test_the_program_says_what_is_wrong_in_a_line(content: str | None, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "table.csv" if content is None else file(tmp_path, content)
+    assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("pushbelt calibrate: ") and error.count("\n") == 1 and str(path) in error
+
+
+def test_template_is_a_table(tmp_path: Path) -> None:
+    path = tmp_path / "template.csv"
+    assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
+    assert [point.name for point in points.read(path).points] == ["underdrive", "ratio 1", "overdrive", "upshift"]
+    text = path.read_text(encoding="utf-8")
+    assert all(f"#     {column} [" in text for column in [*known.CONDITIONS, *known.QUANTITIES])

@@ -1,0 +1,163 @@
+"""Time series of rigs: their plateaus are the points."""
+
+from __future__ import annotations
+
+import datetime
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rig_tables import COLUMNS, POINTS, ROWS, TITLES, UNITS, is_right, values, written
+
+from pushbelt.calibrate import __main__
+from pushbelt.tables import points
+from pushbelt.tables.faults import TableError
+
+HEAD = ["t [s]", *TITLES]
+
+
+def recorded(step: float = 0.01, length: float = 2.0, ramp: float = 0.0, noise: float = 0.005, points: int = 5) -> np.ndarray:
+    """A time series of the points with time in its first column; `ramp` is the time of the change between two of them."""
+    held = [np.tile(point, (round(length / step), 1)) for point in POINTS[:points]]
+    parts = [held[0]]
+    for before, after in zip(held, held[1:], strict=False):
+        parts += [np.linspace(before[0], after[0], round(ramp / step) + 2)[1:-1], after]
+    values = np.concatenate(parts)
+    scatter = noise * np.abs(POINTS).mean(axis=0) * np.random.default_rng(62).standard_normal(values.shape)
+    scatter[:, 0] = 0.0
+    return np.column_stack([step * np.arange(len(values)), values + scatter])
+
+
+def shown(row: np.ndarray) -> list[str]:
+    return [f"{value:.6g}" for value in row]
+
+
+@pytest.mark.parametrize(
+    ("step", "length", "ramp", "noise"),
+    [(0.01, 1.0, 0.3, 0.01), (0.1, 5.0, 1.0, 0.005), (1.0, 15.0, 0.0, 0.005), (0.01, 2.0, 2.0, 0.002), (0.02, 2.0, 0.0, 0.0)],
+)
+def test_plateaus_of_a_time_series_are_the_points(step: float, length: float, ramp: float, noise: float, tmp_path: Path) -> None:
+    path = written(tmp_path / "series.csv", [HEAD, *map(shown, recorded(step, length, ramp, noise, 12))])
+    is_right(points.read(path), rel=0.02)
+
+
+def test_a_plateau_has_its_scatter_and_count(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = recorded(points=7)
+    path = written(tmp_path / "series.csv", [HEAD, *map(shown, data)])
+    rig = points.read(path)
+    is_right(rig, 7, rel=0.01)
+    (remark,) = [remark for remark in rig.sheet.remarks if remark.startswith("plateau 3:")]
+    inside = data[425:576]
+    assert "lines 427 to 577, 151 samples" in remark
+    assert f"T_P [Nm] {inside[:, 4].mean():.4g}" in remark and f"± {inside[:, 4].std(ddof=1):.2g}" in remark
+    # The standard error is small beside the assumed deviation of a thrust ratio, 1 %.
+    ratio = rig.points[2].measured[0]
+    shares = [inside[:, k].std(ddof=1) / inside[:, k].mean() / np.sqrt(151) for k in (6, 7)]
+    assert ratio.deviation == pytest.approx(ratio.value * np.hypot(0.01, np.hypot(*shares)), rel=1e-3)
+    assert __main__.main([str(path), "--check"]) == 0
+    said = capsys.readouterr().out
+    assert "7 plateaus" in said and "7 points: a fit of 3 parameters takes about" in said
+
+
+def clock(time: float) -> datetime.datetime:
+    return datetime.datetime(2026, 11, 27, 23, 59, 55) + datetime.timedelta(seconds=time)
+
+
+TIMES = {
+    "Zeit [ms]": lambda t: f"{1e3 * t:g}",
+    "timestamp": lambda t: f"{1.7e9 + t:.3f}",
+    "Time stamp": lambda t: f"{1.7e12 + 1e3 * t:.0f}",
+    "Datum": lambda t: clock(t).strftime("%d.%m.%Y %H:%M:%S.%f"),
+    "time": lambda t: clock(t).isoformat(),
+    "Date": lambda t: clock(t).strftime("%m/%d/%Y %I:%M:%S.%f %p"),
+    "Uhrzeit": lambda t: clock(t).strftime("%H:%M:%S.%f"),
+    "Time [hh:mm:ss]": lambda t: clock(t).strftime("%H:%M:%S.%f"),
+}
+
+
+@pytest.mark.parametrize("title", TIMES)
+def test_times_as_dates_and_clocks(title: str, tmp_path: Path) -> None:
+    rows = [[TIMES[title](row[0]), *shown(row[1:])] for row in recorded()]
+    is_right(points.read(written(tmp_path / "series.csv", [[title, *TITLES], *rows])), 5, rel=0.01)
+
+
+def test_a_date_beside_a_clock_and_no_times_at_all(tmp_path: Path) -> None:
+    rows = [["27.11.2026", clock(row[0] - 20).strftime("%H:%M:%S.%f"), *shown(row[1:])] for row in recorded()]
+    for head, some in ((["Datum", "Uhrzeit", *TITLES], rows), (TITLES, [row[2:] for row in rows])):
+        is_right(points.read(written(tmp_path / "series.csv", [head, *some], ";")), 5, rel=0.01)
+
+
+def test_channels_with_times_of_their_own(tmp_path: Path) -> None:
+    data = recorded(points=6)
+    groups = [data[::every, [0, 1 + k]] for k, every in enumerate((1, 2, 5, 1, 2, 5, 1))]
+    rows = [[f"{cell:.5f}" if row < len(own) else "" for own in groups for cell in own[min(row, len(own) - 1)]] for row in range(len(data))]
+    apart = points.read(written(tmp_path / "apart.csv", [[title for name in TITLES for title in ("t [s]", name)], *rows]))
+    together = points.read(written(tmp_path / "together.csv", [HEAD, *data.tolist()]))
+    is_right(apart, 6, rel=0.01)
+    assert values(apart)[:, :4] == pytest.approx(values(together)[:, :4], rel=4e-3)
+
+
+def test_channels_with_their_own_rasters(tmp_path: Path) -> None:
+    rows = [[cell if line % every == 0 else "" for cell, every in zip(shown(row), (1, 3, 3, 1, 2, 10, 5, 1), strict=True)]
+            for line, row in enumerate(recorded(points=12))]  # fmt: skip
+    is_right(points.read(written(tmp_path / "series.csv", [HEAD, *rows])), rel=0.01)
+
+
+def test_a_pause_of_the_recording_and_unequal_times_cost_no_memory(tmp_path: Path) -> None:
+    """The channels' times differ by less than a microsecond, and the recorder pauses for a year."""
+    data = recorded()
+    data[500:, 0] += 3e7
+    rows = [
+        cells
+        for row in data
+        for cells in ([f"{row[0]:.3f}", *shown(row[1:5]), "", "", ""], [f"{row[0] + 5e-7:.7f}", "", "", "", "", *shown(row[5:])])
+    ]
+    is_right(points.read(written(tmp_path / "series.csv", [HEAD, *rows])), 5, rel=0.01)
+
+
+def test_spikes_and_lost_samples_do_not_split_a_plateau(tmp_path: Path) -> None:
+    rows = list(map(shown, recorded()))
+    for line, cell in ((60, "-9999"), (61, "n/a"), (470, "99.9"), (700, "99.9")):
+        rows[line][6] = cell
+    rig = points.read(written(tmp_path / "series.csv", [HEAD, *rows]))
+    is_right(rig, 5, rel=0.01)
+    assert [fault.line for fault in rig.sheet.left_out] == [62, 63]
+
+
+def test_a_ramp_has_no_plateau_and_points_with_their_times_are_no_series(tmp_path: Path) -> None:
+    data = np.tile(recorded(points=1)[0], (4800, 1))
+    data[:, 0], data[:, 4] = 0.01 * np.arange(4800), np.linspace(0.0, 60.0, 4800)
+    with pytest.raises(TableError, match="without a plateau"):
+        points.read(written(tmp_path / "series.csv", [HEAD, *map(shown, data)]))
+    rows = [[600 * k, *row] for k, row in enumerate(ROWS * 2)]
+    assert len(points.read(written(tmp_path / "table.csv", [HEAD, *rows])).points) == 24
+
+
+def test_parquet(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    data = recorded()
+    frame = pandas.DataFrame(data[:, 1:], columns=TITLES, index=pandas.to_datetime(1.7e9 + data[:, 0], unit="s"))
+    frame.loc[frame.index[1::2], "F_S [kN]"] = np.nan
+    frame.to_parquet(tmp_path / "series.parquet")
+    is_right(points.read(tmp_path / "series.parquet"), 5, rel=0.01)
+
+
+def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    data, path = recorded(), tmp_path / "series.mf4"
+    with asammdf.MDF() as file:
+        for k, (name, unit) in enumerate(zip([*COLUMNS, "noise"], [*UNITS, "dB"], strict=True)):
+            every = (1, 2, 2, 5, 5, 10, 10, 1)[k]
+            file.append(asammdf.Signal(data[::every, min(k + 1, 7)], data[::every, 0], name=name, unit=unit))
+        file.save(path)
+    rig = points.read(path)
+    is_right(rig, 5, rel=0.01)
+    assert rig.sheet.source == "MDF"
+    packed = tmp_path / "series.mf4.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert values(points.read(packed)) == pytest.approx(values(rig))
+    packed.write_bytes(packed.read_bytes()[:-12])
+    with pytest.raises(TableError, match="gzip"):
+        points.read(packed)
