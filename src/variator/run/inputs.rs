@@ -8,7 +8,7 @@ pub(super) const SHORTEST_STEP: f64 = 1.0e-9;
 
 /// Inputs that change in proportion to time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct InputSegment {
+pub struct InputSegment {
     /// Time from which they change, s.
     pub from: f64,
     /// Time at which another segment follows, s.
@@ -63,7 +63,7 @@ impl InputSegment {
 
 /// Inputs over a communication step: a ramp, which may have no length, and what follows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct InputProfile {
+pub struct InputProfile {
     ramp: InputSegment,
     rest: InputSegment,
 }
@@ -127,6 +127,12 @@ impl InputProfile {
             ramp: changed(&self.ramp, now),
             rest: changed(&self.rest, now.max(self.ramp.until)),
         }
+    }
+
+    /// Both parts in their order.
+    #[must_use]
+    pub fn segments(&self) -> [InputSegment; 2] {
+        [self.ramp, self.rest]
     }
 
     /// The segment in force from a time on, s.
