@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cpu_time::ProcessTime;
 use pushbelt::variator::settings::Inputs;
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Unit};
+use pushbelt_fmi::unit::{Experiment, Unit};
 use pushbelt_map_unit::unit::MapUnit;
 
 const STEP: f64 = 1e-2;
@@ -27,7 +27,6 @@ fn main() {
         let mut outside = false;
         let begin = ProcessTime::now();
         for k in 0..STEPS {
-            let from = STEP * f64::from(k);
             let phase = 0.02 * f64::from(k);
             settings.inputs.primary.torque = 40.0 + 30.0 * phase.sin();
             let speed = unit.readings(false).outputs.secondary.speed / 200.0;
@@ -42,13 +41,8 @@ fn main() {
                 (rates.inputs.secondary.torque, rates.inputs.secondary.clamping_force) = (1e-3, 1e-3);
                 rates
             });
-            let mut step = CommunicationStep {
-                from,
-                to: STEP * f64::from(k + 1),
-                rates,
-                progress: (),
-            };
-            unit.begin(&mut step, &settings).expect("a step");
+            let to = STEP * f64::from(k + 1);
+            let mut step = unit.begin(to, &settings, rates.as_ref()).expect("a step");
             unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
             sum += readings.outputs.slip;

@@ -12,7 +12,7 @@ use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Table;
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
+use pushbelt_fmi::unit::{Experiment, Identity, Remark, StepFailure, Unit};
 
 use crate::file::THRUST_RATIO;
 use crate::law::{Frame, Law, Point, Radii, State};
@@ -48,6 +48,13 @@ pub struct MapUnit {
     logged: bool,
     opened: bool,
     readings: Readings,
+}
+
+/// A communication step: its end, s, and the inputs over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    to: f64,
+    inputs: InputProfile,
 }
 
 impl MapUnit {
@@ -331,12 +338,8 @@ impl MapUnit {
     }
 
     /// Advances over a communication step.
-    fn advance_to(&mut self, step: &CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
-        let span = [self.time, step.to];
-        let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
-        let ramp = settings.parameters.solver.input_ramp;
-        let profile = InputProfile::new(ramp, span, &self.acting, &settings.inputs, &rates);
-        for segment in profile.segments() {
+    fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
+        for segment in step.inputs.segments() {
             self.acting = segment.at(segment.from);
             let end = segment.until.min(step.to);
             self.run_to(end, &segment.at(end))?;
@@ -506,7 +509,7 @@ fn check(settings: &Settings) -> Result<(), String> {
 impl Unit for MapUnit {
     type Settings = Settings;
     type Readings = Readings;
-    type Progress = ();
+    type Step = Step;
 
     const IDENTITY: Identity = Identity {
         name: "PushbeltMap",
@@ -561,33 +564,33 @@ impl Unit for MapUnit {
         &self.readings
     }
 
-    fn advance(
-        &mut self,
-        step: &mut CommunicationStep<Self>,
-        settings: &Settings,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        let before = (
-            self.state,
-            self.time,
-            self.acting,
-            self.thrust_ratio,
-            self.settings.parameters.friction.pulley,
-        );
-        self.settings.parameters.friction.pulley = settings.parameters.friction.pulley;
-        let advanced = self.advance_to(step, settings);
+    fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Step, StepFailure> {
+        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
+        let ramp = settings.parameters.solver.input_ramp;
+        let inputs = InputProfile::new(ramp, [self.time, to], &self.acting, &settings.inputs, &rates);
+        Ok(Step { to, inputs })
+    }
+
+    fn advance(&mut self, step: &mut Step, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+        let friction = settings.parameters.friction.pulley;
+        let own = std::mem::replace(&mut self.settings.parameters.friction.pulley, friction);
+        let before = (self.state, self.time, self.acting, self.thrust_ratio);
+        let advanced = self.advance_to(step);
         if advanced.is_err() {
-            (
-                self.state,
-                self.time,
-                self.acting,
-                self.thrust_ratio,
-                self.settings.parameters.friction.pulley,
-            ) = before;
+            (self.state, self.time, self.acting, self.thrust_ratio) = before;
+            self.settings.parameters.friction.pulley = own;
         }
         advanced?;
         self.log_outside(remarks);
         Ok(())
+    }
+
+    fn is_over(&self, step: &Step) -> bool {
+        self.time >= step.to
+    }
+
+    fn end_at(&mut self, step: &mut Step, time: f64) {
+        step.to = step.to.min(time.max(self.time));
     }
 
     fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {

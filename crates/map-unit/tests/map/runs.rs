@@ -1,93 +1,16 @@
-//! The variator from maps: table of variables, equations, steps, stored states, tables.
+//! Equations and runs.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
-use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::{Causality, Value};
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
-use pushbelt_map_unit::file::FILE;
+use pushbelt_fmi::unit::{Experiment, Unit};
 use pushbelt_map_unit::law::{Law, Radii, State};
 use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn folder() -> PathBuf {
-    root().join("resources/maps")
-}
-
-fn settings() -> Settings {
-    MapUnit::load(Some(&folder())).expect("the checked-in tables")
-}
-
-fn start(settings: &Settings) -> MapUnit {
-    let mut remarks = Vec::new();
-    let unit = MapUnit::start(settings, &Experiment::default(), &mut remarks).expect("a start");
-    assert!(remarks.is_empty(), "{remarks:?}");
-    unit
-}
-
-fn outputs(unit: &mut MapUnit) -> Outputs {
-    unit.readings(false).outputs.clone()
-}
-
-/// Steps to a time with held inputs.
-fn step(unit: &mut MapUnit, settings: &Settings, to: f64) {
-    let mut step = CommunicationStep {
-        from: unit.time(),
-        to,
-        rates: None,
-        progress: (),
-    };
-    unit.begin(&mut step, settings).expect("a step");
-    unit.advance(&mut step, settings, &mut Vec::new()).expect("a step");
-    assert_eq!(unit.time(), to);
-}
-
-fn run(unit: &mut MapUnit, settings: &Settings, time: f64, duration: f64) -> Outputs {
-    let count = (duration / time).round() as usize;
-    let begin = unit.time();
-    for k in 1..=count {
-        step(unit, settings, begin + time * k as f64);
-    }
-    outputs(unit)
-}
-
-/// A step without a solution leaves state, inputs and friction as they were.
-#[test]
-fn a_discarded_step_leaves_all_as_before() {
-    let mut settings = settings();
-    let mut unit = start(&settings);
-    run(&mut unit, &settings, 1e-3, 0.02);
-    let bytes = |unit: &mut MapUnit| {
-        let mut tape = Tape::writer();
-        unit.serialize(&mut tape);
-        tape.into_bytes()
-    };
-    let (before, readings) = (bytes(&mut unit), outputs(&mut unit));
-    let wanted = settings.inputs.secondary.torque;
-    settings.inputs.secondary.torque = f64::INFINITY;
-    settings.parameters.friction.pulley = 0.08;
-    let mut step = CommunicationStep {
-        from: unit.time(),
-        to: unit.time() + 5e-3,
-        rates: None,
-        progress: (),
-    };
-    unit.begin(&mut step, &settings).expect("a step");
-    let failed = unit.advance(&mut step, &settings, &mut Vec::new());
-    assert!(matches!(failed, Err(StepFailure::Discarded(_))), "{failed:?}");
-    assert_eq!(bytes(&mut unit), before);
-    assert_eq!(outputs(&mut unit), readings);
-    settings.inputs.secondary.torque = wanted;
-    self::step(&mut unit, &settings, step.to);
-}
+use crate::{outputs, run, settings, start, step, try_step};
 
 /// Each name of the lists is a variable of the detailed unit.
 #[test]
@@ -100,8 +23,6 @@ fn the_variables_are_there() {
     assert_eq!((table.variables().len(), outputs.count()), (74, 31));
     assert_eq!(table.units.len(), 16);
 }
-
-// Equations
 
 /// The laws of settings.
 struct Bench {
@@ -237,8 +158,6 @@ fn friction_scales_the_torque() {
     assert!((bench.torque(200.0, 198.5, 0.0) - 0.7 * torque).abs() < 1e-12 * torque);
 }
 
-// Runs
-
 #[test]
 fn a_run_starts_steady_and_stays_there() {
     let mut settings = settings();
@@ -359,44 +278,6 @@ fn energy_is_balanced() {
 }
 
 #[test]
-fn inputs_ramp_jump_or_follow_their_derivative() {
-    let reached = |ramp: f64, rates: bool| {
-        let mut settings = settings();
-        settings.parameters.solver.input_ramp = ramp;
-        let mut unit = start(&settings);
-        let mut changed = settings.clone();
-        let mut communication = CommunicationStep {
-            from: 0.0,
-            to: 0.1,
-            rates: None,
-            progress: (),
-        };
-        if rates {
-            let mut slopes = settings.clone();
-            slopes.inputs = Inputs::ZERO;
-            slopes.inputs.primary.torque = 200.0;
-            communication.rates = Some(slopes);
-        } else {
-            changed.inputs.primary.torque = 70.0;
-        }
-        unit.begin(&mut communication, &changed).expect("a step");
-        unit.advance(&mut communication, &changed, &mut Vec::new())
-            .expect("a step");
-        unit.readings(false).outputs.primary.speed
-    };
-    let (jump, short, whole, derivative) = (
-        reached(0.0, false),
-        reached(1e-3, false),
-        reached(-1.0, false),
-        reached(1e-3, true),
-    );
-    assert!(jump > short && short > whole);
-    // 20 N·m more at the end of the step, linearly over all of it.
-    assert!((whole - derivative).abs() < 1e-9, "{whole} {derivative}");
-    assert!((jump - short) / (jump - whole) < 0.05);
-}
-
-#[test]
 fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
     let mut settings = settings();
     settings.parameters.secondary.axial = Axial::Held;
@@ -418,75 +299,11 @@ fn beyond_the_tables_is_logged_once() {
     let mut remarks = Vec::new();
     let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut remarks).expect("a start");
     for k in 1..=3 {
-        let mut step = CommunicationStep {
-            from: unit.time(),
-            to: 0.01 * f64::from(k),
-            rates: None,
-            progress: (),
-        };
-        unit.advance(&mut step, &settings, &mut remarks).expect("a step");
+        remarks.extend(step(&mut unit, &settings, 0.01 * f64::from(k)));
     }
     assert_eq!(remarks.len(), 1, "{remarks:?}");
     assert!(remarks[0].warning && remarks[0].text.contains("200000 N"));
     assert!(unit.readings(false).outside);
-}
-
-// Stored states
-
-#[test]
-fn a_stored_state_continues_bit_for_bit() {
-    let mut settings = settings();
-    let mut unit = start(&settings);
-    settings.inputs.primary.torque = 65.0;
-    run(&mut unit, &settings, 1e-2, 0.1);
-    let mut tape = Tape::writer();
-    unit.serialize(&mut tape);
-    let bytes = tape.into_bytes();
-    let mut other = MapUnit::blank(&settings, &Experiment::default()).expect("a blank unit");
-    let mut tape = Tape::reader(&bytes);
-    other.serialize(&mut tape);
-    tape.finish().expect("all bytes");
-    let mut clone = unit.clone();
-    settings.inputs.primary.clamping_force = 16e3;
-    let found = run(&mut unit, &settings, 1e-2, 0.3);
-    assert_eq!(run(&mut other, &settings, 1e-2, 0.3), found);
-    assert_eq!(run(&mut clone, &settings, 1e-2, 0.3), found);
-}
-
-// Tables
-
-#[test]
-fn damaged_tables_are_refused() {
-    let text = fs::read_to_string(folder().join(FILE)).expect("the tables");
-    let tables = Tables::of_bytes(text.as_bytes()).expect("tables");
-    let damaged = |from: &str, to: &str| {
-        assert!(text.contains(from), "{from}");
-        Tables::of_bytes(text.replacen(from, to, 1).as_bytes())
-            .map(drop)
-            .unwrap_err()
-    };
-    assert!(damaged("{", "[").contains("not JSON"));
-    assert!(damaged("pushbelt map unit", "maps").contains("format"));
-    assert!(damaged("\"version\":1", "\"version\":2").contains("version"));
-    assert!(damaged("\"thrustRatio\":", "\"other\":").contains("thrustRatio"));
-    assert!(damaged("\"geometry.beltLength\":0.703", "\"geometry.beltLength\":0.3").contains("geometry"));
-    assert!(
-        damaged(
-            "\"force\":{\"unit\":\"N\",\"values\":[2500.0",
-            "\"force\":{\"unit\":\"N\",\"values\":[9500.0"
-        )
-        .contains("ascend")
-    );
-    let shorter = Tables::of_bytes(&text.as_bytes()[..text.len() / 2]).map(drop);
-    assert!(shorter.unwrap_err().contains("not JSON"));
-    let other = text.replacen("\"pushbelt map unit\"", " \"pushbelt map unit\"", 1);
-    assert_ne!(
-        Tables::of_bytes(other.as_bytes()).expect("the same tables").hash,
-        tables.hash
-    );
-    let missing = Tables::read(Path::new("/no/such/folder")).map(drop).unwrap_err();
-    assert!(missing.contains("maps.json"), "{missing}");
-    assert!(MapUnit::load(None).map(drop).unwrap_err().contains("resources"));
 }
 
 #[test]
@@ -501,4 +318,19 @@ fn settings_are_checked() {
     settings.parameters.secondary.min_radius = 0.08;
     let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
     assert!(refused.unwrap_err().contains("end stops"));
+}
+
+#[test]
+fn an_input_ramps_over_the_whole_step_or_follows_its_derivative() {
+    let speed = |torque: f64, rates: Option<Inputs>| {
+        let mut settings = settings();
+        settings.parameters.solver.input_ramp = -1.0;
+        let mut unit = start(&settings);
+        settings.inputs.primary.torque = torque;
+        try_step(&mut unit, &settings, 0.1, rates).expect("a step");
+        outputs(&mut unit).primary.speed
+    };
+    let mut rates = Inputs::ZERO;
+    rates.primary.torque = 200.0;
+    assert!((speed(70.0, None) - speed(50.0, Some(rates))).abs() < 1e-9);
 }

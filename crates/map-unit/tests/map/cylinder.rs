@@ -1,11 +1,11 @@
 //! Cylinders of the variator from maps: pressure in, flow out.
 
-use std::path::Path;
-
-use pushbelt::variator::settings::{Cylinder, Outputs, PulleyOutputs};
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Remark, Unit};
+use pushbelt::variator::settings::{Cylinder, PulleyOutputs};
+use pushbelt_fmi::unit::{Remark, Unit};
 use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::unit::MapUnit;
+
+use crate::{outputs, start};
 
 /// friction.velocity, m/s.
 const VELOCITY: f64 = 5e-4;
@@ -19,13 +19,17 @@ const CYLINDER: Cylinder = Cylinder {
 };
 
 fn settings(cylinder: Cylinder) -> Settings {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps");
-    let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
+    let mut settings = crate::settings();
     (
         settings.parameters.primary.cylinder,
         settings.parameters.secondary.cylinder,
     ) = (cylinder, cylinder);
     settings
+}
+
+fn step(unit: &mut MapUnit, settings: &Settings, length: f64) -> Vec<Remark> {
+    let to = unit.time() + length;
+    crate::step(unit, settings, to)
 }
 
 fn by_pressure(mut settings: Settings) -> Settings {
@@ -37,25 +41,6 @@ fn by_pressure(mut settings: Settings) -> Settings {
         inputs.clamping_force = 0.0;
     }
     settings
-}
-
-fn start(settings: &Settings) -> MapUnit {
-    MapUnit::start(settings, &Experiment::default(), &mut Vec::new()).expect("a start")
-}
-
-fn outputs(unit: &mut MapUnit) -> Outputs {
-    unit.readings(false).outputs.clone()
-}
-
-fn step(unit: &mut MapUnit, settings: &Settings, length: f64, remarks: &mut Vec<Remark>) {
-    let mut step = CommunicationStep {
-        from: unit.time(),
-        to: unit.time() + length,
-        rates: None,
-        progress: (),
-    };
-    unit.begin(&mut step, settings).expect("a step");
-    unit.advance(&mut step, settings, remarks).expect("a step");
 }
 
 #[test]
@@ -72,8 +57,8 @@ fn pressures_and_forces_give_the_same_bits() {
     };
     let (mut force, mut pressure) = (start(&of(0)), start(&by_pressure(of(0))));
     for k in 1..40 {
-        step(&mut force, &of(k), 5e-3, &mut Vec::new());
-        step(&mut pressure, &by_pressure(of(k)), 5e-3, &mut Vec::new());
+        step(&mut force, &of(k), 5e-3);
+        step(&mut pressure, &by_pressure(of(k)), 5e-3);
         assert_eq!(force.readings(false), pressure.readings(false));
     }
 }
@@ -98,7 +83,7 @@ fn cylinders_do_the_work_on_the_sheaves() {
         let tangent = settings.parameters.geometry.wedge_angle.tan();
         let mut before = at;
         for count in 0..200 {
-            step(&mut unit, &settings, 1e-3, &mut Vec::new());
+            step(&mut unit, &settings, 1e-3);
             let now = outputs(&mut unit);
             let mut rubbed = 0.0;
             let pulleys: [(&PulleyOutputs, &PulleyOutputs, f64); 2] = [
@@ -146,7 +131,7 @@ fn seals_hold_the_ratio_but_for_creep() {
         settings.parameters.initial.equilibrium = true;
         let mut unit = start(&settings);
         settings.inputs.primary.pressure += 0.5 * 400.0 / 0.01;
-        step(&mut unit, &settings, 0.01, &mut Vec::new());
+        step(&mut unit, &settings, 0.01);
         unit.readings(false).outputs.primary.sheave_velocity
     };
     let (rubbing, free) = (velocity(400.0), velocity(0.0));
@@ -161,7 +146,7 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
     let mut remarks = Vec::new();
     for pressure in [-1e5, 1e6, -1e5] {
         settings.inputs.primary.pressure = pressure;
-        step(&mut unit, &settings, 2e-3, &mut remarks);
+        remarks.extend(step(&mut unit, &settings, 2e-3));
         assert!(unit.readings(false).outputs.secondary.speed.is_finite());
     }
     let opens = remarks
