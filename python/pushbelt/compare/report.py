@@ -85,7 +85,10 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), gr
     rows = [
         (
             f"{name} ({shown[name][1]})" if name in units else name,
-            [Series(who, run.time, shown[name][0] * run[name], colour, dash=dash) for (who, colour, dash), run in zip(looks, pair.runs, strict=True)],
+            [
+                Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
+                for (who, colour, dash), run in zip(looks, pair.runs, strict=True)
+            ],
             {},
         )
         for name in names

@@ -59,7 +59,11 @@ def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
     table = np.array([[ratios[name, torque] for torque in torques] for name in names])
     found = " < ".join(f"{mean:.3f}" for mean in table.mean(axis=1))
     ordered = bool((np.diff(table, axis=0) > 0.0).all())
-    return Check("Thrust ratio orders underdrive < medium < overdrive at every torque", ordered, f"{found} (means over the torques)")
+    return Check(
+        "Thrust ratio orders underdrive < medium < overdrive at every torque",
+        ordered,
+        f"{found} (means over the torques)",
+    )
 
 
 def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
@@ -93,14 +97,21 @@ def _manoeuvre(trace: Trace) -> list[Check]:
     within = bool((residual <= bound).all())
     return [
         Check("Energy residual of the manoeuvre stays within its bound at every output point", within, found),
-        Check("Every event of the manoeuvre occurs", not missing, f"missing: {', '.join(missing)}" if missing else f"{len(events)} events"),
+        Check(
+            "Every event of the manoeuvre occurs",
+            not missing,
+            f"missing: {', '.join(missing)}" if missing else f"{len(events)} events",
+        ),
     ]
 
 
 def evaluate(results: DemoResults) -> list[Check]:
     """All checks."""
     cases, parameters = results.cases, results.parameters
-    constant, slips = "Push force is constant in the push strand within 1 %", "Slip lies between 0 and 4 %, the largest measured in underdrive"
+    constant, slips = (
+        "Push force is constant in the push strand within 1 %",
+        "Slip lies between 0 and 4 %, the largest measured in underdrive",
+    )
     closed = "Losses sum to the net power of both shafts within 0.2 % of the driving power"
     persist = "Steady states persist when the simulation continues"
     of_stack = [

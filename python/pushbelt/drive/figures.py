@@ -31,7 +31,11 @@ def drive(run: Run, group: str = "") -> Chart:
 
     slip = {"y_range": (-3.0, 4.0)}
     rows = [
-        ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
+        (
+            "Speed (km/h)",
+            [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)],
+            {},
+        ),
         (
             "Ratio r_S/r_P",
             [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)],
@@ -42,7 +46,11 @@ def drive(run: Run, group: str = "") -> Chart:
             [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)],
             {},
         ),
-        ("Pressures (bar)", [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))], {}),
+        (
+            "Pressures (bar)",
+            [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))],
+            {},
+        ),
         ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], slip),
         (
             "Loss of the variator (W)",

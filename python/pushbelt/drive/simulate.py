@@ -61,7 +61,11 @@ OUTPUTS = (
 """FMU variables that are recorded."""
 
 SIGNALS: Mapping[str, str] = {
-    **{name: unit for name, unit in vehicle.SIGNALS.items() if name not in ("secondary.torque", "torque.estimated", "power.demand")},
+    **{
+        name: unit
+        for name, unit in vehicle.SIGNALS.items()
+        if name not in ("secondary.torque", "torque.estimated", "power.demand")
+    },
     **dict.fromkeys(("ratio.target", "intervening", "utilisation.signed"), "1"),
     "distance": "m",
 }

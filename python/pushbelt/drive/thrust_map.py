@@ -68,7 +68,9 @@ class ThrustMap:
     @cached_property
     def _plain(self) -> SimpleNamespace:
         """The tables as plain numbers."""
-        return SimpleNamespace(**{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)})
+        return SimpleNamespace(
+            **{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)}
+        )
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:

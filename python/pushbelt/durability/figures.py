@@ -23,7 +23,9 @@ def over_time(result: Damage) -> Chart:
     limit = result.material.allowed
     most = max(limit, *(float(one.max()) for one in result.equivalent.values()))
     amplitudes = [Series(name, time, MEGA * one, c) for (name, one), c in zip(result.equivalent.items(), COLOURS)]
-    damage = [Series(name, time, 100.0 * np.cumsum(one) / (scale or 1.0), c) for (name, one), c in zip(parts.items(), COLOURS)]
+    damage = [
+        Series(name, time, 100.0 * np.cumsum(one) / (scale or 1.0), c) for (name, one), c in zip(parts.items(), COLOURS)
+    ]
     rows = [
         ("Speed of the ring (m/s)", [Series("ring.speed", time, result.table["ring.speed"], GREEN)], {}),
         (
@@ -48,7 +50,10 @@ def haigh(result: Damage) -> Chart:
         chosen = order[:: -(-len(order) // MOST_POINTS) or 1]
         cycles = MEGA * part.mean[chosen, 0], MEGA * part.amplitude[chosen, 0]
         series.append(Series(name, *cycles, colour, "points", size=4, opacity=0.5))
-    for text, limit, dash in (("fatigue limit with safety factor", material.allowed, ""), ("fatigue limit", material.limit, "dash")):
+    for text, limit, dash in (
+        ("fatigue limit with safety factor", material.allowed, ""),
+        ("fatigue limit", material.limit, "dash"),
+    ):
         line = [MEGA * limit, MEGA * limit, 0.0]
         series.append(Series(text, [-200.0, 0.0, MEGA * material.strength], line, RED, dash=dash))
     panel = Panel("", series, "mean stress (MPa)", "amplitude (MPa)", height=320)
@@ -92,7 +97,12 @@ def clamping(found: list[tuple[float, float, float, float]]) -> Chart:
         ("Utilisation of the fatigue limit (%)", 100.0 * utilisation, ORANGE),
     ]
     panels = [
-        Panel(title, [Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)], "factor on the clamping forces", height=220)
+        Panel(
+            title,
+            [Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)],
+            "factor on the clamping forces",
+            height=220,
+        )
         for title, values, colour in (rows if with_limit.any() else rows[1:])
     ]
     return Chart(panels, "Effect of the clamping forces", columns=3)

@@ -169,7 +169,9 @@ class EfficiencyPoint(NamedTuple):
 def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
     """All measured points of the transmission."""
     points = published_data()["measuredEfficiency"]["points"]
-    return tuple(EfficiencyPoint(*(float(point[key]) for key in ("ratio", "rpm", "torque", "efficiency"))) for point in points)
+    return tuple(
+        EfficiencyPoint(*(float(point[key]) for key in ("ratio", "rpm", "torque", "efficiency"))) for point in points
+    )
 
 
 @dataclass(frozen=True)

@@ -288,7 +288,9 @@ class Instance:
         try:
             function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
         except AttributeError:
-            raise UnitError("this version of the FMU does not support linear models: it has no function pushbeltLinearize") from None
+            raise UnitError(
+                "this version of the FMU does not support linear models: it has no function pushbeltLinearize"
+            ) from None
         function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
         free.argtypes, free.restype = [ctypes.c_void_p], None
         text = ctypes.c_void_p()

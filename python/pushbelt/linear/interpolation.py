@@ -58,7 +58,9 @@ def interpolated(models: Weighted) -> LinearModel:
     """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
     first = models[0][0]
     if first.coordinates != "physical":
-        raise ArgumentError("modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'")
+        raise ArgumentError(
+            "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
+        )
     kind = attrgetter("inputs", "outputs", "states", "sample_time")
     if any(kind(one) != kind(first) for one, _ in models):
         raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")

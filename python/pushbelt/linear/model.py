@@ -145,7 +145,9 @@ class LinearModel:
         try:
             from scipy.linalg import expm
         except ModuleNotFoundError as error:
-            raise MissingPackageError("responses in time need scipy: pip install 'pushbelt[control]'", name=error.name) from error
+            raise MissingPackageError(
+                "responses in time need scipy: pip install 'pushbelt[control]'", name=error.name
+            ) from error
         n, k = self.b.shape
         whole = np.zeros((n + k, n + k))
         whole[:n, :n], whole[:n, n:] = self.a, self.b
@@ -211,7 +213,9 @@ class LinearModel:
         try:
             import control
         except ModuleNotFoundError as error:
-            raise MissingPackageError("to_control needs python-control: pip install 'pushbelt[control]'", name=error.name) from error
+            raise MissingPackageError(
+                "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
+            ) from error
         # In python-control a dot in a name separates the system from its signal.
         plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
         matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)

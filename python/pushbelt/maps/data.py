@@ -43,7 +43,10 @@ AXES: Mapping[str, Axis] = {
     "force": Axis("N", "Secondary clamping force"),
     "speed": Axis("rad/s", "Primary speed without slip"),
     "ratio": Axis("1", "Geometric ratio secondary / primary pitch radius"),
-    "utilisation": Axis("1", "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives"),
+    "utilisation": Axis(
+        "1",
+        "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives",
+    ),
     "direction": Axis("1", "-1: the secondary pulley drives, 1: the primary pulley drives"),
     "slipShare": Axis("1", "Slip / slip at capacity"),
     "shiftUtilisation": Axis("1", "Torque utilisation at which shifts are measured"),
@@ -193,7 +196,17 @@ class Maps:
         except MapError as why:
             raise MapError(f"{path}: {why}") from why
         # Readers of damaged files raise any of these.
-        except (ValueError, LookupError, TypeError, AttributeError, EOFError, OSError, RecursionError, BadZipFile, error) as why:
+        except (
+            ValueError,
+            LookupError,
+            TypeError,
+            AttributeError,
+            EOFError,
+            OSError,
+            RecursionError,
+            BadZipFile,
+            error,
+        ) as why:
             raise MapError(f"{path} is damaged or no file of maps: {why}") from why
 
     def _about(self) -> dict[str, str]:

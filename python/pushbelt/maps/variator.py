@@ -143,7 +143,15 @@ class MapVariator:
     # Equations
 
     def _step(
-        self, h: float, primary: Array, secondary: Array, log_ratio: Array, into: Array, out: Array, closing: Array, force: Array
+        self,
+        h: float,
+        primary: Array,
+        secondary: Array,
+        log_ratio: Array,
+        into: Array,
+        out: Array,
+        closing: Array,
+        force: Array,
     ) -> tuple[Array, Array, Array]:
         p = self.parameters
         lines, weights = self._place(force, primary, log_ratio)

@@ -88,7 +88,9 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
 SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
 
 
-def over_time(time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]) -> Motion:
+def over_time(
+    time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]
+) -> Motion:
     """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
     moments = np.array(sorted(states))
     return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])

@@ -149,7 +149,11 @@ def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chun
             bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
             bar.update(progress.done - bar.n)
 
-        given = {"scheduler": scheduler or options.scheduler, "workers": options.workers, "anew": options.anew or options.measure}
+        given = {
+            "scheduler": scheduler or options.scheduler,
+            "workers": options.workers,
+            "anew": options.anew or options.measure,
+        }
         try:
             rows = solve(tasks, options.output, chunk=chunk, progress=shown, **given)
         except KeyboardInterrupt:

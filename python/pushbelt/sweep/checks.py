@@ -101,7 +101,10 @@ def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int
 def _single_peak(results: xarray.Dataset, values: DataArray) -> Check:
     """Check that values have one maximum over the utilisation: no rise after a fall."""
     wrong = xarray.zeros_like(values, dtype=bool)
-    lines, marks = values.values.reshape(-1, values.sizes["utilisation"]), wrong.values.reshape(-1, values.sizes["utilisation"])
+    lines, marks = (
+        values.values.reshape(-1, values.sizes["utilisation"]),
+        wrong.values.reshape(-1, values.sizes["utilisation"]),
+    )
     for line, mark in zip(lines, marks, strict=True):
         found = np.flatnonzero(np.isfinite(line))
         steps = np.diff(line[found])

@@ -26,7 +26,10 @@ RATIO_TICKS = (0.5, 0.7, 1.0, 1.4, 2.0)
 def gridded(grid: Grid, table: pa.Table) -> xarray.Dataset:
     """The numbers of the results over the axes of the grid, NaN where there is no steady state, and the mask `steady`."""
     numbers = table.drop_columns(["remarks", "reason", *AXES.keys() & set(table.column_names)])
-    values = {name: numbers[name].to_numpy(zero_copy_only=False).astype(float).reshape(grid.shape) for name in numbers.column_names}
+    values = {
+        name: numbers[name].to_numpy(zero_copy_only=False).astype(float).reshape(grid.shape)
+        for name in numbers.column_names
+    }
     axes = {name: list(getattr(grid, name)) for name in AXES}
     found = xarray.Dataset({name: (tuple(AXES), one) for name, one in values.items()}, axes)
     return found.assign(steady=found.thrustRatio.notnull())
@@ -61,7 +64,9 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
     rows, columns = len(down), len(across)
     with plt.rc_context(STYLE):
         size = (2.45 * columns + 1.4, 2.15 * rows + 0.5)
-        figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
+        figure, panels = plt.subplots(
+            rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained"
+        )
         for m, n in np.ndindex(rows, columns):
             _panel(panels[m, n], results, values[m, n], slipping[m, n], levels, colours)
             panels[m, n].set_title(f"{down[m]}, {across[n]}" if rows > 1 or columns > 1 else "")
@@ -93,7 +98,9 @@ def carried(utilisation: Array, holds: np.ndarray) -> Array:
     return border
 
 
-def _panel(axes: Axes, results: xarray.Dataset, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap) -> None:
+def _panel(
+    axes: Axes, results: xarray.Dataset, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap
+) -> None:
     """One map; `values` over ratio × utilisation."""
     ratio, utilisation = results.ratio.values, results.utilisation.values
     field = np.ma.masked_invalid(values.T)

@@ -48,7 +48,10 @@ def common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
         "processor_time": effort.processor_time,
         "reasons": reasons.most_common(),
         "failed_count": reasons.total(),
-        "columns": [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)],
+        "columns": [
+            (field.name, {key.decode(): text.decode() for key, text in field.metadata.items()})
+            for field in schema(study)
+        ],
         "metadata_key": METADATA.decode(),
         "parameters": shown_parameters(study),
     }
@@ -60,7 +63,10 @@ def _context(study: Study, table: pa.Table, results: xarray.Dataset, effort: Eff
     return {
         **common(study, table, effort),
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "steady": {column: results[column].values[steady.values] for column in ("thrustRatio", "efficiency", "slip", "macroSlip")},
+        "steady": {
+            column: results[column].values[steady.values]
+            for column in ("thrustRatio", "efficiency", "slip", "macroSlip")
+        },
         "failed": checks.names_of(results, ~steady)[:FEW],
         "checks": checks.evaluate(results) if steady.any() else [],
         "spots": checks.spots(results) if steady.any() else [],
