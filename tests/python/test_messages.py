@@ -22,7 +22,7 @@ BROAD = {
     "fmu/unit.py",
     "fmu/untrusted.py",
     "fmu/steady.py",
-    "rig/text.py",
+    "tables/files.py",
     "side_by_side.py",
     "study/cluster.py",
 }

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import files, numerals, units
-from .faults import Fault, TableError
+from .faults import Fault, TableError, of_the_column
 from .files import Cells
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import NumeralError, Percent
@@ -33,8 +33,6 @@ SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 HEADERS = 4
 """Rows below the titles in which units and descriptions are searched."""
-MOST = 0.5
-"""Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
 
 
 @dataclass(frozen=True)
@@ -433,16 +431,12 @@ class _Reader:
             own = self.faults if kind == "sign" else faults[kind]
             own.append(Fault(text, int(column.index[row]), one.title))
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
-        self._of_the_column(faults["range"], int(inside.sum()), self._other_unit(one, numbers[outside]))
-        self._of_the_column(faults["word"], int(inside.sum()))
-        return np.where(inside, values, np.nan), sorted((f for some in faults.values() for f in some), key=lambda fault: fault.line or 0)
-
-    def _of_the_column(self, faults: list[Fault], good: int, hint: str = "") -> None:
-        """Makes faults of most values one of the column."""
-        if faults and len(faults) >= MOST * (len(faults) + good):
-            more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
-            self.faults.append(faults[0]._replace(text=faults[0].text + more + hint))
-            faults.clear()
+        for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
+            if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
+                self.faults += column_has
+                faults[kind].clear()
+        bad = sorted((fault for some in faults.values() for fault in some), key=lambda fault: fault.line or 0)
+        return np.where(inside, values, np.nan), bad
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
