@@ -73,6 +73,11 @@ def test_a_parameter_that_the_data_do_not_see_keeps_its_start_value() -> None:
     first, second = fit.fit(opened, [parameter("a"), parameter("b", 3e-4)]).estimates
     assert first.value == pytest.approx(1.2, rel=1e-3)
     assert second.undetermined is not None and second.value == 3e-4
+    # Also one that has moved before the scatter shows that it is not determined.
+    faint = model(lambda v, u: v[0] * u + 0.01 * v[1] * np.cos(3.0 * u), (1.2, 2.0), "ab")
+    off = [with_value(point, point.measured[0].value + 0.05 * np.sin(9.0 * point.torque)) for point in faint.points]
+    _, second = fit.fit(faint.with_points(off, {}), [parameter("a"), parameter("b")]).estimates
+    assert second.undetermined is not None and second.value == 1.0
 
 
 def test_a_prior_determines_what_the_data_do_not() -> None:

@@ -22,7 +22,7 @@ BROAD = {
     "fmu/unit.py",
     "fmu/untrusted.py",
     "study/worker.py",
-    "rig/text.py",
+    "tables/files.py",
     "report/side_by_side.py",
     "study/cluster.py",
 }

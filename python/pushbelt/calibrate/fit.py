@@ -23,8 +23,6 @@ MISFIT = 3.0
 """Root mean square of the residuals, in standard deviations, above which a fit is bad."""
 LOST_SHARE = 1.0 / 3.0
 """Share of values at points without a steady state above which a fit is bad."""
-MOST_WEIGHTS = 20
-"""Largest number of steps, each with its own weights, of the search for outliers."""
 RAISE = 1.1
 """Factor by which the friction is raised while points have no steady state at the start values."""
 PARTNER = 0.9
@@ -181,7 +179,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
 
 
 def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, before: Sequence[Found]) -> Fit:
-    model, kept = search.model, search.weights[: len(search.model.values)] > 0.0
+    model, kept = search.model, search.kept[: len(search.model.values)]
     sums, used = zip(*(_sum_of_squares(model, states, kept) for states in (before, search.states)), strict=True)
     total, everything = _sum_of_squares(model, search.states, kept | True)
     return Fit(
@@ -189,7 +187,7 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
         spread=spread,
         chi_squared=sums,
         used=used,
-        freedom=used[1] + len(search.weights) - len(kept) - len(spread.halves),
+        freedom=used[1] + len(search.kept) - len(kept) - len(spread.halves),
         before=tuple(before),
         after=tuple(search.states),
         evaluations=search.evaluations,
@@ -236,22 +234,16 @@ def _weak(slopes: Array) -> frozenset[int]:
 
 
 def _leave_out(search: Search, free: Sequence[int]) -> None:
-    """Fits with a robust loss, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of
+    """Fits with the robust loss `soft_l1`, and leaves out, worst first, values whose residual exceeds the scatter of all others with the confidence of
     the intervals: a t-test of the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row,
     or of a sample, go together, because a faulty cell may be one of the conditions."""
-    for _ in range(MOST_WEIGHTS):
-        # With these factors squares have the slope of the loss `soft_l1`, 2 (√(1 + r²) − 1).
-        search.weights = (1.0 + search.residuals**2) ** -0.25
-        if search.expects_little(free):
-            break
-        search.descend(free, 1)
-    search.weights = np.ones(len(search.residuals))
-    kept = search.weights[: len(search.model.values)]
+    search.run(free, robust=True)
+    kept = search.kept[: len(search.model.values)]
     values, size = search.model.values, np.abs(search.residuals)
     rows = [(value.point, value.measured.time) for value in values]
     carried = np.array([search.states[value.point].reason is None for value in values])
     while True:
-        tested = np.flatnonzero((kept > 0.0) & carried)
+        tested = np.flatnonzero(kept & carried)
         freedom = len(tested) - len(search.parameters) - 1
         if freedom < 1:
             return
@@ -259,7 +251,7 @@ def _leave_out(search: Search, free: Sequence[int]) -> None:
         scatter = max(float(np.sum(size[tested] ** 2) - size[worst] ** 2) / freedom, 1.0) ** 0.5
         if size[worst] <= student.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / len(tested), freedom) * scatter:
             return
-        kept *= [row != rows[worst] for row in rows]
+        kept &= [row != rows[worst] for row in rows]
 
 
 def _spread(search: Search, inner: Sequence[int]) -> Spread:
@@ -268,7 +260,7 @@ def _spread(search: Search, inner: Sequence[int]) -> Spread:
     if not inner:
         return Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
     values = search.model.values
-    used = search.weights > 0.0
+    used = search.kept.copy()
     used[: len(values)] &= [search.states[value.point].reason is None for value in values]
     freedom = int(used.sum()) - len(inner)
     if freedom < 1:

@@ -42,9 +42,9 @@ class Value:
     """Index of the point."""
     measured: Measured
 
-    def of(self, states: Sequence[Found]) -> float | None:
-        """The model's value; None without a steady state."""
-        return states[self.point].values.get(self.measured.key or self.measured.quantity)
+    def of(self, state: Found) -> float | None:
+        """The model's value in the state of its point; None without a steady state."""
+        return state.values.get(self.measured.key or self.measured.quantity)
 
 
 class Model:
@@ -53,15 +53,16 @@ class Model:
     def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
         """`solve` solves jobs: values of variables, and a point."""
         self.points = tuple(points)
-        self.values = tuple(
-            Value(place, measured) for place, point in enumerate(self.points) for measured in point.measured
-        )
+        self.values = tuple(Value(place, one) for place, point in enumerate(self.points) for one in point.measured)
+        self.measured = np.array([value.measured.value for value in self.values])
+        """Measured values."""
+        self.deviations = np.array([value.measured.deviation for value in self.values])
+        """Standard deviations of the measured values."""
         self.solves = 0
         """Number of steady states and recorded shifts solved so far."""
         self._solve_jobs = solve
 
     def _solve(self, jobs: Sequence[Job]) -> list[Found]:
-        """Solves, and starts later searches for a speed ratio from the slip that was found."""
         found = self._solve_jobs(jobs)
         self.solves += sum(one.solves for one in found)
         return found
@@ -84,17 +85,7 @@ class Model:
 
     def column(self, states: Sequence[Found]) -> Array:
         """Model values, one for each measured one; NaN where a point has no steady state."""
-        return np.array([np.nan if (found := v.of(states)) is None else found for v in self.values])
-
-    @property
-    def measured(self) -> Array:
-        """Measured values."""
-        return np.array([value.measured.value for value in self.values])
-
-    @property
-    def deviations(self) -> Array:
-        """Standard deviations of the measured values."""
-        return np.array([value.measured.deviation for value in self.values])
+        return np.array([value.of(states[value.point]) for value in self.values], dtype=float)
 
     def residuals(self, states: Sequence[Found]) -> Array:
         """Model minus measurement in standard deviations; `LOST` at points without a steady state."""
@@ -122,13 +113,13 @@ class Model:
         A steady state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two
         one-sided slopes contradict each other, the smallest of both and their mean is used. A lost point has no slope.
         """
-        steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
+        near, far = zip(*(self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)), strict=True)
         carried = [place for place, found in enumerate(base) if found.reason is None]
         everywhere = [carried] * len(parameters)
-        near = self._differences(parameters, fixed, at, base, [near for near, _ in steps], everywhere)
-        again = everywhere if central else [self._outstanding(near[:, k], carried) for k in range(len(parameters))]
-        far = self._differences(parameters, fixed, at, base, [far for _, far in steps], again)
-        return _agreed(near, far) / self.deviations[:, np.newaxis]
+        one = self._differences(parameters, fixed, at, base, near, everywhere)
+        again = everywhere if central else [self._outstanding(one[:, k], carried) for k in range(len(parameters))]
+        other = self._differences(parameters, fixed, at, base, far, again)
+        return _agreed(one, other) / self.deviations[:, np.newaxis]
 
     @staticmethod
     def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
@@ -151,17 +142,13 @@ class Model:
         for k, (step, some) in enumerate(zip(steps, places, strict=True)):
             if step is not None:
                 values = {**fixed, **assign(parameters, np.where(np.arange(len(at)) == k, at + step, at))}
-                keys += [(place, k) for place in some]
+                keys += [(place, k, step) for place in some]
                 jobs += [(values, self.points[place]) for place in some]
-        solved = dict(zip(keys, self._solve(jobs) if jobs else [], strict=True))
-        middle = self.column(base)
-        found = np.full((len(self.values), len(parameters)), np.nan)
-        for row, value in enumerate(self.values):
-            for k, step in enumerate(steps):
-                state = solved.get((value.point, k))
-                if state is not None and step is not None:
-                    moved = state.values.get(value.measured.key or value.measured.quantity, np.nan)
-                    found[row, k] = (moved - middle[row]) / step
+        middle, found = self.column(base), np.full((len(self.values), len(parameters)), np.nan)
+        for (place, k, step), state in zip(keys, self._solve(jobs) if jobs else [], strict=True):
+            for row in (row for row, value in enumerate(self.values) if value.point == place):
+                moved = self.values[row].of(state)
+                found[row, k] = np.nan if moved is None else (moved - middle[row]) / step
         return found
 
     def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:

@@ -53,7 +53,7 @@ def residuals(
 ) -> list[Residual]:
     """All measured values, in the order of the table."""
     return [
-        Residual(points[one.point], one.measured, one.of(states), states[one.point].reason, own)
+        Residual(points[one.point], one.measured, one.of(states[one.point]), states[one.point].reason, own)
         for one, own in zip(values, kept or [True] * len(values), strict=True)
     ]
 

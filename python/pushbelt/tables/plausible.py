@@ -16,8 +16,8 @@ from ..fmu.capacity import BELT_SPEED, BEYOND
 from ..fmu.data import parameter_set, pitch_radius, torque_capacity
 from . import units
 from .columns import POWER, SHIFTS
-from .faults import Fault, TableError
-from .sheet import MOST, Sheet, Taken
+from .faults import MOST, Fault, TableError
+from .sheet import Sheet, Taken
 
 Array = np.ndarray
 Values = Mapping[str, Array]

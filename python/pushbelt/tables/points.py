@@ -15,9 +15,9 @@ from . import sheet as sheets
 from .columns import (
     COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
 )  # fmt: skip
-from .faults import Fault, TableError, grouped
+from .faults import MOST, Fault, TableError, grouped, of_the_column
 from .names import DEVIATION
-from .sheet import MOST, Reading, Sheet
+from .sheet import Reading, Sheet
 
 Array = np.ndarray
 AGREE = 0.05
@@ -251,9 +251,8 @@ class _Points:
     def _drop(self, name: str, wrong: Mapping[int, str], title: str) -> None:
         """Rows with a wrong value of a computed column: left out, or a fault of the column if most are wrong."""
         faults = [Fault(text, int(self.sheet.lines[row]), title) for row, text in wrong.items()]
-        if len(faults) > MOST * np.isfinite(self.values[name]).sum():
-            more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
-            self.sheet.faults.append(faults[0]._replace(text=faults[0].text + more))
+        if column_has := of_the_column(faults, int(np.isfinite(self.values[name]).sum()) - len(faults)):
+            self.sheet.faults += column_has
         else:
             self.sheet.left_out += faults
             self.lost.update(wrong)

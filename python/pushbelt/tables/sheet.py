@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import files, numerals, units
-from .faults import Fault, TableError
+from .faults import Fault, TableError, of_the_column
 from .files import Cells
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import NumeralError, Percent
@@ -33,8 +33,6 @@ SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 HEADERS = 4
 """Rows below the titles in which units and descriptions are searched."""
-MOST = 0.5
-"""Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
 
 
 @dataclass(frozen=True)
@@ -102,22 +100,22 @@ class Sheet:
 
     path: Path
     source: str
-    decimal: str
-    taken: dict[str, Taken]
+    decimal: str = "unknown"
+    taken: dict[str, Taken] = field(default_factory=dict)
     """Columns by known name."""
-    ignored: list[str]
+    ignored: list[str] = field(default_factory=list)
     """Titles of unknown columns."""
-    remarks: list[str]
-    values: dict[str, Array]
+    remarks: list[str] = field(default_factory=list)
+    values: dict[str, Array] = field(default_factory=dict)
     """SI values by name; NaN where a cell is empty."""
-    texts: dict[str, Array]
+    texts: dict[str, Array] = field(default_factory=dict)
     """Columns of texts by name."""
-    lines: Array
+    lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))
     """Line of each row."""
-    left_out: list[Fault]
+    left_out: list[Fault] = field(default_factory=list)
     """Rows that are not used, and why."""
-    faults: list[Fault]
-    failed: set[str]
+    faults: list[Fault] = field(default_factory=list)
+    failed: set[str] = field(default_factory=set)
     """Known names of columns that have faults and are not in `taken`."""
     errors: dict[str, Array] = field(default_factory=dict)
     """Standard errors of averaged values by name."""
@@ -144,7 +142,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
         cells = files.read(path, names, reading.sheet)
-        return _Reader(path, cells, names, reading, misspelled).sheet()
+        return _Reader(path, cells, names, reading, misspelled).read()
     except TableError:
         raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
@@ -211,63 +209,57 @@ def _shares(one: Taken) -> Taken:
 
 
 class _Reader:
+    """Fills a sheet with the columns of a file."""
+
     def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, misspelled: bool) -> None:
-        self.path, self.cells, self.names, self.reading, self.misspelled = path, cells, names, reading, misspelled
+        self.cells, self.names, self.reading, self.misspelled = cells, names, reading, misspelled
         found = header(cells, names)
         if found is None:
             raise TableError("the table is transposed: its titles are below each other. Exchange rows and columns", path)
-        self.titles, self.units, row, self.first, self.remarks = found
-        self.line = int(cells.frame.index[row])
-        self.faults: list[Fault] = []
-        self.ignored: list[str] = []
-        self.failed: set[str] = set()
-        self.taken: dict[str, Taken] = {}
+        self.titles, self.units, row, first, remarks = found
+        self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
+        self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
         self.clocks: list[Taken] = []
         """Columns of times, if each channel has its own."""
 
-    def sheet(self) -> Sheet:
+    def read(self) -> Sheet:
+        sheet = self.sheet
         self._take()
-        body = self.cells.frame.iloc[self.first :]
-        lines = body.index.to_numpy(dtype=int)
-        self._extra_cells(body)
-        decimal = self._decimal(body)
-        values: dict[str, Array] = {}
-        texts: dict[str, Array] = {}
-        left_out: list[Fault] = []
-        for name, one in self.taken.items():
-            column = body[one.place]
+        self._extra_cells()
+        decimal = self._decimal()
+        sheet.decimal = decimal or "unknown"
+        for name, one in sheet.taken.items():
+            column = self.body[one.place]
             if one.column.dimension == "text":
-                texts[name] = column.astype(str).to_numpy(dtype=object)
+                sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
-                one = self.taken[name] = self._per_cent(one, column, decimal)
-                values[name], bad = self._values(one, column, decimal)
+                one = sheet.taken[name] = self._per_cent(one, column, decimal)
+                sheet.values[name], bad = self._values(one, column, decimal)
                 if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
-                    self.remarks.append(f"column {one.title} has no value")
+                    sheet.remarks.append(f"column {one.title} has no value")
                 else:
-                    left_out += bad
-        if self.clocks and decimal is not None and not texts:
-            values, lines = self._on_one_clock(values, body, decimal)
-        else:
-            keep = ~np.isin(lines, [fault.line for fault in left_out])
-            values, texts = ({name: column[keep] for name, column in some.items()} for some in (values, texts))
-            lines = lines[keep]
-        return Sheet(
-            self.path, self.cells.source, decimal or "unknown", self.taken, self.ignored, self.remarks, values, texts, lines, left_out,
-            self.faults, self.failed,
-        )  # fmt: skip
+                    sheet.left_out += bad
+        if self.clocks and decimal is not None and not sheet.texts:
+            self._on_one_clock(decimal)
+            return sheet
+        keep = ~np.isin(sheet.lines, [fault.line for fault in sheet.left_out])
+        for some in (sheet.values, sheet.texts):
+            some.update({name: column[keep] for name, column in some.items()})
+        sheet.lines = sheet.lines[keep]
+        return sheet
 
-    def _on_one_clock(self, values: Mapping[str, Array], body: pd.DataFrame, decimal: str) -> tuple[dict[str, Array], Array]:
-        """Values and lines with a row for each time of any channel; a channel belongs to the times to the left of it."""
+    def _on_one_clock(self, decimal: str) -> None:
+        """A row for each time of any channel; a channel belongs to the times to the left of it."""
         import pandas as pd
 
-        parts, clock_name = [], self.clocks[0].name
+        sheet, parts, clock_name = self.sheet, [], self.clocks[0].name
         for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
-            own = {name: column for name, column in values.items() if clock.place < self.taken[name].place < end}
-            own[clock_name] = self._values(clock, body[clock.place], decimal)[0]
-            parts.append(pd.DataFrame(own, index=body.index).dropna(subset=[clock_name]))
-        found = pd.concat(parts).reindex(columns=list(values)).sort_values(clock_name, kind="stable")
-        self.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
-        return {name: column.to_numpy() for name, column in found.items()}, found.index.to_numpy(dtype=int)
+            own = {name: column for name, column in sheet.values.items() if clock.place < sheet.taken[name].place < end}
+            own[clock_name] = self._values(clock, self.body[clock.place], decimal)[0]
+            parts.append(pd.DataFrame(own, index=self.body.index).dropna(subset=[clock_name]))
+        found = pd.concat(parts).reindex(columns=list(sheet.values)).sort_values(clock_name, kind="stable")
+        sheet.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
+        sheet.values, sheet.lines = {name: column.to_numpy() for name, column in found.items()}, found.index.to_numpy(dtype=int)
 
     # Titles
 
@@ -288,15 +280,15 @@ class _Reader:
                 known = [key(spelled) for spelled in (name, *best[0].column.aliases)]
                 ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in best]
                 best = [one for one, rank in zip(best, ranks, strict=True) if rank == min(ranks)]
-            self.ignored += [one.title for one in found if one not in best]
+            self.sheet.ignored += [one.title for one in found if one not in best]
             if self.names.bare(best[0].title) and best[0].place not in renamed:
-                self.remarks.append(f"{best[0].title} is taken as {name}")
+                self.sheet.remarks.append(f"{best[0].title} is taken as {name}")
             if len(best) > 1 and self._have_channels(best):
                 self.clocks = best
             elif len(best) > 1:
                 text = f"it appears {len(best)} times: {' and '.join(one.title for one in best)}"
-                self.faults.append(Fault(text, self.line, name))
-            self.taken[name] = best[0]
+                self.sheet.faults.append(Fault(text, self.line, name))
+            self.sheet.taken[name] = best[0]
 
     def _have_channels(self, clocks: Sequence[Taken]) -> bool:
         """Whether these are equal titles of times, each with other columns to the right of it."""
@@ -318,14 +310,14 @@ class _Reader:
             else:
                 one, other = pair
                 text = f"there is no column {one} in the file" if any(known) else f"neither {one} nor {other} is a known name"
-                self.faults.append(Fault(f"--map {one}={other}: {text}"))
+                self.sheet.faults.append(Fault(f"--map {one}={other}: {text}"))
         return found
 
     def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
         """What a column is, by its title or as the user wants it; None if it is not used."""
         said = self.names.inverse(title) if wanted is None else None
         if said:
-            self.remarks.append(f"{title} is taken as {said}")
+            self.sheet.remarks.append(f"{title} is taken as {said}")
         sign, name = turned(said or wanted or "")
         candidates = self.names.split(name or title)
         if not candidates or (title.startswith("#") and not name):
@@ -344,14 +336,14 @@ class _Reader:
         full = key(name) == key(next(iter(splits(title)))[0])
         if written and units.dimensions(written) and wanted is None and not said and not full:
             # A short name may mean something else: T_P in °C is a temperature.
-            self.remarks.append(f"column {title}: {written} is not a unit of {name}")
-            self.ignored.append(title)
+            self.sheet.remarks.append(f"column {title}: {written} is not a unit of {name}")
+            self.sheet.ignored.append(title)
             return None
-        self.failed.add(name)
+        self.sheet.failed.add(name)
         usual = units.usual(dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
         text = f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit
-        self.faults.append(Fault(text, self.line, title))
+        self.sheet.faults.append(Fault(text, self.line, title))
         return None
 
     def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
@@ -371,36 +363,36 @@ class _Reader:
             return
         near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if near is None:
-            self.ignored.append(title)
+            self.sheet.ignored.append(title)
             return
-        self.failed.add(near)
+        self.sheet.failed.add(near)
         text = f'there is no such column; {near} is meant? --map "{title}"={near} says so'
-        self.faults.append(Fault(text, self.line, title))
+        self.sheet.faults.append(Fault(text, self.line, title))
 
     # Numbers
 
-    def _extra_cells(self, body: pd.DataFrame) -> None:
+    def _extra_cells(self) -> None:
         """Cells beyond the last title."""
         titles = 1 + max((k for k, title in enumerate(self.titles) if title), default=-1)
-        filled = (body.iloc[:, titles:] != "").to_numpy()
+        filled = (self.body.iloc[:, titles:] != "").to_numpy()
         for row in np.flatnonzero(filled.any(axis=1)):
             count = titles + 1 + np.flatnonzero(filled[row])[-1]
-            self.faults.append(Fault(f"{count} cells, but the header has {titles}", int(body.index[row])))
+            self.sheet.faults.append(Fault(f"{count} cells, but the header has {titles}", int(self.body.index[row])))
 
-    def _decimal(self, body: pd.DataFrame) -> str | None:
+    def _decimal(self) -> str | None:
         """The decimal sign of the file, from its first rows if they settle it."""
         if self.reading.decimal is not None:
             return self.reading.decimal
-        places = [one.place for one in self.taken.values() if one.column.dimension not in ("text", "time")]
+        places = [one.place for one in self.sheet.taken.values() if one.column.dimension not in ("text", "time")]
 
         def texts(rows: pd.DataFrame) -> Iterator[str]:
             return (cell for place in places for cell in rows[place].unique() if isinstance(cell, str))
 
         try:
-            first = numerals.settle(texts(body.iloc[:SAMPLE]), certainly=True)
-            return first or numerals.settle(texts(body), self.cells.separator)
+            first = numerals.settle(texts(self.body.iloc[:SAMPLE]), certainly=True)
+            return first or numerals.settle(texts(self.body), self.cells.separator)
         except NumeralError as error:
-            self.faults.append(Fault(str(error)))
+            self.sheet.faults.append(Fault(str(error)))
             return None
 
     def _per_cent(self, one: Taken, column: pd.Series, decimal: str) -> Taken:
@@ -412,7 +404,7 @@ class _Reader:
         typical, low, high = SHARES[one.name]
         if found.size < SEVERAL or not low < float(typical(found)) <= high:
             return one
-        self.remarks.append(f"{one.title} has values that are no shares and is read as %")
+        self.sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
         return _shares(one)
 
     def _values(self, one: Taken, column: pd.Series, decimal: str) -> tuple[Array, list[Fault]]:
@@ -430,19 +422,15 @@ class _Reader:
         faults: dict[str, list[Fault]] = {"value": [], "word": [], "range": []}
         for row in np.flatnonzero(~inside & ~empty):
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
-            own = self.faults if kind == "sign" else faults[kind]
+            own = self.sheet.faults if kind == "sign" else faults[kind]
             own.append(Fault(text, int(column.index[row]), one.title))
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
-        self._of_the_column(faults["range"], int(inside.sum()), self._other_unit(one, numbers[outside]))
-        self._of_the_column(faults["word"], int(inside.sum()))
-        return np.where(inside, values, np.nan), sorted((f for some in faults.values() for f in some), key=lambda fault: fault.line or 0)
-
-    def _of_the_column(self, faults: list[Fault], good: int, hint: str = "") -> None:
-        """Makes faults of most values one of the column."""
-        if faults and len(faults) >= MOST * (len(faults) + good):
-            more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
-            self.faults.append(faults[0]._replace(text=faults[0].text + more + hint))
-            faults.clear()
+        for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
+            if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
+                self.sheet.faults += column_has
+                faults[kind].clear()
+        bad = sorted((fault for some in faults.values() for fault in some), key=lambda fault: fault.line or 0)
+        return np.where(inside, values, np.nan), bad
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:

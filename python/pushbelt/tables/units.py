@@ -11,8 +11,6 @@ from decimal import Decimal
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from lxml import etree
-
 from ..fmu.files import DATA, NAME, TREE
 from ..fmu.start_values import DESCRIPTION
 
@@ -131,6 +129,9 @@ PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2
 @cache
 def spellings() -> Mapping[str, Mapping[str, Unit]]:
     """Units by dimension and spelling."""
+    # Imported here, so that the help of programs is fast.
+    from lxml import etree
+
     if (TREE / DESCRIPTION).is_file():
         description = (TREE / DESCRIPTION).read_bytes()
     else:
