@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from pushbelt.drive import report, simulate
-from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.unit import Archive
 
 LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))

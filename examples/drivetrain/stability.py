@@ -13,11 +13,11 @@ from scipy.linalg import expm
 
 import pushbelt
 from pushbelt.drive import simulate
-from pushbelt.drive.vehicle import Powertrain, demo_car
 from pushbelt.drive.control import Friction, Measured, RatioControl, SlipControl
-from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.transmission import PressureCircuit, PressureControl
+from pushbelt.drive.vehicle import Powertrain, demo_car
 from pushbelt.fmu.data import torque_capacity
 
 POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))

@@ -6,6 +6,9 @@ import math
 
 import numpy as np
 import pytest
+
+from pushbelt.fmu import data
+from pushbelt.fmu.results import BeltState, Profile
 from pushbelt_validation.outcome import Verdict
 from pushbelt_validation.sections.default_belt import (
     TILT_TOLERANCE,
@@ -15,9 +18,6 @@ from pushbelt_validation.sections.default_belt import (
     spiral_running,
 )
 from pushbelt_validation.tilt import moment_of, tilt_under
-
-from pushbelt.fmu import data
-from pushbelt.fmu.results import BeltState, Profile
 
 BENCH = data.parameter_set("bench168")
 

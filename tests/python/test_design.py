@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-
 import reports
+
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.tables import units

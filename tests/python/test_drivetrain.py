@@ -22,11 +22,11 @@ from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
-from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity

@@ -230,13 +230,3 @@ def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path, name: str) 
     two, three = (masters.with_ecos(path, start, inputs, steps, outputs) for path in (fmu, fmu3))
     assert np.all(np.isfinite(three)) and np.ptp(three[:, 0]) > 0.0
     assert np.array_equal(two, three)
-
-
-def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu3: Path) -> None:
-    pytest.importorskip("fmu_manipulation_toolbox")
-    tool = Path(sys.executable).with_name("fmutool")
-    checked = subprocess.run([tool, "-input", fmu3, "-check"], capture_output=True, text=True, check=True)
-    said = checked.stdout + checked.stderr
-    assert "compliant with FMI-3.0" in said
-    assert "No semantic error" in said
-    assert "ERROR" not in said and "WARNING" not in said, said

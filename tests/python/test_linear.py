@@ -24,8 +24,8 @@ from scipy.linalg import expm
 import pushbelt
 from pushbelt import cli
 from pushbelt.errors import VariatorWarning
-from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.grid import LinearGrid, load_linear
+from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.linearize import points
 from pushbelt.points import SteadyStateError

@@ -13,11 +13,11 @@ from conftest import COARSE, WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
+from pushbelt.errors import ArgumentError
 from pushbelt.linear import interpolation as linear_interpolation
 from pushbelt.linear import physical as linear_physical
-from pushbelt.errors import ArgumentError
-from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.grid import LinearGrid, load_linear
+from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.variator import Variator

@@ -16,10 +16,10 @@ from fmpy.validation import validate_fmu
 from pushbelt import MapVariator, cli
 from pushbelt.demo import simulate as demo
 from pushbelt.drive import simulate
-from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import CYCLES
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit

@@ -156,9 +156,8 @@ def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, pla
 
 def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
     """The rate of a small excess agrees with the gain that the validation measures."""
-    from pushbelt_validation.shift import shift
-
     from pushbelt.fmu.starts import driven_at_speed
+    from pushbelt_validation.shift import shift
 
     states, line = SteadyStates(archive, {**plan.full, **SHAFTS}), Line(12e3, 60.0, 1.2)
     (rate,) = shift_rates(states, line, 0.3, (0.1,))

@@ -97,11 +97,15 @@ def test_start_values_of_a_copy_hold_in_masters_that_pass_none_on(
     assert abs(found[-1][5] - default[-1][5]) > 0.3, "the ratio is another"
 
 
-def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu: Path) -> None:
+@pytest.mark.parametrize(("file", "version"), [("fmu", "2.0"), ("fmu3", "3.0")])
+def test_the_checker_of_the_manipulation_toolbox_finds_nothing(
+    request: pytest.FixtureRequest, file: str, version: str
+) -> None:
     pytest.importorskip("fmu_manipulation_toolbox")
     tool = Path(sys.executable).with_name("fmutool")
-    checked = subprocess.run([tool, "-input", fmu, "-check"], capture_output=True, text=True, check=True)
+    words = [tool, "-input", request.getfixturevalue(file), "-check"]
+    checked = subprocess.run(words, capture_output=True, text=True, check=True)
     said = checked.stdout + checked.stderr
-    assert "compliant with FMI-2.0" in said
+    assert f"compliant with FMI-{version}" in said
     assert "No semantic error" in said
     assert "ERROR" not in said and "WARNING" not in said, said

@@ -21,10 +21,10 @@ import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import reports
 import xarray
 from distributed import Client
 
-import reports
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, chunks

@@ -14,6 +14,11 @@ import browser
 import numpy as np
 import pytest
 import reports
+
+from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.unit import Archive
+from pushbelt.tables import split
+from pushbelt.tables.units import dimensions
 from pushbelt_validation import __main__, measured, report, results, shift
 from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import (
@@ -31,11 +36,6 @@ from pushbelt_validation.outcome import (
 )
 from pushbelt_validation.runs import SECTIONS, Results
 from pushbelt_validation.sections import efficiency, shifting, slip, steps
-
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
-from pushbelt.fmu.unit import Archive
-from pushbelt.tables.units import dimensions
-from pushbelt.tables import split
 
 SOURCE = Source("somebody 2007", "fitted")
 

@@ -21,7 +21,6 @@ from pushbelt.fmu import data, files, unit
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import StartValueError, checked
 
-
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.drive import simulate
-from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.maps.data import Maps

@@ -14,11 +14,11 @@ from pushbelt.report import page
 from pushbelt.report.belt_view import belt_view
 
 from . import figures
-from .vehicle import demo_car
 from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, OF_STEPS, STEP, Run
 from .thrust_map import FORCE
+from .vehicle import demo_car
 
 CSV_STEP = 0.1
 """Time between the rows of the results, s."""

@@ -12,11 +12,11 @@ from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import tick
 
 from . import simulate
-from .vehicle import demo_car
 from .cycle import CYCLES
 from .measure import measure
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
+from .vehicle import demo_car
 
 LOW_FRICTION = 0.7
 """Friction in the runs with low friction, relative to the coefficient that the controllers assume."""

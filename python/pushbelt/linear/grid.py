@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import interpolation
 from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
+from . import interpolation
 from .model import Array, LinearModel, units_of_states
 
 if TYPE_CHECKING:

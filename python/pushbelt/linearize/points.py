@@ -11,8 +11,8 @@ import numpy as np
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import SAFETY_RANGE
-from pushbelt.linear.model import LinearModel
 from pushbelt.linear.grid import LinearGrid
+from pushbelt.linear.model import LinearModel
 from pushbelt.variator import Variator
 
 AXES = {

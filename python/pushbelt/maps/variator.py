@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from . import unit as map_unit
 from ..errors import ArgumentError
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
+from . import unit as map_unit
 from .data import MapError, Maps
 from .plan import stops
 
