@@ -54,7 +54,7 @@ use crate::scalar::{Real, smooth_plus, soft_plus_energy};
 use nalgebra::SVector;
 
 /// Parameters of the push elements.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PushElements {
     /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
     pub pitch_offset: f64,

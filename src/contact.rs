@@ -27,7 +27,7 @@
 use crate::scalar::{Real, soft_plus_energy_at};
 
 /// Parameters of the contact between element flank and sheave.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contact {
     /// Stiffness k_c per flank and pitch-line length, N/m².
     pub stiffness: f64,
@@ -38,7 +38,7 @@ pub struct Contact {
 }
 
 /// Friction coefficients and their regularisation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Friction {
     /// Coefficient μ between element flank and sheave.
     pub pulley: f64,

@@ -14,13 +14,13 @@
 #![forbid(unsafe_code)]
 
 /// ω₀, rad/s: 20 rpm.
-const FADING_SPEED: f64 = 2.0;
+pub const FADING_SPEED: f64 = 2.0;
 
 /// Smoothing width of R at zero load, N.
 const RESULTANT_SMOOTHING: f64 = 1.0;
 
 /// Parameters of the drag of a shaft.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShaftDrag {
     /// Torque T₀ that depends neither on speed nor on load, N·m.
     pub constant: f64,
@@ -44,14 +44,6 @@ pub struct Drag {
 }
 
 impl ShaftDrag {
-    /// No drag.
-    pub const NONE: Self = Self {
-        constant: 0.0,
-        viscous: 0.0,
-        bearing_friction: 0.0,
-        bearing_radius: 0.0,
-    };
-
     /// The drag at the angular speed `omega`, rad/s, under contact forces whose resultant is `[x, y]`, N.
     #[must_use]
     pub fn at(&self, omega: f64, [x, y]: [f64; 2]) -> Drag {
@@ -93,7 +85,7 @@ mod tests {
         // At a standstill and far beyond any speed.
         assert_eq!(DRAG.at(0.0, [0.0; 2]).torque, 0.0);
         assert!((DRAG.at(1.0e4, [0.0; 2]).torque - 5.15).abs() < 1e-12);
-        assert_eq!(ShaftDrag::NONE.at(209.44, [3.0e3, -4.0e3]).torque, 0.0);
+        assert_eq!(ShaftDrag::default().at(209.44, [3.0e3, -4.0e3]).torque, 0.0);
     }
 
     #[test]

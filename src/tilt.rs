@@ -28,7 +28,7 @@ const ROUNDING: f64 = 0.02;
 const BEARING: f64 = 0.05;
 
 /// Parameters of the tilt of one sheave.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tilt {
     /// Stiffness k beyond the clearance, N·m/rad; from [`RIGID_TILT_STIFFNESS`] on the sheave is rigid.
     pub stiffness: f64,

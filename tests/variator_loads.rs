@@ -30,12 +30,12 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
 
 #[test]
 fn jacobians_of_ale() {
-    jacobians(RingModel::Ale, [6, 270, 41, 11, 82, 14, 784, 46, 337, 472]);
+    jacobians(RingModel::Ale, [7, 334, 32, 16, 90, 16, 935, 40, 392, 623]);
 }
 
 #[test]
 fn jacobians_of_ale0() {
-    jacobians(RingModel::Ale0, [7, 229, 42, 15, 49, 11, 505, 48, 253, 342]);
+    jacobians(RingModel::Ale0, [8, 235, 31, 17, 58, 13, 780, 37, 292, 478]);
 }
 
 /// The coarse variator with a ramp of the inputs.

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from pushbelt.drive import report, simulate
-from pushbelt.drive.car import demo_car
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap

@@ -8,12 +8,13 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import Drive
 from pushbelt.fmu.unit import Archive, Instance
 
-STEP = 1e-2
+STEP, LAUNCH_STEP = 1e-2, 1e-3
+"""Communication steps, s."""
 VELOCITIES = (5e-4, 2.5e-4, 5e-5)
 """Friction velocities, m/s; the first is the default."""
 RATIO = 2.2
-LAUNCH_TORQUE, LAUNCH_TIME, LAUNCH_READ = 80.0, 0.5, 0.6
-"""Primary torque, N·m, its rise time, s, and the time at which the slip is read, s."""
+LAUNCHES = {"heavy": (100.0, 80.0, 0.5, 1.5), "light": (0.5, 50.0, 0.05, 1.0)}
+"""Launches: inertia of the secondary shaft, kg·m², primary torque, N·m, its rise time, s, duration, s."""
 
 
 @contextmanager
@@ -25,18 +26,20 @@ def at_rest(archive: Archive, velocity: float, start: dict[str, float]) -> Itera
         yield unit
 
 
-def launch_slip(archive: Archive, velocity: float) -> float:
-    """Slip shortly after a rise of the torque, with 100 kg·m² on the secondary shaft."""
-    start = {"secondary.inertia": 100.0, "primary.torque": 0.0, "secondary.torque": 0.0}
+def launch_loss(archive: Archive, velocity: float, inertia: float, torque: float, rise: float, duration: float) -> float:
+    """Energy lost in a launch, J."""
+    start = {"secondary.inertia": inertia, "primary.torque": 0.0, "secondary.torque": 0.0}
     start |= {"primary.clampingForce": 20e3, "secondary.clampingForce": 20e3}
+    lost = 0.0
     with at_rest(archive, velocity, start) as unit:
-        torque = unit.reals(["primary.torque"])
-        rate = LAUNCH_TORQUE / LAUNCH_TIME
-        for k in range(round(LAUNCH_READ / STEP)):
-            rising = k * STEP < LAUNCH_TIME - 0.5 * STEP
-            unit.set_ramps(torque, [min(rate * k * STEP, LAUNCH_TORQUE)], [rate if rising else 0.0])
-            unit.step_to((k + 1) * STEP)
-        return unit.get("slip")
+        references = unit.reals(["primary.torque"])
+        for k in range(round(duration / LAUNCH_STEP)):
+            time = k * LAUNCH_STEP
+            rate = torque / rise if time < rise - 0.5 * LAUNCH_STEP else 0.0
+            unit.set_ramps(references, [min(torque / rise * time, torque)], [rate])
+            unit.step_to(time + LAUNCH_STEP)
+            lost += unit.get("loss.total") * LAUNCH_STEP
+    return lost
 
 
 def crept_ratio(archive: Archive, velocity: float) -> float:
@@ -54,10 +57,9 @@ def main() -> None:
     """Prints one line per friction velocity."""
     with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         for velocity in VELOCITIES:
-            slip, ratio = launch_slip(archive, velocity), crept_ratio(archive, velocity)
-            print(
-                f"{velocity:g} m/s: slip in a launch {100 * slip:.1f} %; ratio at rest {RATIO}, {ratio:.3f} after 60 s"
-            )
+            losses = [f"{name} launch {launch_loss(archive, velocity, *launch):.1f} J" for name, launch in LAUNCHES.items()]
+            ratio = crept_ratio(archive, velocity)
+            print(f"{velocity:g} m/s: lost in a {', in a '.join(losses)}; ratio at rest {RATIO}, {ratio:.3f} after 60 s")
 
 
 if __name__ == "__main__":

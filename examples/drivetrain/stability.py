@@ -13,9 +13,9 @@ from scipy.linalg import expm
 
 import pushbelt
 from pushbelt.drive import simulate
-from pushbelt.drive.car import Powertrain, demo_car
-from pushbelt.drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
-from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.vehicle import Powertrain, demo_car
+from pushbelt.drive.control import Friction, Measured, RatioControl, SlipControl
+from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.data import torque_capacity

@@ -212,6 +212,7 @@ fn identity(workspace: &Workspace) -> anyhow::Result<String> {
         "Cargo.lock",
         "Cargo.toml",
         "crates",
+        "library",
         "src",
         "python/portable-requirements.txt",
         "fmu-build/exports.def",

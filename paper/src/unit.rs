@@ -4,6 +4,7 @@ use crate::belts::{Rotated, Travels, variant};
 use crate::centred::Centred;
 use crate::ring::ancf::AncfElement;
 use crate::ring::rcm::RcmElement;
+use pushbelt::fmi::setting;
 use pushbelt::fmi::table::{Access, Enumeration, Item, Retired};
 use pushbelt::fmi::unit::Identity;
 use pushbelt::unit::{CONTACT_STRAIN, FILM_FORCE, Rings, Rows, Settings, StandardRings, UnitWith};
@@ -90,9 +91,9 @@ impl Rings for PaperRings {
 
     fn add_variables(rows: &mut Rows<Self>) {
         let model = Access::Setting {
-            get: |settings: &Settings<Self>| settings.rings.model,
+            get: |settings: &Settings<Self>| settings.own.model,
             set: |settings: &mut Settings<Self>, number| {
-                settings.rings.model = number;
+                settings.own.model = number;
                 settings.parameters.ring_model = if [RingModel::Ale0 as i32, CENTRED].contains(&number) {
                     RingModel::Ale0
                 } else {
@@ -101,34 +102,23 @@ impl Rings for PaperRings {
             },
         };
         rows.choice("ring.model", 1001, &RING_MODEL, "Model of the ring", model);
-        let directions = Access::Setting {
-            get: |settings: &Settings<Self>| settings.rings.reference_directions,
-            set: |settings: &mut Settings<Self>, value| settings.rings.reference_directions = value,
-        };
         let text = "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of \
                     along x, y, z; ring.model ALE with mesh.aligned only";
-        rows.switch("ring.referenceDirections", 1048, text, directions);
-        let elements = Access::Setting {
-            get: |settings: &Settings<Self>| settings.rings.elements,
-            set: |settings: &mut Settings<Self>, value| settings.rings.elements = value,
-        };
+        rows.switch(
+            "ring.referenceDirections",
+            1048,
+            text,
+            setting!(own.reference_directions),
+        );
         let text = "Elements of a ring that travels with its mesh (RCM, ANCF), 16 to 400; 0: 32 for RCM, 40 for ANCF. More \
                     of them need a finer mesh of the cells, which carry the ring in between";
-        rows.count("ring.elements", 1045, text, elements);
-        let aligned = Access::Setting {
-            get: |settings: &Settings<Self>| settings.rings.aligned,
-            set: |settings: &mut Settings<Self>, value| settings.rings.aligned = value,
-        };
+        rows.count("ring.elements", 1045, text, setting!(own.elements));
         let text = "Whether element borders follow the arc borders; if not, as many elements are spaced evenly along the belt \
                     and arc borders move through them. ring.model ALE0 and ALE";
-        rows.switch("mesh.aligned", 1075, text, aligned);
-        let forward = Access::Setting {
-            get: |settings: &Settings<Self>| settings.rings.forward,
-            set: |settings: &mut Settings<Self>, value| settings.rings.forward = value,
-        };
+        rows.switch("mesh.aligned", 1075, text, setting!(own.aligned));
         let text = "Whether ALE0 and ALE have derivatives by forward differentiation, as RCM, ANCF and ring.referenceDirections \
                     have them, instead of derivatives by hand; mesh.aligned only";
-        rows.switch("solver.forward", 1999, text, forward);
+        rows.switch("solver.forward", 1999, text, setting!(own.forward));
     }
 
     fn check(&self) -> Result<(), ParameterError> {

@@ -3,7 +3,7 @@
 - `variator`: a variator over time (`input_table`, `recording`) and its steady states (`points`); `linear`: linear models;
   `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results. `rig`, `tables`: tables of rigs and of programs.
-- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports.
+- `report`: common parts of the reports.
 - `cli`: the command `pushbelt` and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """
 
@@ -12,57 +12,30 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from ._version import __version__
+from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from .errors import (
-        ArgumentError,
-        MissingFileError,
-        MissingPackageError,
-        PushbeltError,
-        UnknownNameError,
-        VariatorWarning,
+        ArgumentError as ArgumentError,
+        MissingFileError as MissingFileError,
+        MissingPackageError as MissingPackageError,
+        PushbeltError as PushbeltError,
+        UnknownNameError as UnknownNameError,
+        VariatorWarning as VariatorWarning,
     )
-    from .fmu.data import parameter_set
-    from .fmu.files import default_fmu
-    from .fmu.start_values import StartValueError
-    from .fmu.unit import UnitError
-    from .fmu.untrusted import InputFileError
-    from .linear.model import LinearModel, LinearPointError
-    from .linear.grid import LinearGrid, load_linear
-    from .linear.physical import NotPhysicalError
-    from .maps.data import MapError, Maps
-    from .maps.variator import MapVariator
-    from .points import SteadyStateError
-    from .recording import Record
-    from .variator import Snapshot, Variator
-
-__all__ = [
-    "ArgumentError",
-    "InputFileError",
-    "LinearGrid",
-    "LinearModel",
-    "LinearPointError",
-    "MapError",
-    "MapVariator",
-    "Maps",
-    "MissingFileError",
-    "MissingPackageError",
-    "NotPhysicalError",
-    "PushbeltError",
-    "Record",
-    "Snapshot",
-    "StartValueError",
-    "SteadyStateError",
-    "UnitError",
-    "UnknownNameError",
-    "Variator",
-    "VariatorWarning",
-    "__version__",
-    "default_fmu",
-    "load_linear",
-    "parameter_set",
-]
+    from .fmu.data import parameter_set as parameter_set
+    from .fmu.files import default_fmu as default_fmu
+    from .fmu.start_values import StartValueError as StartValueError
+    from .fmu.unit import UnitError as UnitError
+    from .fmu.untrusted import InputFileError as InputFileError
+    from .linear.grid import LinearGrid as LinearGrid, load_linear as load_linear
+    from .linear.model import LinearModel as LinearModel, LinearPointError as LinearPointError
+    from .linear.physical import NotPhysicalError as NotPhysicalError
+    from .maps.data import MapError as MapError, Maps as Maps
+    from .maps.variator import MapVariator as MapVariator
+    from .points import SteadyStateError as SteadyStateError
+    from .recording import Record as Record
+    from .variator import Snapshot as Snapshot, Variator as Variator
 
 _MODULES = {
     "ArgumentError": "errors",
@@ -90,6 +63,7 @@ _MODULES = {
     "parameter_set": "fmu.data",
 }
 """Names that are imported on first use, so that the processes of the programs start quickly."""
+__all__ = sorted(["__version__", *_MODULES])  # noqa: PLE0605
 
 
 def __getattr__(name: str) -> Any:

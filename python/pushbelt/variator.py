@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from .errors import ArgumentError, warn
 from .fmu import cache, capacity
 from .fmu import unit as calls
-from .fmu.data import parameter_set, torque_capacity
-from .fmu.enumerations import Axial, Drive, RingModel
+from .fmu.data import parameter_set
+from .fmu.enumerations import RingModel
 from .fmu.files import default_fmu
 from .fmu.results import Profile, dataframe
 from .fmu.start_values import SETTABLE, StartValueError, checked
@@ -142,31 +142,19 @@ class Variator(LinearPoints):
         state, a VariatorWarning is issued.
         """
         if self._now is None:
-            self._check_start()
+            values = self._values
+            if values["initial.primarySpeed"] != 0.0 and values["initial.steady"] and (hint := self._wrong_unit()):
+                raise StartValueError(hint)
             self._open.initialise()
             self._read()
         return self._outputs()
 
-    def _check_start(self) -> None:
-        """Refuses loads that look like a wrong unit before the FMU solves the initial state."""
-        values = self._values
-        if values["initial.primarySpeed"] == 0.0:
-            return
-        if values["initial.steady"] and (hint := self._wrong_unit()):
-            raise StartValueError(hint)
-
     def _wrong_unit(self) -> str | None:
         """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
         values = self._values
-        torque, force = values["primary.torque"], values["secondary.clampingForce"]
-        force += values.get("secondary.cylinder.area", 0.0) * values.get("secondary.pressure", 0.0)
-        if values["primary.drive"] != Drive.TORQUE or values["secondary.axial"] != Axial.FORCE or torque == 0.0:
-            return None
-        carried = torque_capacity(values, values["initial.ratio"], force)
-        if abs(torque) <= capacity.BEYOND * carried + capacity.DRAG or not capacity.wrong_unit(torque, force, carried):
-            return None
-        why = capacity.shortfall(values, values["initial.ratio"], torque, force)
-        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N: {why}"
+        why = capacity.slip_of_units(values) if abs(values["primary.torque"]) > capacity.DRAG else None
+        given = f"primary.torque = {values['primary.torque']:g} N.m, secondary.clampingForce = {values['secondary.clampingForce']:g} N"
+        return f"{given}: {why}" if why else None
 
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
         """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
@@ -296,9 +284,7 @@ class Variator(LinearPoints):
     def _follow(self, ramp: Ramp, origin: float) -> None:
         """A step in which the inputs change linearly."""
         inputs = [name for name in ramp.begin if self._declared[name].causality == "input"]
-        tunable = {
-            name: 0.5 * (value + ramp.end[name]) for name, value in ramp.begin.items() if name not in inputs
-        }
+        tunable = {name: 0.5 * (value + ramp.end[name]) for name, value in ramp.begin.items() if name not in inputs}
         if tunable:
             self.set(tunable)
         rates = [(ramp.end[name] - ramp.begin[name]) / ramp.duration for name in inputs]

@@ -13,7 +13,7 @@
 use crate::scalar::Real;
 
 /// Parameters of the joints.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Joints {
     /// Radius r_j of the friction, m: coefficient times radius of a sliding joint, rolling friction arm of a rocker joint.
     pub radius: f64,

@@ -29,7 +29,7 @@ const EVEN: f64 = 0.5;
 const FADING_SPEED: f64 = 0.1;
 
 /// Parameters of the layers of the ring sets: of the friction between them, and of their stress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Number n of layers.
     pub count: i32,

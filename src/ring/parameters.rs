@@ -1,7 +1,7 @@
 //! Parameters of the ring.
 
 /// The ring sets, modelled as one beam.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ring {
     /// Mass m_r per length, kg/m.
     pub mass_per_length: f64,

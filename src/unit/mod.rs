@@ -14,8 +14,6 @@ mod table;
 #[forbid(unsafe_code)]
 mod terminals;
 #[forbid(unsafe_code)]
-mod types;
-#[forbid(unsafe_code)]
 mod variator_unit;
 
 pub use rings::{CONTACT_STRAIN, FILM_FORCE, Rings};

@@ -2,11 +2,10 @@
 
 use super::rows::Rows;
 use super::settings::{Settings, StandardRings};
-use super::types::{AXIAL, BELT_KIND, DRIVE, MODE, RING_MODEL, START_STATE};
 use crate::fmi::table::{Access, Enumeration, Retired};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
-use crate::variator::settings::{ParameterError, Parameters, RingModel};
+use crate::variator::settings::{Axial, BeltKind, Drive, Mode, ParameterError, Parameters, RingModel, StartState};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -19,8 +18,14 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     const RING_MODEL: &'static Enumeration;
 
     /// The enumerations of the unit.
-    const ENUMERATIONS: &'static [&'static Enumeration] =
-        &[Self::RING_MODEL, &BELT_KIND, &DRIVE, &AXIAL, &START_STATE, &MODE];
+    const ENUMERATIONS: &'static [&'static Enumeration] = &[
+        Self::RING_MODEL,
+        BeltKind::TYPE,
+        Drive::TYPE,
+        Axial::TYPE,
+        StartState::TYPE,
+        Mode::TYPE,
+    ];
 
     /// Variables of earlier versions that the unit no longer has.
     const RETIRED: &'static [Retired];
@@ -76,7 +81,7 @@ impl Rings for StandardRings {
         tolerance: 1e-4,
         longest_step: 1000.0,
     };
-    const RING_MODEL: &'static Enumeration = &RING_MODEL;
+    const RING_MODEL: &'static Enumeration = RingModel::TYPE;
     const RETIRED: &'static [Retired] = &[
         CONTACT_STRAIN,
         FILM_FORCE,
@@ -89,11 +94,7 @@ impl Rings for StandardRings {
         let access = Access::Setting {
             get: |settings: &Settings| settings.parameters.ring_model as i32,
             set: |settings: &mut Settings, number| {
-                settings.parameters.ring_model = if number == RingModel::Ale0 as i32 {
-                    RingModel::Ale0
-                } else {
-                    RingModel::Ale
-                }
+                settings.parameters.ring_model = RingModel::from_number(number).unwrap_or_default();
             },
         };
         rows.choice(

@@ -1,8 +1,9 @@
 //! The rows of the variable table while it is built.
 
 use super::settings::{Settings, StandardRings};
+use super::table;
 use crate::fmi::table::{Access, Array, Causality, Enumeration, Kind, Range, Variable};
-use crate::variator::settings::{PROFILE_POINTS, Readings, range_of};
+use crate::variator::settings::{InputRows, Outputs, PROFILE_POINTS, ParameterRows, Readings, Row, RowField, RowValue};
 
 use Causality::{Local, Output, Parameter};
 
@@ -13,13 +14,79 @@ pub(super) const PRIMARY: Owner = ("primary", 100);
 pub(super) const SECONDARY: Owner = ("secondary", 200);
 
 /// The rows of the table so far, and the pulley of the next ones.
-pub struct Rows<R = StandardRings> {
-    pub(super) variables: Vec<Variable<Settings<R>, Readings>>,
+pub struct Rows<R = StandardRings, Q = Readings> {
+    /// The variables.
+    pub variables: Vec<Variable<Settings<R>, Q>>,
     pub(super) arrays: Vec<Array>,
     owner: Owner,
 }
 
-impl<R> Rows<R> {
+impl<R: 'static, Q: AsRef<Outputs>> Rows<R, Q> {
+    /// Inputs, outputs, parameters and locals but for profiles and `ring.model`.
+    #[must_use]
+    pub fn shared() -> Self {
+        let mut rows = Self::new();
+        rows.inputs();
+        table::outputs(&mut rows);
+        rows.parameters();
+        table::locals(&mut rows);
+        rows
+    }
+}
+
+impl<R: 'static, Q> Rows<R, Q> {
+    /// All inputs.
+    pub(super) fn inputs(&mut self) {
+        self.settings(PRIMARY, InputRows::PRIMARY);
+        self.settings(SECONDARY, InputRows::SECONDARY);
+        self.of(WHOLE);
+    }
+
+    /// All parameters but for `ring.model`.
+    pub(super) fn parameters(&mut self) {
+        self.settings(WHOLE, ParameterRows::WHOLE);
+        self.settings(PRIMARY, ParameterRows::PRIMARY);
+        self.settings(SECONDARY, ParameterRows::SECONDARY);
+        self.of(WHOLE);
+    }
+
+    fn settings(&mut self, owner: Owner, rows: &[Row<Settings<R>>]) {
+        fn access<S, Q, T>(field: &RowField<S, T>) -> Access<S, Q, T> {
+            Access::Setting {
+                get: field.get,
+                set: field.set,
+            }
+        }
+        self.of(owner);
+        let (_, base) = owner;
+        for row in rows {
+            let kind = match &row.value {
+                RowValue::Real(unit, _, [min, max], field) => Kind::Real {
+                    unit,
+                    display_unit: display_unit(row.name, unit),
+                    range: Range {
+                        min: min.is_finite().then_some(*min),
+                        max: max.is_finite().then_some(*max),
+                        nominal: None,
+                    },
+                    access: access(field),
+                },
+                RowValue::Count(_, [min, max], field) => Kind::Integer {
+                    range: Some((*min, *max)),
+                    access: access(field),
+                },
+                RowValue::Switch(_, field) => Kind::Boolean { access: access(field) },
+                RowValue::Choice(of, _, field) => Kind::Enumeration {
+                    of,
+                    access: access(field),
+                },
+            };
+            self.add(row.name, row.reference - base, row.causality, row.text, kind);
+        }
+    }
+}
+
+impl<R, Q> Rows<R, Q> {
     /// No rows.
     pub(super) fn new() -> Self {
         Self {
@@ -33,17 +100,13 @@ impl<R> Rows<R> {
         self.owner = owner;
     }
 
-    fn range(&self, name: &str) -> Option<(f64, f64)> {
-        range_of(&name.replace("{}", self.owner.0))
-    }
-
     pub(super) fn add(
         &mut self,
         name: &str,
         reference: u32,
         causality: Causality,
         text: &str,
-        kind: Kind<Settings<R>, Readings>,
+        kind: Kind<Settings<R>, Q>,
     ) {
         let (owner, base) = self.owner;
         self.variables.push(Variable {
@@ -55,31 +118,6 @@ impl<R> Rows<R> {
         });
     }
 
-    /// A real parameter or input.
-    pub(super) fn set(
-        &mut self,
-        name: &str,
-        reference: u32,
-        causality: Causality,
-        unit: &'static str,
-        text: &str,
-        access: Access<Settings<R>, Readings, f64>,
-    ) {
-        let (min, max) = self.range(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        let range = Range {
-            min: min.is_finite().then_some(min),
-            max: max.is_finite().then_some(max),
-            nominal: None,
-        };
-        let kind = Kind::Real {
-            unit,
-            display_unit: display_unit(name, unit),
-            range,
-            access,
-        };
-        self.add(name, reference, causality, text, kind);
-    }
-
     /// A real output or local, with its limits and typical size.
     pub(super) fn read(
         &mut self,
@@ -87,7 +125,7 @@ impl<R> Rows<R> {
         reference: u32,
         (causality, unit, range): (Causality, &'static str, Range),
         text: &str,
-        access: Access<Settings<R>, Readings, f64>,
+        access: Access<Settings<R>, Q, f64>,
     ) {
         let kind = Kind::Real {
             unit,
@@ -99,22 +137,17 @@ impl<R> Rows<R> {
     }
 
     /// An integer parameter.
-    pub fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the limits of integers are small whole numbers"
-        )]
-        let range = self.range(name).map(|(min, max)| (min as i32, max as i32));
-        self.add(name, reference, Parameter, text, Kind::Integer { range, access });
+    pub fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Q, i32>) {
+        self.add(name, reference, Parameter, text, Kind::Integer { range: None, access });
     }
 
     /// An output that is a count.
-    pub(super) fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
+    pub(super) fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Q, i32>) {
         self.add(name, reference, Output, text, Kind::Integer { range: None, access });
     }
 
     /// A Boolean parameter.
-    pub fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, bool>) {
+    pub fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Q, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }
 
@@ -125,11 +158,13 @@ impl<R> Rows<R> {
         reference: u32,
         of: &'static Enumeration,
         text: &str,
-        access: Access<Settings<R>, Readings, i32>,
+        access: Access<Settings<R>, Q, i32>,
     ) {
         self.add(name, reference, Parameter, text, Kind::Enumeration { of, access });
     }
+}
 
+impl<R> Rows<R> {
     pub(super) fn profile(
         &mut self,
         name: &str,

@@ -4,10 +4,10 @@ use super::rings::Rings;
 use super::settings::{Settings, StandardRings};
 use super::table;
 use crate::fmi::Table;
-use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::belt_ring::BeltRing;
-use crate::variator::run::{self, Event, StepError, Variator};
+use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = ring_of(&settings.rings, &parameters).map_err(|error| error.to_string())?;
+        let ring = ring_of(&settings.own, &parameters).map_err(|error| error.to_string())?;
         find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -73,8 +73,7 @@ impl<R: Rings> UnitWith<R> {
 impl<R: Rings> Unit for UnitWith<R> {
     type Settings = Settings<R>;
     type Readings = Readings;
-    /// The variator's communication step, once it has begun.
-    type Progress = Option<run::CommunicationStep>;
+    type Step = CommunicationStep;
 
     const INTERPOLATES_INPUTS: bool = true;
     const OUTPUT_DERIVATIVES: bool = true;
@@ -86,7 +85,7 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn check(settings: &Settings<R>) -> Result<(), String> {
         let parameters = &settings.parameters;
-        let checked = ring_of(&settings.rings, parameters).and_then(|ring| Variator::check(parameters, &*ring));
+        let checked = ring_of(&settings.own, parameters).and_then(|ring| Variator::check(parameters, &*ring));
         let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }
@@ -99,51 +98,49 @@ impl<R: Rings> Unit for UnitWith<R> {
         Ok(unit)
     }
 
-    fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings<R>) -> Result<(), StepFailure> {
-        let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
-        let begun = run::CommunicationStep::begin(&mut self.variator, step.to, &settings.inputs, &rates);
-        step.progress = Some(begun.map_err(failure)?);
+    fn begin(
+        &mut self,
+        to: f64,
+        settings: &Settings<R>,
+        rates: Option<&Settings<R>>,
+    ) -> Result<CommunicationStep, StepFailure> {
+        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
+        let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates).map_err(failure)?;
         // After the beginning, so that a step that can't be done goes back to the friction of before.
-        self.tune(settings)
+        self.tune(settings)?;
+        Ok(step)
     }
 
     fn advance(
         &mut self,
-        step: &mut CommunicationStep<Self>,
+        step: &mut CommunicationStep,
         settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        let Some(own) = &mut step.progress else {
-            return Ok(());
-        };
-        let given = own.set_inputs(&mut self.variator, &settings.inputs);
-        let advanced = given.and_then(|()| own.advance(&mut self.variator));
+        let given = step.set_inputs(&mut self.variator, &settings.inputs);
+        let advanced = given.and_then(|()| step.advance(&mut self.variator));
         self.move_messages(remarks);
         advanced.map_err(failure)
     }
 
-    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
-        step.progress.as_ref().is_none_or(run::CommunicationStep::is_over)
+    fn is_over(&self, step: &CommunicationStep) -> bool {
+        step.is_over()
     }
 
     fn update_outputs(&mut self) {
         self.variator.update_outputs();
     }
 
-    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
-        step.progress.as_ref()?.event(&self.variator).map(Event::text)
+    fn event(&self, step: &CommunicationStep) -> Option<String> {
+        step.event(&self.variator).map(Event::text)
     }
 
-    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
-        if let Some(own) = &mut step.progress {
-            own.end_at(&mut self.variator, time);
-        }
+    fn end_at(&mut self, step: &mut CommunicationStep, time: f64) {
+        step.end_at(&mut self.variator, time);
     }
 
-    fn finish(&mut self, step: &CommunicationStep<Self>, remarks: &mut Vec<Remark>) {
-        if let Some(own) = &step.progress {
-            own.finish(&mut self.variator);
-        }
+    fn finish(&mut self, step: &CommunicationStep, remarks: &mut Vec<Remark>) {
+        step.finish(&mut self.variator);
         self.move_messages(remarks);
     }
 

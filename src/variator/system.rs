@@ -12,7 +12,6 @@ use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::sample::Sample;
-use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, Loads};
 use crate::variator::pulleys::rows::Pulleys;
@@ -24,16 +23,16 @@ use std::sync::Arc;
 pub struct VariatorSystem {
     /// Constants of the belt.
     pub belt: Arc<Belt>,
-    /// Pulleys: shafts and sheaves.
-    pub pulleys: Pulleys,
     /// Loads and set points at the pulleys.
     pub loads: Loads,
     /// Parameters as set, including the friction coefficients, which can change in a run.
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
-    /// Constants of the cells in force.
-    pub law: CellLaw,
+    /// Factor on the inertias of the pulleys, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
+    pub inertia_factor: f64,
+    /// Loads of the belt on the pulleys in the last residual.
+    pub(crate) of_belt: PerPulley<PulleyLoad>,
     assembly: Box<dyn Assembly>,
     /// Working memory.
     resultants: ResultantSlopes,
@@ -60,15 +59,27 @@ impl VariatorSystem {
 
     fn with_belt(parameters: &Parameters, belt: Belt) -> Self {
         Self {
-            pulleys: Pulleys::new(parameters, &belt),
-            loads: Loads::constant(Boundary::HELD),
+            loads: Loads::Constant(Boundary::HELD),
             parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
-            law: belt.law.clone(),
+            inertia_factor: 1.0,
             assembly: belt.ring.equations(&belt),
+            of_belt: PerPulley::default(),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
         }
+    }
+
+    /// The pulleys: shafts and sheaves.
+    #[must_use]
+    pub fn pulleys(&self) -> Pulleys<'_> {
+        Pulleys::new(&self.parameters, &self.belt, self.inertia_factor)
+    }
+
+    /// Conditions of the pulleys at a time, s.
+    #[must_use]
+    pub fn boundary(&self, time: f64) -> Boundary {
+        self.loads.at(time, &self.parameters)
     }
 
     /// Friction in force.
@@ -88,20 +99,20 @@ impl VariatorSystem {
         }
     }
 
-    /// The residual, into `out`; returns the loads of the belt on the pulleys.
-    pub(crate) fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+    /// The residual, into `out`.
+    fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.law);
+        let (belt, law) = (&*self.belt, &self.belt.law);
         let loads = self.assembly.residual(InForce { belt, law, friction }, view, out);
-        self.pulleys.residual(&self.loads.at(time), &loads, view, out);
+        self.pulleys().residual(&self.boundary(time), &loads, view, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
                 out[c.multiplier] += HOLD * sign * view.y[node];
                 out[node] += HOLD * sign * view.y[c.multiplier];
             }
         }
-        loads
+        self.of_belt = loads;
     }
 
     /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
@@ -116,14 +127,14 @@ impl VariatorSystem {
     ) {
         out.clear();
         let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.law);
+        let (belt, law) = (&*self.belt, &self.belt.law);
         self.resultants.clear();
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
             .jacobian(InForce { belt, law, friction }, view, factors, policy, of_belt);
-        let boundary = self.loads.at(time);
-        self.pulleys
+        let boundary = self.boundary(time);
+        self.pulleys()
             .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
@@ -135,7 +146,7 @@ impl VariatorSystem {
 
     /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
-        let (belt, law) = (&*self.belt, &self.law);
+        let (belt, law) = (&*self.belt, &self.belt.law);
         out.resize(belt.mesh.groups.len() * belt.mesh.points, Sample::default());
         let friction = &self.friction();
         self.assembly.sample(InForce { belt, law, friction }, view, out);
@@ -149,9 +160,9 @@ impl VariatorSystem {
 
     /// Sets loads. At `time` they replace those before, and the rates `y_dot` jump with them.
     pub fn change_loads(&mut self, loads: Loads, time: f64, y_dot: &mut [f64]) {
-        let before = self.loads.at(time);
+        let before = self.boundary(time);
         self.loads = loads;
-        self.pulleys.jump(&before, &self.loads.at(time), y_dot);
+        self.pulleys().jump(&before, &self.boundary(time), y_dot);
     }
 
     /// Clears the Jacobian cache: the next Jacobian evaluates all derivatives.
@@ -162,7 +173,7 @@ impl VariatorSystem {
     /// Evaluates the cached derivatives at the points that were read from a tape.
     pub(crate) fn restore_derivatives(&mut self) {
         let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.law);
+        let (belt, law) = (&*self.belt, &self.belt.law);
         self.assembly.restore_derivatives(InForce { belt, law, friction });
     }
 

@@ -16,8 +16,10 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
+from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
+from pushbelt.variator import Variator  # noqa: E402
 from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
@@ -36,44 +38,51 @@ CHEAP = {
 """A coarse ring model without load at the start, for tests of the interface."""
 
 
-@pytest.fixture(scope="session")
-def fmu() -> Path:
-    """The FMU under test: `PUSHBELT_FMU`, or the one in `target`."""
-    path = Path(os.environ.get("PUSHBELT_FMU", ROOT / "target" / "PushbeltVariator.fmu"))
-    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build`, or set PUSHBELT_FMU"
+COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+"""A coarse mesh, for tests of what is made of the FMU's results."""
+WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
+
+
+def _under_test(fixture: str, file: str, option: str) -> Any:
+    """A fixture: the path that an environment variable names, or that of the file in `target`."""
+    variable = f"PUSHBELT_{fixture.upper()}"
+
+    @pytest.fixture(scope="session", name=fixture)
+    def path() -> Path:
+        found = Path(os.environ.get(variable, ROOT / "target" / file))
+        assert found.is_file(), f"{found} is missing: build it by `cargo fmu build{option}`, or set {variable}"
+        return found
+
     return path
 
 
-@pytest.fixture(scope="session")
-def fmu3() -> Path:
-    """The FMU for FMI 3.0: `PUSHBELT_FMU3`, or the one in `target`."""
-    path = Path(os.environ.get("PUSHBELT_FMU3", ROOT / "target" / "PushbeltVariator3.fmu"))
-    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --fmi3`, or set PUSHBELT_FMU3"
-    return path
+fmu = _under_test("fmu", "PushbeltVariator.fmu", "")
+fmu3 = _under_test("fmu3", "PushbeltVariator3.fmu", " --fmi3")
+paper_fmu = _under_test("paper_fmu", "PushbeltPaper.fmu", " --paper")
+map_fmu = _under_test("map_fmu", "PushbeltMap.fmu", " --map")
+map_fmu3 = _under_test("map_fmu3", "PushbeltMap3.fmu", " --map --fmi3")
+
+
+@pytest.fixture
+def belt(fmu: Path) -> Iterator[Variator]:
+    """A variator on a coarse mesh."""
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A cache of the tests of a module."""
+    place = tmp_path_factory.mktemp("cache") / "pushbelt"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cache, "folder", lambda: place)
+        yield place
 
 
 @pytest.fixture(scope="session")
-def paper_fmu() -> Path:
-    """The FMU of the paper's belts: `PUSHBELT_PAPER_FMU`, or the one in `target`."""
-    path = Path(os.environ.get("PUSHBELT_PAPER_FMU", ROOT / "target" / "PushbeltPaper.fmu"))
-    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --paper`, or set PUSHBELT_PAPER_FMU"
-    return path
-
-
-@pytest.fixture(scope="session")
-def map_fmu() -> Path:
-    """The FMU of maps: `PUSHBELT_MAP_FMU`, or the one in `target`."""
-    path = Path(os.environ.get("PUSHBELT_MAP_FMU", ROOT / "target" / "PushbeltMap.fmu"))
-    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --map`, or set PUSHBELT_MAP_FMU"
-    return path
-
-
-@pytest.fixture(scope="session")
-def map_fmu3() -> Path:
-    """The FMU of maps for FMI 3.0: `PUSHBELT_MAP_FMU3`, or the one in `target`."""
-    path = Path(os.environ.get("PUSHBELT_MAP_FMU3", ROOT / "target" / "PushbeltMap3.fmu"))
-    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --map --fmi3`, or set PUSHBELT_MAP_FMU3"
-    return path
+def variables(description: Any) -> dict[str, Any]:
+    """The variables of the model description by name."""
+    return {variable.name: variable for variable in description.modelVariables}
 
 
 @pytest.fixture(scope="session")

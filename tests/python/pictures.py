@@ -1,5 +1,5 @@
-"""Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python tests/python/pictures.py`; `cargo fmu paper`, then the same
-with `--paper`; and `cargo fmu validate`, then the same with `--validation`.
+"""Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python tests/python/pictures.py demo`; the same for paper,
+validate and drive.
 
 It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
 """
@@ -19,10 +19,14 @@ WIDTH, HEIGHT = 1206, 1090
 """Size of the part of the page, px."""
 MARGIN = 50
 """Empty height above the belt that is left out, px."""
-PAPER = {f"figure-{name}": f"paper-figure-{name}.png" for name in ("6-7", "7", "8ab", "8c", "8d", "9")}
-"""Figures of the report on the paper that docs/paper.md shows, and their files."""
-VALIDATION = {"steps-figure": "validation-steps.png"}
-"""The same of docs/validation.md."""
+FIGURES = {
+    "paper": {f"#figure-{name}": f"paper-figure-{name}.png" for name in ("6-7", "7", "8ab", "8c", "8d", "9")},
+    "validate": {"#steps-figure": "validation-steps.png"},
+    "drive": {"#drive + figure": "drive.png"},
+}
+"""Figures of each report that the docs show, by selector, and their files."""
+TITLE = 14
+"""Height by which the title of a first panel stands out of its figure, px."""
 SHOWN = 4.0
 """Time of the manoeuvre in the picture, s."""
 
@@ -51,21 +55,19 @@ def take_figures(report: Path, folder: Path, figures: Mapping[str, str]) -> None
     with opened(report) as page:
         page.run("document.querySelectorAll('figcaption, .tools').forEach((one) => { one.style.display = 'none'; })")
         for name, file in figures.items():
-            box = f"document.querySelector('#{name}').getBoundingClientRect()"
+            box = f"document.querySelector('{name}').getBoundingClientRect()"
             clip = {key: page.run(f"{box}.{key}") for key in ("x", "width", "height")}
-            page.picture(folder / file, clip={**clip, "y": page.run(f"{box}.top + scrollY"), "scale": 1})
+            page.picture(folder / file, clip={**clip, "y": page.run(f"{box}.top + scrollY") - TITLE, "scale": 1})
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Takes the picture and prints its path."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--paper", action="store_true", help="the figures of the report on the paper")
-    parser.add_argument("--validation", action="store_true", help="the steps from the theory to the belt")
+    parser.add_argument("name", choices=["demo", *FIGURES], help="which report")
     parser.add_argument("report", type=Path, nargs="?")
     parser.add_argument("picture", type=Path, nargs="?")
     options = parser.parse_args(arguments)
-    name = "paper" if options.paper else "validate" if options.validation else "demo"
-    figures = {"paper": PAPER, "validate": VALIDATION}.get(name)
+    name, figures = options.name, FIGURES.get(options.name)
     picture = options.picture or (ROOT / "docs" if figures else ROOT / "docs" / "report.png")
     report = options.report or ROOT / "target" / name / "report.html"
     if not report.is_file():

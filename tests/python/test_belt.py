@@ -122,9 +122,7 @@ def test_command_writes_a_set_that_says_where_values_come_from(wide: Path) -> No
     assert entries["geometry.beltLength"] == {"value": 0.7, "origin": "given", "unit": "m"}
 
 
-def test_command_prints_checks_and_marks(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--fmu", str(fmu), "--output", str(tmp_path), *WIDE]
     assert main(options) == 0
     shown = capsys.readouterr().out

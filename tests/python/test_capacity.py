@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from conftest import COARSE, WORDS
 from pushbelt_benchmarks import forces
 
 from pushbelt import cli
@@ -15,9 +16,6 @@ from pushbelt.fmu import unit
 from pushbelt.fmu.start_values import StartValueError
 from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
 from pushbelt.variator import Variator
-
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 
 
 @pytest.fixture(scope="module")

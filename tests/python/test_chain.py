@@ -31,9 +31,7 @@ def test_a_chain_pulls(fmu: Path) -> None:
 
 def test_the_pitch_line_of_a_chain_is_its_centre_line(tmp_path: Path) -> None:
     own = tmp_path / "own.json"
-    own.write_text(
-        '{"parameters": {"belt.kind": {"value": 2}, "belt.pitchOffset": {"value": 1e-3}}}', encoding="utf-8"
-    )
+    own.write_text('{"parameters": {"belt.kind": {"value": 2}, "belt.pitchOffset": {"value": 1e-3}}}', encoding="utf-8")
     values = parameter_set(str(own))
     assert is_chain(values) and values["belt.pitchOffset"] == 0.0
     assert not is_chain(parameter_set("bench168"))

@@ -16,12 +16,12 @@ import pytest
 import reports
 from conftest import ROOT
 
-from pushbelt import belt_view, charts, style
-from pushbelt.charts import Chart, Field, Level, Mark, Panel, Series, Shade
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import Array, theta_of
 from pushbelt.fmu.results import BeltState, Profile
-from pushbelt.page import with_scripts
+from pushbelt.report import belt_view, charts, style
+from pushbelt.report.charts import Chart, Field, Level, Mark, Panel, Series, Shade
+from pushbelt.report.page import with_scripts
 
 BENCH = data.parameter_set("bench168")
 
@@ -188,7 +188,7 @@ TABLE = (
 
 
 def template(name: str) -> str:
-    return (ROOT / "python" / "pushbelt" / name).read_text(encoding="utf-8")
+    return (ROOT / "python" / "pushbelt" / "report" / name).read_text(encoding="utf-8")
 
 
 def test_a_table_is_sorted_by_value(page: browser.Page, tmp_path: Path) -> None:

@@ -22,7 +22,8 @@ INTERRUPTIBLE = pytest.mark.skipif(sys.platform == "win32", reason="Windows send
 POOL = """
 import sys, time
 from pathlib import Path
-from pushbelt import console, side_by_side
+from pushbelt import console
+from pushbelt.report import side_by_side
 
 def work(place):
     Path(place).touch()

@@ -100,7 +100,7 @@ def test_units_hold_the_map_and_no_copy_of_the_laws(ssp: Path, tmp_path: Path) -
     for unit in ("vehicle", "control"):
         with zipfile.ZipFile(units(ssp, tmp_path)[unit]) as archive:
             assert archive.read(f"resources/{MAP_FILE}")
-            for name in ("car", "control", "driver", "transmission", "vehicle"):
+            for name in ("control", "transmission", "vehicle"):
                 source = ROOT / "python" / "pushbelt" / "drive" / f"{name}.py"
                 assert archive.read(f"resources/pushbelt/drive/{name}.py") == source.read_bytes()
 

@@ -6,12 +6,18 @@ import math
 
 import numpy as np
 import pytest
+from pushbelt_validation.outcome import Verdict
+from pushbelt_validation.sections.default_belt import (
+    TILT_TOLERANCE,
+    TOLERANCE,
+    SpiralRunning,
+    _spiral_checks,
+    spiral_running,
+)
+from pushbelt_validation.tilt import moment_of, tilt_under
 
 from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
-from pushbelt.fmu.tilt import moment_of, tilt_under
-from pushbelt_validation.outcome import Verdict
-from pushbelt_validation.sections.default_belt import TILT_TOLERANCE, TOLERANCE, SpiralRunning, _spiral_checks, spiral_running
 
 BENCH = data.parameter_set("bench168")
 

@@ -12,13 +12,14 @@ import pytest
 import reports
 import tables_of_runs
 
-from pushbelt import page, tables
+from pushbelt import tables
 from pushbelt.demo import __main__, events
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.load_cases import NotFoundError, find_load
 from pushbelt.fmu.results import Trace
+from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
 

@@ -19,8 +19,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 TOOL = (ROOT / "fmu-build" / "src" / "commands" / "program.rs").read_text(encoding="utf-8")
 
-sys.path.insert(0, str(ROOT / "python"))
-reference = importlib.import_module("reference")
+sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
+reference = importlib.import_module("book")
 
 
 def modules() -> dict[tuple[str, str], str]:

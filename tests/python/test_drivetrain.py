@@ -20,22 +20,14 @@ from sample_maps import default_maps
 import pushbelt
 from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
-from pushbelt.drive.car import Powertrain, demo_car
-from pushbelt.drive.control import (
-    Friction,
-    Measured,
-    PressureControl,
-    RatioControl,
-    SafetyFactor,
-    SlipControl,
-)
+from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
-from pushbelt.drive.driver import Driver
-from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity
 from pushbelt.fmu.geometry import Array
@@ -211,7 +203,7 @@ def test_driver_follows_a_ramp() -> None:
         errors.append(speed - cycle.at(time))
     assert np.abs(errors).max() < 0.5
     assert abs(errors[-1]) < 0.02
-    assert driver.demand(0.0, 0.0, STEP).waiting
+    assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
 
 
 # Hydraulics
@@ -683,7 +675,7 @@ def test_fast_overdrive_is_held(archive: Archive, table: ThrustMap, monkeypatch:
 
     advance, kept = transmission.TransmissionControl.advance, []
 
-    def stopping(self: transmission.TransmissionControl, *values: object) -> transmission.ClampingSignals:
+    def stopping(self: transmission.TransmissionControl, *values: object) -> dict[str, float]:
         """Holds the forces of 24 s from then on."""
         kept.append(advance(self, *values) if len(kept) * STEP < 24.0 else kept[-1])
         return kept[-1]

@@ -174,10 +174,7 @@ def test_more_clamping_costs_more_and_bending_stays(tmp_path: Path) -> None:
 
 def test_classes_share_all_damage(tmp_path: Path) -> None:
     columns = run()
-    columns |= {
-        "ratio.geometric": np.linspace(0.5, 2.0, 101),
-        "primary.shaftTorque": np.linspace(20.0, -150.0, 101),
-    }
+    columns |= {"ratio.geometric": np.linspace(0.5, 2.0, 101), "primary.shaftTorque": np.linspace(20.0, -150.0, 101)}
     found = computed(tmp_path / "a.csv", columns)
     for kind in ("ratio", "torque", "speed of the ring"):
         shares = [found.share(one.rows) for one in found.classes() if one.kind == kind]
@@ -322,10 +319,7 @@ def test_report_of_a_drive_and_of_a_table(tmp_path: Path) -> None:
     """A folder as drive writes it, and a table without the optional columns."""
     columns = run(amplitude=4.5e8, mean=1e8)
     columns |= {f"{pulley}.radius": np.full(101, 0.05) for pulley in PULLEYS}
-    columns |= {
-        "ratio.geometric": np.linspace(0.5, 2.0, 101),
-        "primary.shaftTorque": np.linspace(20.0, -150.0, 101),
-    }
+    columns |= {"ratio.geometric": np.linspace(0.5, 2.0, 101), "primary.shaftTorque": np.linspace(20.0, -150.0, 101)}
     (tmp_path / "drive").mkdir()
     for name in __main__.DRIVES:
         write(tmp_path / "drive" / name, columns)

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 import reports
 
-from pushbelt import page, provenance
+from pushbelt import provenance
 from pushbelt.calibrate import __main__ as calibrate
-from pushbelt.fmu.data import RESOURCES, parameter_set
 from pushbelt.calibrate import worker
+from pushbelt.fmu.data import RESOURCES, parameter_set
 from pushbelt.tables.points import Measured, Point
 
 SPEED, FORCE = 190.0, 12e3
@@ -137,5 +137,5 @@ def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: 
 def test_every_program_records_its_origin() -> None:
     """Each `main` begins a report's origin with its arguments."""
     for program in ("calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep"):
-        text = (Path(page.__file__).parent / program / "__main__.py").read_text(encoding="utf-8")
+        text = (Path(provenance.__file__).parent / program / "__main__.py").read_text(encoding="utf-8")
         assert f'provenance.begin("{program}", arguments' in text

@@ -17,14 +17,13 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
-from conftest import ROOT
+from conftest import COARSE, ROOT, WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
 import pushbelt
 from pushbelt import cli
 from pushbelt.errors import VariatorWarning
-from pushbelt.fmu import cache
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linearize import __main__ as linearize
@@ -32,18 +31,10 @@ from pushbelt.linearize import points
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
 
 
-@pytest.fixture(autouse=True, scope="module")
-def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """A cache of these tests alone."""
-    place = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cache, "folder", lambda: place / "pushbelt")
-        yield
+pytestmark = pytest.mark.usefixtures("own_cache")
 
 
 @pytest.fixture(scope="module")
@@ -173,9 +164,7 @@ def test_refusals_in_python_name_the_point(belt: Variator) -> None:
 def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     common = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(["primary.clampingForce=20000", *common]) == 1
-    assert re.search(
-        r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err
-    )
+    assert re.search(r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err)
     assert linearize.main(["secondary.torque=-59", *common]) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
 

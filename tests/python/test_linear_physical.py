@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import COARSE, WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -21,8 +22,6 @@ from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, 
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.variator import Variator
 
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
 

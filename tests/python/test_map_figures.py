@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sample_maps
 
-from pushbelt import charts, style
-from pushbelt.maps.panels import Border, levels_of, middle_of, panel
 from pushbelt.maps import figures
+from pushbelt.maps.panels import Border, Quantity, levels_of, middle_of, panel
+from pushbelt.report import charts, style
 from pushbelt.sweep.maps import carried
 
 RATIO, UTILISATION = np.array([0.5, 1.0, 2.0]), np.linspace(-0.9, 0.9, 13)
@@ -24,7 +24,7 @@ def slip() -> np.ndarray:
 
 def drawn(values: np.ndarray, border: Border, levels: np.ndarray) -> dict:
     kinds = {"solved": np.isfinite(values), "no steady state": ~np.isfinite(values)}
-    found = panel("a", ("Slip", "%"), (RATIO, UTILISATION), values, levels, kinds, border)
+    found = panel("a", Quantity("Slip", "slip", unit="%"), (RATIO, UTILISATION), values, levels, kinds, border)
     return charts.panel_data(found)
 
 
@@ -81,7 +81,7 @@ def test_the_border_of_a_study_is_between_the_last_point_that_holds_and_the_next
 def test_maps_end_at_their_own_capacity() -> None:
     maps = sample_maps.default_maps()
     maps.tables["valid"][...] = 1.0
-    quantity = next(one for one in figures.QUANTITIES if one.table == "slip")
+    quantity = next(one for one in figures.QUANTITIES if one.column == "slip")
     assert quantity.heading == "Slip (%)"
     (f, s), panels = (0, 0), figures.contours([("", maps)], quantity).panels
     lines = [one.y for one in panels[0].series if one.name == "capacity"]

@@ -17,14 +17,14 @@ import reports
 import xarray
 from scipy.io import loadmat, whosmat
 
-from pushbelt.maps import lines as map_lines
 from pushbelt.fmu.data import curve_of, pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import theta_of
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
-from pushbelt.maps.data import LOSSES, TABLES, MapError, Maps
 from pushbelt.maps import __main__, files, report
+from pushbelt.maps import lines as map_lines
+from pushbelt.maps.data import LOSSES, TABLES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, stops
 from pushbelt.study import run
 from pushbelt.study.store import Store
@@ -155,8 +155,9 @@ def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, pla
 
 
 def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
-    """The rate of a small excess agrees with the gain that `fmu.shift` measures."""
-    from pushbelt.fmu.shift import shift
+    """The rate of a small excess agrees with the gain that the validation measures."""
+    from pushbelt_validation.shift import shift
+
     from pushbelt.fmu.starts import driven_at_speed
 
     states, line = SteadyStates(archive, {**plan.full, **SHAFTS}), Line(12e3, 60.0, 1.2)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pushbelt import cli
-from pushbelt.demo import manoeuvre
+from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 
 OUTPUTS = (
@@ -41,10 +41,7 @@ def unwired(_time: float) -> dict[str, float]:
     return {}
 
 
-RUNS = {
-    "default experiment": ({}, unwired, 1000),
-    "manoeuvre": (manoeuvre.START_VALUES, manoeuvre_inputs().at, 10_000),
-}
+RUNS = {"default experiment": ({}, unwired, 1000), "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000)}
 
 
 @pytest.fixture(scope="module")
@@ -98,21 +95,6 @@ def test_start_values_of_a_copy_hold_in_masters_that_pass_none_on(
     assert found[-1] == pytest.approx(expected[-1], rel=1e-9)
     default = masters.with_fmpy(fmu, {}, unwired, 20, OUTPUTS)
     assert abs(found[-1][5] - default[-1][5]) > 0.3, "the ratio is another"
-
-
-@pytest.mark.parametrize(("package", "run"), OTHERS)
-def test_a_copy_with_another_ring_runs_in_masters_that_ignore_enumerations(
-    fmu: Path, tmp_path: Path, package: str, run: masters.Run
-) -> None:
-    """libcosim does not set parameters that are enumerations, so a copy is the way to another ring there."""
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} has no wheel for this Python and machine")
-    copy = tmp_path / "ALE0.fmu"
-    assert cli.main(["fmu", str(copy), "--fmu", str(fmu), "--set", "ring.model=ALE0"]) == 0
-    found = run(copy, {}, unwired, 20, OUTPUTS)[-1]
-    assert found == pytest.approx(masters.with_fmpy(fmu, {"ring.model": 1}, unwired, 20, OUTPUTS)[-1], rel=1e-9)
-    default = masters.with_fmpy(fmu, {}, unwired, 20, OUTPUTS)[-1]
-    assert found[0] != pytest.approx(default[0], rel=1e-6), "the thrust ratio is another"
 
 
 def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu: Path) -> None:

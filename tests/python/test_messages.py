@@ -21,9 +21,9 @@ BUILTIN = {
 BROAD = {
     "fmu/unit.py",
     "fmu/untrusted.py",
-    "fmu/steady.py",
+    "study/worker.py",
     "tables/files.py",
-    "side_by_side.py",
+    "report/side_by_side.py",
     "study/cluster.py",
 }
 """Files that convert any exception of a library or a worker to an error or a reason."""

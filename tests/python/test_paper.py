@@ -15,15 +15,15 @@ import numpy as np
 import pandas as pd
 import pytest
 import reports
+from pushbelt_paper import __main__, cases, figures, profiles, report, rings, times
+from pushbelt_paper.results import Window
 
-from pushbelt import charts
-from pushbelt.charts import Chart
 from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt_paper import __main__, cases, figures, profiles, report, rings, times
-from pushbelt_paper.results import Window
+from pushbelt.report import charts
+from pushbelt.report.charts import Chart
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]

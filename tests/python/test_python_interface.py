@@ -7,14 +7,13 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import ROOT
+from conftest import COARSE, ROOT
 from test_wheel import EXTRA_OF, declared, imported  # noqa: F401
 
 import pushbelt
@@ -24,7 +23,6 @@ from pushbelt.drive import runs
 from pushbelt.fmu.results import Trace
 from pushbelt.variator import Variator
 
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 WITHOUT = """
 import sys
 from importlib.machinery import PathFinder
@@ -34,12 +32,6 @@ from pushbelt import cli
 sys.exit(cli.main(sys.argv[1:]))
 """
 """The command in an environment in which packages are not installed."""
-
-
-@pytest.fixture
-def belt(fmu: Path) -> Iterator[Variator]:
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
 
 
 # Completion and descriptions
@@ -226,23 +218,3 @@ def test_the_notebook_runs_on_the_line_that_it_names(declared: dict[str, set[str
     used = {node.names[0].name.partition(".")[0] for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Import)}
     assert used - {"pushbelt"} <= declared[extra]
     assert "thrust_map" not in code or "xarray" in declared[extra]
-
-
-def test_the_pages_travel_in_the_wheel() -> None:
-    packed = (ROOT / "fmu-build" / "src" / "commands" / "wheel.rs").read_text(encoding="utf-8")
-    assert 'copy_tree(&root.join("docs"), &data.join("docs"))' in packed
-    assert '"data/docs/*"' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
-
-
-def test_the_first_program_prints_what_stands_there_whatever_the_order_of_outputs(
-    fmu: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = "introduction.md"
-    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    program, printed = re.search(r"```python\n(import numpy.*?)```\n\nIt prints:\n\n```\n(.*?)```", text, re.DOTALL).groups()
-    program = program.replace("target/PushbeltVariator.fmu", fmu.as_posix())
-    for given in ('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', '["slip", "efficiency", "belt.speed", "ratio.geometric", "thrustRatio"]'):
-        exec(compile(program.replace('["thrustRatio", "belt.speed", "ratio.geometric", "slip"]', given), page, "exec"), {})
-        lines = capsys.readouterr().out.splitlines(keepends=True)
-        # fmpy warns of speed set points that are not wired.
-        assert "".join(line for line in lines if not line.startswith("Warning: ")) == printed

@@ -15,10 +15,10 @@ import reports
 from conftest import ROOT
 from test_charts import BENCH, EVERYTHING, TABLE
 
-from pushbelt import belt_view, charts, page
-from pushbelt.charts import Chart, Mark, Panel, Series
 from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
+from pushbelt.report import belt_view, charts, page
+from pushbelt.report.charts import Chart, Mark, Panel, Series
 
 PROGRAM = browser.find()
 needs_browser = pytest.mark.skipif(
@@ -60,7 +60,7 @@ def written(folder: Path, *, whole: bool = True) -> Path:
         every = replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")])
         facts = '<div class="facts"><div><b>12</b><span>points</span></div></div>'
         more = f"{facts}{TABLE}{charts.html(Chart([every], 'Every kind of figure'))}"
-    style = (ROOT / "python" / "pushbelt" / "style.css").read_text(encoding="utf-8")
+    style = (ROOT / "python" / "pushbelt" / "report" / "style.css").read_text(encoding="utf-8")
     head = f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><style>{style}</style></head>'
     path = folder / "report.html"
     path.write_text(page.with_scripts(f"{head}<body><main>{belt()}{chart}{more}</main></body></html>"), encoding="utf-8")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pushbelt import charts
-from pushbelt.charts import Chart, Panel
+from pushbelt.report import charts
+from pushbelt.report.charts import Chart, Panel
 from pushbelt.calibrate.figures import chart as residuals
 from pushbelt.calibrate.figures import reach
 from pushbelt.calibrate.residuals import Residual

@@ -7,26 +7,19 @@ import multiprocessing
 import os
 import threading
 import tracemalloc
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import COARSE
 
 import pushbelt
 from pushbelt.recording import Record, Recording
 from pushbelt.variator import Snapshot, Variator
 
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 TORQUE, FORCE = "primary.torque", "primary.clampingForce"
-
-
-@pytest.fixture
-def belt(fmu: Path) -> Iterator[Variator]:
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
 
 
 def simulated(fmu: Path, inputs: pd.DataFrame, step: float, **changes: float) -> pd.DataFrame:

@@ -51,11 +51,7 @@ def test_it_follows_the_exact_solution(lag: Path) -> None:
     assert validate_fmu(lag) == []
     constant, start, value = 0.5, 3.0, 1.0
     result = fmpy.simulate_fmu(
-        lag,
-        stop_time=2.0,
-        output_interval=0.01,
-        start_values={"T": constant, "start": start, "u": value},
-        output=["y"],
+        lag, stop_time=2.0, output_interval=0.01, start_values={"T": constant, "start": start, "u": value}, output=["y"]
     )
     exact = value + (start - value) * np.exp(-result["time"] / constant)
     assert len(result) == 201

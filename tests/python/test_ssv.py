@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +18,17 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError
 from pushbelt.fmu.unit import Archive, Instance
 
+sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
+import related_files  # noqa: E402
+
 FOLDER = ROOT / "resources" / "parameters"
-
-
-@pytest.fixture
-def variables(description: Any) -> dict[str, Any]:
-    return {variable.name: variable for variable in description.modelVariables}
 
 
 @pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
-    """Written by `python -m pushbelt.fmu.ssv`; the schema is checked by another program too."""
+    """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
     path = FOLDER / f"{name}.ssv"
-    assert path.read_bytes() == ssv.published(path.with_suffix(".json"), description)
+    assert path.read_bytes() == related_files.published(path.with_suffix(".json"), description)
     assert xmlschema.XMLSchema(str(ssv.SCHEMA)).is_valid(str(path))
     assert ssv.read(path, variables) == parameter_set(name)
 
@@ -45,7 +44,7 @@ def test_another_reader_reads_the_same(description: Any) -> None:
 def test_all_types_are_written_and_read(tmp_path: Path, description: Any, variables: dict[str, Any]) -> None:
     values = {"ring.model": "ALE0", "initial.steady": False, "ring.layers": 7, "primary.torque": -12.5}
     path = tmp_path / "set.ssv"
-    path.write_bytes(ssv.text_of(values, description, "own"))
+    path.write_bytes(related_files.set_of(values, description, "own"))
     assert ssv.read(path, variables) == {**values, "ring.model": 1}
 
 

@@ -21,16 +21,17 @@ import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-import reports
+import xarray
 from distributed import Client
 
+import reports
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, chunks
 from pushbelt.study.store import Store
 from pushbelt.study.worker import Solver
 from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
-from pushbelt.sweep.point import Point, Row, solve, start_values
+from pushbelt.sweep.point import Row, solve, start_values
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, DEFAULT, rpm, spread, variator
 
@@ -39,6 +40,12 @@ COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 PARAMETERS = variator("bench168", changes=COARSE)
 GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utilisation=(0.3, 0.5, 0.7, 1.2))
 """24 points; a utilisation of 1.2 is beyond what the belt carries."""
+
+
+def at(ratio: float, utilisation: float, friction: float, speed: float, force: float) -> dict[str, float]:
+    """A point."""
+    values = {"ratio": ratio, "utilisation": utilisation, "friction": friction, "speed": speed, "force": force}
+    return {axis.column: values[name] for name, axis in AXES.items()}
 
 
 @pytest.fixture(scope="module")
@@ -52,14 +59,10 @@ def study(fmu: Path) -> Study:
 def test_grid_numbers_its_points() -> None:
     grid = Grid(force=(1e4, 2e4), friction=(0.1,), speed=(100.0, 200.0), ratio=(0.5, 1.0), utilisation=(-0.5, 0.5, 1.0))
     points = grid.points()
-    assert len(grid) == len(points) == math.prod(grid.shape) == 24
-    assert [point.index for point in points] == list(range(24))
-    assert len({dataclasses.replace(point, index=0) for point in points}) == 24
+    assert len(grid) == len(points) == len({tuple(point.items()) for point in points}) == math.prod(grid.shape) == 24
     place = np.unravel_index(17, grid.shape)
-    assert [getattr(grid, name)[k] for name, k in zip(AXES, place, strict=True)] == [
-        getattr(points[17], name) for name in AXES
-    ]
-    assert points[1] == Point(1, 0.5, 0.5, 0.1, 100.0, 1e4)
+    assert list(points[17].values()) == [getattr(grid, name)[k] for name, k in zip(AXES, place, strict=True)]
+    assert points[1] == at(0.5, 0.5, 0.1, 100.0, 1e4)
 
 
 @pytest.mark.parametrize(
@@ -81,12 +84,12 @@ def test_axes_are_spread_evenly() -> None:
 
 def test_a_point_sets_its_utilisation() -> None:
     """2 μ r_P F_S/cosβ; r_P of the laboratory variator is 57 mm at ratio 1."""
-    values = start_values(PARAMETERS, Point(0, ratio=1.0, utilisation=-0.5, friction=0.08, speed=150.0, force=1e4))
+    values = start_values(PARAMETERS, at(1.0, -0.5, 0.08, 150.0, 1e4))
     radius = -values["primary.torque"] * math.cos(math.radians(11.0)) / (2.0 * 0.08 * 1e4 * 0.5)
     assert radius == pytest.approx((0.703 - 2.0 * 0.168) / (2.0 * math.pi) - 1e-3)
     assert values["friction.pulley"] == 0.08
     assert values["secondary.speedSetpoint"] == 150.0
-    assert start_values(PARAMETERS, Point(0, 2.0, 1.0, 0.08, 150.0, 1e4))["secondary.speedSetpoint"] == 75.0
+    assert start_values(PARAMETERS, at(2.0, 1.0, 0.08, 150.0, 1e4))["secondary.speedSetpoint"] == 75.0
 
 
 @pytest.mark.parametrize(
@@ -135,19 +138,20 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
 def made_up(study: Study) -> dict[int, Row]:
     """Ideal steady states; the largest utilisation has none."""
     rows = {}
-    for point in study.grid.points():
-        if point.utilisation > 1.0:
-            rows[point.index] = {"reason": "beyond the capacity", "time": 0.5}
+    for number, point in enumerate(study.grid.points()):
+        utilisation = point["utilisation"]
+        if utilisation > 1.0:
+            rows[number] = {"reason": "beyond the capacity", "time": 0.5}
             continue
-        lost = 0.02 + 0.05 * (point.utilisation - 0.6) ** 2
+        lost = 0.02 + 0.05 * (utilisation - 0.6) ** 2
         row = {name: 1.0 for name in table(study, {}).column_names if name != "point"}
         for axis in AXES.values():
             row.pop(axis.column)
         row |= {
             "primary.torque": study.start_values(point)["primary.torque"],
-            "thrustRatio": 1.5 - 0.8 * math.log(point.ratio) + 0.1 * point.utilisation,
+            "thrustRatio": 1.5 - 0.8 * math.log(point["initial.ratio"]) + 0.1 * utilisation,
             "efficiency": 1.0 - lost,
-            "slip": 0.01 * point.utilisation**2,
+            "slip": 0.01 * utilisation**2,
             "primary.power": 1e4,
             "secondary.power": -1e4 * (1.0 - lost),
             "loss.total": 1e4 * lost + 150.0,
@@ -158,7 +162,7 @@ def made_up(study: Study) -> dict[int, Row]:
             "reason": None,
             "time": 0.1,
         }
-        rows[point.index] = row
+        rows[number] = row
     return rows
 
 
@@ -228,15 +232,15 @@ def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
 # Checks and maps
 
 
-def changed(study: Study, index: int, **values: float) -> maps.Results:
+def changed(study: Study, index: int, **values: float) -> xarray.Dataset:
     """The made-up results with a point changed; double underscores stand for dots."""
     rows = made_up(study)
     rows[index] |= {name.replace("__", "."): value for name, value in values.items()}
-    return maps.Results(study.grid, table(study, rows))
+    return maps.gridded(study.grid, table(study, rows))
 
 
 def test_checks_pass_what_is_right(study: Study) -> None:
-    results = maps.Results(study.grid, table(study, made_up(study)))
+    results = maps.gridded(study.grid, table(study, made_up(study)))
     assert [check.statement for check in checks.evaluate(results) if not check.passed] == []
     assert max(abs(spot.share) for spot in checks.spots(results)) < 0.03
 
@@ -253,7 +257,7 @@ def test_checks_pass_what_is_right(study: Study) -> None:
 )
 def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
     """Ratio 1.25, utilisation 0.5, μ 0.09."""
-    index = next(p.index for p in GRID.points() if (p.ratio, p.utilisation, p.friction) == (1.25, 0.5, 0.09))
+    index = GRID.points().index(at(1.25, 0.5, 0.09, 200.0, 12e3))
     failed = [check for check in checks.evaluate(changed(study, index, **values)) if not check.passed]
     assert [check.statement[: len(statement)] for check in failed] == [statement]
     assert "ratio 1.25" in failed[0].found
@@ -262,14 +266,15 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
 def test_checks_find_a_hole(study: Study) -> None:
     rows = made_up(study)
     rows[4] = {"reason": "none found"}
-    results = maps.Results(study.grid, table(study, rows))
+    results = maps.gridded(study.grid, table(study, rows))
     failed = [check for check in checks.evaluate(results) if not check.passed]
     assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
-    assert checks.name_of(results, np.unravel_index(4, GRID.shape)) in failed[0].found
+    point = GRID.points()[4]
+    assert checks.name_of(results, {name: point[axis.column] for name, axis in AXES.items()}) in failed[0].found
 
 
 def test_roughest_spot_comes_first(study: Study) -> None:
-    index = next(p.index for p in GRID.points() if (p.ratio, p.utilisation, p.friction) == (1.0, 0.5, 0.07))
+    index = GRID.points().index(at(1.0, 0.5, 0.07, 200.0, 12e3))
     worst = checks.spots(changed(study, index, thrustRatio=1.2))[0]
     assert (worst.quantity, worst.value) == ("thrustRatio", 1.2)
     assert worst.where.startswith("ratio 1, utilisation 0.5, μ 0.07")
@@ -277,7 +282,7 @@ def test_roughest_spot_comes_first(study: Study) -> None:
 
 def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
-    sheets = maps.sheets(maps.Results(several.grid, table(several, made_up(several))))
+    sheets = maps.sheets(maps.gridded(several.grid, table(several, made_up(several))))
     assert list(sheets) == ["thrust-ratio", "efficiency", "slip"]
     for name, figure in sheets.items():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
@@ -294,7 +299,7 @@ def solved(study: Study, archive: Archive) -> dict[int, Row]:
     """The whole study, solved by one instance, last point first."""
     solver = Solver(archive, {}, solve)
     found = {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
-    assert solver.pool.instances == 1
+    assert solver.instances == 1
     solver.close()
     return found
 
@@ -313,27 +318,28 @@ def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
 
 
 def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
-    for point in (study.grid.points()[k] for k in (2, 13)):
+    for number in (2, 13):
+        point = study.grid.points()[number]
         with Instance(archive, study.start_values(point)) as unit:
             unit.initialise()
             unit.step_to(1e-3)
             outputs = unit.outputs()
-        assert {name: solved[point.index][name] for name in outputs} == outputs
+        assert {name: solved[number][name] for name in outputs} == outputs
         assert torque_of_the_shaft(outputs) == pytest.approx(study.start_values(point)["primary.torque"], rel=1e-4)
         assert -outputs["primary.shaftTorque"] < study.start_values(point)["primary.torque"]
-        assert outputs["torqueUtilisation"] == pytest.approx(point.utilisation, rel=0.02)
-        assert outputs["ratio.geometric"] == pytest.approx(point.ratio, rel=1e-4)
+        assert outputs["torqueUtilisation"] == pytest.approx(point["utilisation"], rel=0.02)
+        assert outputs["ratio.geometric"] == pytest.approx(point["initial.ratio"], rel=1e-4)
 
 
 def test_beyond_capacity_is_a_reason(study: Study, solved: dict[int, Row]) -> None:
     reasons = {number: row["reason"] for number, row in solved.items() if row["reason"]}
-    assert set(reasons) == {point.index for point in study.grid.points() if point.utilisation == 1.2}
+    assert set(reasons) == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
     assert all("beyond the capacity of the clamping forces" in reason for reason in reasons.values())
 
 
 def test_states_make_sense(study: Study, solved: dict[int, Row]) -> None:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
-    results = maps.Results(study.grid, table(study, solved))
+    results = maps.gridded(study.grid, table(study, solved))
     failed = [check.statement for check in checks.evaluate(results) if not check.passed]
     assert [statement for statement in failed if not statement.startswith("Losses of the belt sum")] == []
 

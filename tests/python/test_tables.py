@@ -15,9 +15,8 @@ from pushbelt_validation.outcome import SPELLED, UNSCALED
 
 PACKAGE = Path(pushbelt.__file__).parent
 WRITERS = re.compile(r"csv\.writer\(|DictWriter\(|\.to_csv\(|savetxt\(")
-OTHERS = {"maps/files.py", "fmu/reference.py"}
-"""Modules with a writer of their own: tables for vehicle simulations, with the units in a row below the names or in the names, and files of
-FMI-LS-REF, whose titles are the names of the variables."""
+OTHERS = {"maps/files.py"}
+"""Modules with a writer of their own: tables for vehicle simulations, with the units in a row below the names or in the names."""
 
 
 def test_no_other_module_writes_csv() -> None:

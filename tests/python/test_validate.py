@@ -14,18 +14,28 @@ import browser
 import numpy as np
 import pytest
 import reports
-from markupsafe import escape
+from pushbelt_validation import __main__, measured, report, results, shift
+from pushbelt_validation.bench import Bench, Plan
+from pushbelt_validation.outcome import (
+    PERCENT,
+    Check,
+    Column,
+    Part,
+    Section,
+    Source,
+    Unit,
+    Verdict,
+    reported,
+    table,
+    within,
+)
+from pushbelt_validation.runs import SECTIONS, Results
+from pushbelt_validation.sections import efficiency, shifting, slip, steps
 
-from pushbelt.fmu import shift
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
 from pushbelt.tables.units import dimensions
 from pushbelt.tables import split
-from pushbelt_validation import __main__, measured, report, results
-from pushbelt_validation.bench import Bench, Plan
-from pushbelt_validation.outcome import PERCENT, Check, Column, Part, Section, Source, Unit, Verdict, reported, table, within
-from pushbelt_validation.runs import SECTIONS, Results
-from pushbelt_validation.sections import efficiency, shifting, slip, steps
 
 SOURCE = Source("somebody 2007", "fitted")
 

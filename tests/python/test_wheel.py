@@ -147,7 +147,7 @@ def with_source() -> dict[str, str]:
 
 @pytest.mark.parametrize("program", EXTRA_OF)
 def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
-    shared = [path for path in PACKAGE.glob("*.py") if path.name != "points.py"]
+    shared = [*(PACKAGE / "report").glob("*.py"), *(path for path in PACKAGE.glob("*.py") if path.name != "points.py")]
     if EXTRA_OF[program] == "sweep":
         shared += [*(PACKAGE / "study").glob("*.py"), *(PACKAGE / "maps").glob("*.py")]
     needed = imported([*shared, *(PACKAGE / "cli").glob("*.py"), *(PACKAGE / "fmu").rglob("*.py")]) - ON_DEMAND

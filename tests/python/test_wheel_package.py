@@ -6,47 +6,26 @@ import math
 import re
 import warnings
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP
+from conftest import CHEAP, COARSE
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
 import pushbelt
-from pushbelt import cli, points, variator
-from pushbelt.fmu import cache, data, files, unit
+from pushbelt import cli, variator
+from pushbelt.fmu import data, files, unit
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import StartValueError, checked
 
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 
-
-@pytest.fixture(autouse=True, scope="module")
-def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A cache of these tests alone."""
-    place = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cache, "folder", lambda: place / "pushbelt")
-        yield place / "pushbelt"
-
-
-@pytest.fixture
-def belt(fmu: Path) -> Iterator[variator.Variator]:
-    """A variator on a coarse mesh."""
-    with variator.Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+pytestmark = pytest.mark.usefixtures("own_cache")
 
 
 # Start values
-
-
-@pytest.fixture(scope="module")
-def variables(description: Any) -> dict[str, Any]:
-    return {variable.name: variable for variable in description.modelVariables}
 
 
 def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
@@ -192,11 +171,6 @@ def test_a_point_that_the_belt_does_not_carry_is_refused(belt: variator.Variator
     assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
 
 
-def test_least_force_and_capacity_agree(belt: variator.Variator) -> None:
-    assert belt.torque_capacity(0.7, belt.least_force(0.7, 90.0, safety=1.0)) == pytest.approx(90.0)
-    assert belt.least_force(0.7, 0.0) == points.LEAST_FORCE
-
-
 def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
     found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
     assert found.sizes == {"ratio": 2, "torque": 3}
@@ -220,30 +194,6 @@ def test_parameters_come_from_a_file_too(tmp_path: Path, fmu: Path) -> None:
         assert belt["geometry.centerDistance"] == 0.155
     with pytest.raises(FileNotFoundError):
         variator.Variator(tmp_path / "other.json", fmu=fmu)
-
-
-def test_a_file_that_is_not_an_fmu_is_rejected(tmp_path: Path, own_cache: Path) -> None:
-    for name, content in (("text.fmu", b"text"), ("empty.fmu", b"")):
-        (tmp_path / name).write_bytes(content)
-        with pytest.raises(ValueError, match=f"{name} is not a (readable|usable) FMU"):
-            variator.Variator({}, fmu=tmp_path / name)
-    with zipfile.ZipFile(tmp_path / "zip.fmu", "w") as archive:
-        archive.writestr("readme.txt", "no model description")
-    with pytest.raises(ValueError, match="zip.fmu is not a (readable|usable) FMU"):
-        variator.Variator({}, fmu=tmp_path / "zip.fmu")
-    with pytest.raises(FileNotFoundError):
-        variator.Variator({}, fmu=tmp_path / "none.fmu")
-    assert not list(own_cache.rglob("unpacking-*"))
-
-
-def test_an_fmu_for_other_machines_is_refused(tmp_path: Path, fmu: Path) -> None:
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(tmp_path / "other.fmu", "w") as target:
-        for entry in source.infolist():
-            if not entry.filename.startswith("binaries/"):
-                target.writestr(entry, source.read(entry))
-        target.writestr("binaries/win32/PushbeltVariator.dll", b"")
-    with pytest.raises(ValueError, match=r"no binary for \S+, only for win32"):
-        variator.Variator({}, fmu=tmp_path / "other.fmu")
 
 
 def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:

@@ -7,10 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from pushbelt.fmu import data, shift
+from pushbelt.fmu import data
 from pushbelt.fmu.starts import StartValues
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, UnitError
+
+from . import shift
 
 Outputs = dict[str, float]
 T = TypeVar("T")

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt.charts import Chart, Series
-from pushbelt.page import MINUS, number
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.charts import Chart, Series
+from pushbelt.report.page import MINUS, number
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 from pushbelt.tables import title
 
 Value = float | str | None

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pushbelt import page, tables
+from pushbelt import tables
+from pushbelt.report import page
 
 from . import results as documents
 from .outcome import Part, Section, Verdict

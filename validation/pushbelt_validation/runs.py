@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 
-from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
-from pushbelt.side_by_side import tick
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import tick
 
 from .bench import Bench, Plan
 from .outcome import Section

@@ -71,7 +71,7 @@ mod xml;
 pub mod prelude {
     pub use crate::simple::{SimpleModel, SimpleUnit};
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
-    pub use crate::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure};
+    pub use crate::unit::{Experiment, Identity, Remark, StepFailure};
     pub use crate::{Tape, Unit, setting};
 }
 

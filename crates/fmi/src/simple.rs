@@ -1,7 +1,7 @@
 //! A unit from a model without internal steps and events.
 
 use super::table::Table;
-use super::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
+use super::unit::{Experiment, Identity, Remark, StepFailure, Unit};
 use pushbelt_tape::Tape;
 
 /// A model without internal steps, events and derivatives, whose inputs are held over a communication step. [`SimpleUnit`] makes a
@@ -56,7 +56,8 @@ pub struct SimpleUnit<M> {
 impl<M: SimpleModel> Unit for SimpleUnit<M> {
     type Settings = M::Settings;
     type Readings = M::Readings;
-    type Progress = ();
+    /// Its end, s.
+    type Step = f64;
 
     const IDENTITY: Identity = M::IDENTITY;
 
@@ -86,16 +87,22 @@ impl<M: SimpleModel> Unit for SimpleUnit<M> {
         self.model.readings()
     }
 
-    fn advance(
-        &mut self,
-        step: &mut CommunicationStep<Self>,
-        settings: &M::Settings,
-        _: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        let [from, to] = [self.time, step.to].map(|time| self.start + time);
-        self.model.advance(settings, from, to)?;
-        self.time = step.to;
+    fn begin(&mut self, to: f64, _: &M::Settings, _: Option<&M::Settings>) -> Result<f64, StepFailure> {
+        Ok(to)
+    }
+
+    fn advance(&mut self, to: &mut f64, settings: &M::Settings, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
+        self.model.advance(settings, self.start + self.time, self.start + *to)?;
+        self.time = *to;
         Ok(())
+    }
+
+    fn is_over(&self, to: &f64) -> bool {
+        self.time >= *to
+    }
+
+    fn end_at(&mut self, to: &mut f64, time: f64) {
+        *to = to.min(time.max(self.time));
     }
 
     fn serialize(&mut self, tape: &mut Tape<'_>) {

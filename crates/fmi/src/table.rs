@@ -429,8 +429,8 @@ impl Array {
 
 /// All variables of a unit, with the units and enumerations they use.
 pub struct Table<S, R> {
-    /// Every unit that a variable uses.
-    pub units: &'static [UnitDefinition],
+    /// The units that variables use.
+    pub units: Vec<UnitDefinition>,
     /// Every enumeration that a variable uses.
     pub enumerations: &'static [&'static Enumeration],
     variables: Vec<Variable<S, R>>,
@@ -470,7 +470,7 @@ impl std::fmt::Display for Retired {
 }
 
 impl<S, R> Table<S, R> {
-    /// A table of these variables, in the order in which they appear in the description.
+    /// A table of these variables, in the order in which they appear in the description. It declares those of the `units` that they use.
     #[must_use]
     pub fn new(
         units: &'static [UnitDefinition],
@@ -483,8 +483,13 @@ impl<S, R> Table<S, R> {
             .map(|(place, variable)| (variable.reference, place))
             .collect();
         by_reference.sort_unstable();
+        let is_used = |name| {
+            variables
+                .iter()
+                .any(|variable| matches!(variable.kind, Kind::Real { unit, .. } if unit == name))
+        };
         Self {
-            units,
+            units: units.iter().filter(|unit| is_used(unit.name)).copied().collect(),
             enumerations,
             variables,
             arrays: Vec::new(),

@@ -103,35 +103,23 @@ pub struct Moment<R> {
     pub span: f64,
 }
 
-/// A communication step: where it begins and ends in the unit's time, how the inputs change, and the unit's own data for it.
-pub struct CommunicationStep<U: Unit> {
-    /// Time at which it begins, s.
-    pub from: f64,
-    /// Time at which it ends, s. [`Unit::end_at`] makes it earlier.
-    pub to: f64,
-    /// Time derivatives of the real inputs, in the inputs' fields; `None` if all are held.
-    pub rates: Option<U::Settings>,
-    /// Data of the unit.
-    pub progress: U::Progress,
-}
-
 /// A model in an FMU. It contains its whole dynamic state, solver history included, so that a clone continues exactly as the
 /// original would.
 ///
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
-/// [`finish`](Unit::finish). A model without internal steps implements `advance` only: one call goes to the end. A
+/// [`finish`](Unit::finish). A model without internal steps goes to the end in one call of `advance`. A
 /// [`SimpleModel`](super::SimpleModel) has neither internal steps nor events and is shorter to write.
 pub trait Unit: Clone + Sized {
     /// Parameters and inputs. The default holds the start values.
     type Settings: Clone + Default;
     /// Outputs and locals.
     type Readings;
-    /// What the unit needs from one internal step of a communication step to the next; `()` for a unit without internal steps.
-    type Progress: Default;
+    /// A communication step that has begun: its end, how the inputs change, and what the unit needs from one internal step to the next.
+    type Step;
 
     /// Name of the model, and the experiment that its description suggests.
     const IDENTITY: Identity;
-    /// Whether [`Unit::advance`] uses [`CommunicationStep::rates`]; otherwise input derivatives are refused.
+    /// Whether [`Unit::begin`] uses the rates of inputs; otherwise input derivatives are refused.
     const INTERPOLATES_INPUTS: bool = false;
     /// Whether [`Unit::moment`] returns readings; otherwise output derivatives are refused.
     const OUTPUT_DERIVATIVES: bool = false;
@@ -173,13 +161,17 @@ pub trait Unit: Clone + Sized {
     /// state only: a changed input has an effect from the next step on.
     fn readings(&mut self, elements: bool) -> &Self::Readings;
 
-    /// Begins a communication step with these settings.
+    /// Begins a communication step from the present time to the time `to`, s, with these settings. `rates` has the time derivatives of the
+    /// real inputs in the inputs' fields; none if all are held.
     ///
     /// # Errors
     /// A setting is out of its range; nothing has changed.
-    fn begin(&mut self, _step: &mut CommunicationStep<Self>, _settings: &Self::Settings) -> Result<(), StepFailure> {
-        Ok(())
-    }
+    fn begin(
+        &mut self,
+        to: f64,
+        settings: &Self::Settings,
+        rates: Option<&Self::Settings>,
+    ) -> Result<Self::Step, StepFailure>;
 
     /// Advances by one internal step, at most to the end of the communication step. Inputs that differ from those of the
     /// previous call take effect here.
@@ -188,31 +180,27 @@ pub trait Unit: Clone + Sized {
     /// See [`StepFailure`]; the communication step has ended, and the unit is in the state before [`Unit::begin`].
     fn advance(
         &mut self,
-        step: &mut CommunicationStep<Self>,
+        step: &mut Self::Step,
         settings: &Self::Settings,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure>;
 
     /// Whether the end of the communication step is reached.
-    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
-        self.time() >= step.to
-    }
+    fn is_over(&self, step: &Self::Step) -> bool;
 
     /// Makes the readings those of the time reached within a communication step, for an intermediate update.
     fn update_outputs(&mut self) {}
 
     /// A description of an event since the communication step began, if there is one for the master to handle.
-    fn event(&self, _step: &CommunicationStep<Self>) -> Option<String> {
+    fn event(&self, _step: &Self::Step) -> Option<String> {
         None
     }
 
     /// Shortens the communication step so that it ends at a time, s, or at the present time if that is later.
-    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
-        step.to = step.to.min(time.max(self.time()));
-    }
+    fn end_at(&mut self, step: &mut Self::Step, time: f64);
 
     /// Ends the communication step at the present time.
-    fn finish(&mut self, _step: &CommunicationStep<Self>, _remarks: &mut Vec<Remark>) {}
+    fn finish(&mut self, _step: &Self::Step, _remarks: &mut Vec<Remark>) {}
 
     /// Readings around the present time, without elements of arrays.
     fn moment(&mut self) -> Option<Moment<Self::Readings>> {

@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use cpu_time::ProcessTime;
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Unit};
-use pushbelt_map_unit::settings::Inputs;
+use pushbelt::variator::settings::Inputs;
+use pushbelt_fmi::unit::{Experiment, Unit};
 use pushbelt_map_unit::unit::MapUnit;
 
 const STEP: f64 = 1e-2;
@@ -16,7 +16,10 @@ fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps");
     let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
     // Shafts as heavy as an engine and a car.
-    (settings.primary.inertia, settings.secondary.inertia) = (0.15, 8.0);
+    (
+        settings.parameters.primary.inertia,
+        settings.parameters.secondary.inertia,
+    ) = (0.15, 8.0);
     for (name, slope) in [("inputs as ramps", true), ("inputs held, reached within 1 ms", false)] {
         let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
         let mut settings = settings.clone();
@@ -24,29 +27,25 @@ fn main() {
         let mut outside = false;
         let begin = ProcessTime::now();
         for k in 0..STEPS {
-            let from = STEP * f64::from(k);
             let phase = 0.02 * f64::from(k);
             settings.inputs.primary.torque = 40.0 + 30.0 * phase.sin();
-            let speed = unit.readings(false).secondary.speed / 200.0;
+            let speed = unit.readings(false).outputs.secondary.speed / 200.0;
             settings.inputs.secondary.torque = -40.0 * speed * speed.abs();
             settings.inputs.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
             let rates = slope.then(|| {
                 let mut rates = settings.clone();
                 let torque = 60.0 * phase.cos();
                 let force = 1.2e3 * (0.3 * phase).cos();
-                rates.inputs = Inputs::of_array([torque, force, 0.0, 0.0, 1e-3, 1e-3, 0.0, 0.0]);
+                rates.inputs = Inputs::ZERO;
+                (rates.inputs.primary.torque, rates.inputs.primary.clamping_force) = (torque, force);
+                (rates.inputs.secondary.torque, rates.inputs.secondary.clamping_force) = (1e-3, 1e-3);
                 rates
             });
-            let mut step = CommunicationStep {
-                from,
-                to: STEP * f64::from(k + 1),
-                rates,
-                progress: (),
-            };
-            unit.begin(&mut step, &settings).expect("a step");
+            let to = STEP * f64::from(k + 1);
+            let mut step = unit.begin(to, &settings, rates.as_ref()).expect("a step");
             unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
-            sum += readings.slip;
+            sum += readings.outputs.slip;
             outside |= readings.outside;
         }
         let seconds = begin.elapsed().as_secs_f64();

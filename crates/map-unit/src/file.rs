@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use pushbelt::variator::settings::{ParameterRows, Parameters, RowValue};
 use pushbelt_fmi::{hash, resources};
 use serde_json::Value;
 
 use crate::cubic::resampled;
-use crate::tables::{Even, Geometry, Sheet, Tables};
+use crate::tables::{Even, Sheet, Tables};
 
 /// Name of the file in the resources.
 pub const FILE: &str = "maps.json";
@@ -28,6 +29,16 @@ const SHARES: usize = 257;
 const EXCESSES: usize = 97;
 /// Least distance of neighbours on an axis, as a share of its largest place.
 const LEAST_STEP: f64 = 1e-6;
+
+/// Parameters of the variator whose maps these are.
+const PARAMETERS: [&str; 6] = [
+    "geometry.centerDistance",
+    "geometry.beltLength",
+    "geometry.wedgeAngle",
+    "belt.pitchOffset",
+    "friction.fall",
+    "friction.fallSpeed",
+];
 
 /// Least and greatest value of an axis, table or parameter.
 type Range = [f64; 2];
@@ -127,7 +138,7 @@ impl File<'_> {
         let (capacity, capacity_slip) = (pairs("capacity", CAPACITY)?, pairs("capacitySlip", CAPACITY_SLIP)?);
         let limits = capacity.chunks(2).zip(capacity_slip.chunks(2));
         Ok(Tables {
-            geometry: self.geometry()?,
+            parameters: self.parameters()?,
             hash,
             ratios,
             belt: Sheet::of(utilisations, [thrust_ratio, torque_loss, bearing_load]),
@@ -140,22 +151,20 @@ impl File<'_> {
         })
     }
 
-    fn geometry(&self) -> Result<Geometry, String> {
-        let parameter = |name: &str, range: Range| {
+    fn parameters(&self) -> Result<Parameters, String> {
+        let mut parameters = Parameters::default();
+        for name in PARAMETERS {
+            let row = ParameterRows::<Parameters>::WHOLE.iter().find(|row| row.name == name);
+            let Some(RowValue::Real(_, _, range, field)) = row.map(|row| &row.value) else {
+                continue;
+            };
             let found = self.0["parameters"][name].as_f64();
             let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
-            within(&format!("the parameter {name}"), &[found], range)?;
-            Ok::<f64, String>(found)
-        };
-        let center_distance = parameter("geometry.centerDistance", [1e-3, 10.0])?;
-        Ok(Geometry {
-            center_distance,
-            belt_length: parameter("geometry.beltLength", [2.0 * center_distance, 100.0])?,
-            wedge_angle: parameter("geometry.wedgeAngle", [0.0, 1.5])?,
-            pitch_offset: parameter("belt.pitchOffset", [0.0, center_distance])?,
-            fall: parameter("friction.fall", [0.0, 0.99])?,
-            fall_speed: parameter("friction.fallSpeed", [1e-6, 1e3])?,
-        })
+            within(&format!("the parameter {name}"), &[found], *range)?;
+            (field.set)(&mut parameters, found);
+        }
+        parameters.validate_belt().map_err(|error| error.to_string())?;
+        Ok(parameters)
     }
 
     fn axis(&self, name: &str, range: Range) -> Result<Vec<f64>, String> {

@@ -6,24 +6,22 @@
 //!
 //! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
 //!
-//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), so the belt loses
+//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0 of the [drag](pushbelt::shaft), so the belt loses
 //! T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
 //! ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
 //!
-//! F_P and F_S are those of clamps and [cylinders](Cylinder). Seals act on the shift alone, in the quotient of the forces.
+//! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift alone, in the quotient of the forces.
 //!
 //! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
-use crate::settings::{Cylinder, Inputs, PulleyInputs, PulleyParameters, Settings};
-use crate::tables::{Belt, Geometry, Place, Tables};
+use pushbelt::pulley::Pulley::{Primary, Secondary};
+use pushbelt::variator::settings::{Friction, Inputs, Parameters};
+
+use crate::tables::{Belt, Place, Tables};
 
 /// Regularisation speed v_0 of the slip, m/s.
 pub const SLIP_SPEED: f64 = 0.1;
-/// Speed ω_0 below which drag and belt loss fade, rad/s.
-pub const FADING_SPEED: f64 = 2.0;
-/// Regularisation speed of the seals' friction, m/s: the default of friction.velocity in the detailed unit.
-const SEAL_SPEED: f64 = 5e-4;
 /// Iterations for the shift rate under the friction of seals.
 const RUBBED: usize = 60;
 /// Smallest force in a quotient of forces, N.
@@ -41,42 +39,10 @@ pub struct Radii {
     primary: Vec<f64>,
     /// Pitch radius at ratio 1, m.
     at_one: f64,
+    /// Way of a sheave per change of its radius.
+    place: f64,
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
-}
-
-/// Pitch radius on the primary pulley at a ratio of the pitch radii, m; none if no belt of this length fits there.
-#[must_use]
-pub fn primary_radius(geometry: &Geometry, ratio: f64) -> Option<f64> {
-    let Geometry {
-        center_distance: distance,
-        belt_length: length,
-        pitch_offset: offset,
-        ..
-    } = *geometry;
-    // The length grows with the radius, so the root is bracketed.
-    let excess = |radius: f64| {
-        let [on_primary, on_secondary] = [radius + offset, ratio * radius + offset];
-        let difference = on_primary - on_secondary;
-        let angle = (difference / distance).clamp(-1.0, 1.0).acos();
-        let strand = (distance * distance - difference * difference).max(0.0).sqrt();
-        2.0 * (strand + on_primary * (std::f64::consts::PI - angle) + on_secondary * angle) - length
-    };
-    let steepest = (1.0 - ratio).abs();
-    let (mut low, mut high) = (0.0, if steepest > 0.0 { distance / steepest } else { length });
-    high = high.min(length);
-    if excess(high) < 0.0 {
-        return None;
-    }
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(0.5 * (low + high))
 }
 
 impl Radii {
@@ -84,44 +50,30 @@ impl Radii {
     ///
     /// # Errors
     /// The radii at the end stops allow no range of ratios.
-    pub fn new(geometry: &Geometry, settings: &Settings) -> Result<Self, String> {
-        let (primary, secondary) = (&settings.primary, &settings.secondary);
-        // Along a growing ratio the primary radius falls and the secondary radius grows.
-        let last_with = |holds: &dyn Fn(f64, f64) -> bool| {
-            let (mut low, mut high) = (-4.0_f64, 4.0_f64);
-            for _ in 0..100 {
-                let middle: f64 = 0.5 * (low + high);
-                let ratio = middle.exp();
-                // A belt that does not fit has too large a radius on one pulley.
-                let inside = match primary_radius(geometry, ratio) {
-                    Some(radius) => holds(radius, ratio * radius),
-                    None => middle < 0.0,
-                };
-                if inside {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            0.5 * (low + high)
-        };
-        let least = last_with(&|r, _| r > primary.max_radius).max(last_with(&|_, s| s < secondary.min_radius));
-        let most = last_with(&|r, _| r > primary.min_radius).min(last_with(&|_, s| s < secondary.max_radius));
+    pub fn new(parameters: &Parameters) -> Result<Self, String> {
+        let (least, most) = parameters.ratio_range();
         if least >= most {
             return Err("the radii at the end stops leave no range of ratios".to_owned());
         }
-        let first = least - BEYOND_STOPS;
-        let step = (most + BEYOND_STOPS - first) / (RADII - 1) as f64;
-        let radius = |k: usize| {
-            let ratio = (first + k as f64 * step).exp();
-            primary_radius(geometry, ratio).ok_or_else(|| format!("no belt fits at the ratio {ratio:.3}"))
+        let stops = [least.ln(), most.ln()];
+        let first = stops[0] - BEYOND_STOPS;
+        let step = (stops[1] + BEYOND_STOPS - first) / (RADII - 1) as f64;
+        let radius = |ratio: f64| {
+            let radii = parameters.pitch_radii(ratio);
+            radii.map_or_else(
+                || Err(format!("no belt fits at the ratio {ratio:.3}")),
+                |(primary, _)| Ok(primary),
+            )
         };
         Ok(Self {
             first,
             per_step: 1.0 / step,
-            primary: (0..RADII).map(radius).collect::<Result<_, _>>()?,
-            at_one: primary_radius(geometry, 1.0).ok_or("no belt fits at the ratio 1")?,
-            stops: [least, most],
+            primary: (0..RADII)
+                .map(|k| radius((first + k as f64 * step).exp()))
+                .collect::<Result<_, _>>()?,
+            at_one: radius(1.0)?,
+            place: 2.0 * parameters.geometry.wedge_angle.tan(),
+            stops,
         })
     }
 
@@ -141,20 +93,11 @@ impl Radii {
 
     /// Positions of the primary and the secondary sheave at ln i, m, 0 at ratio 1, and their derivatives.
     #[must_use]
-    pub fn positions(&self, geometry: &Geometry, log_ratio: f64) -> [(f64, f64); 2] {
-        let place = 2.0 * geometry.wedge_angle.tan();
+    pub fn positions(&self, log_ratio: f64) -> [(f64, f64); 2] {
         let (radius, slope) = self.with_slope(log_ratio);
         let ratio = log_ratio.exp();
         [(radius, slope), (ratio * radius, ratio * (radius + slope))]
-            .map(|(radius, slope)| (place * (radius - self.at_one), place * slope))
-    }
-}
-
-impl Cylinder {
-    /// Friction of the seals along the speed of the sheave, m/s.
-    #[must_use]
-    pub fn drag(&self, velocity: f64) -> f64 {
-        self.seal * velocity / velocity.hypot(SEAL_SPEED)
+            .map(|(radius, slope)| (self.place * (radius - self.at_one), self.place * slope))
     }
 }
 
@@ -176,7 +119,7 @@ pub struct Law<'a> {
     /// Radii over the ratio.
     pub radii: &'a Radii,
     /// Parameters.
-    pub settings: &'a Settings,
+    pub parameters: &'a Parameters,
 }
 
 /// Utilisation, its derivative with respect to the sliding speed, s/m, and whether the belt slips through.
@@ -273,7 +216,7 @@ impl Law<'_> {
             place,
             radius,
             ratio: state.log_ratio.exp(),
-            torque: 2.0 * self.settings.friction * radius * force / self.tables.geometry.wedge_angle.cos(),
+            torque: 2.0 * self.parameters.friction.pulley * radius * force / self.parameters.geometry.wedge_angle.cos(),
             speed,
             forward: 0.5 * (1.0 + direction),
             capacity,
@@ -295,7 +238,7 @@ impl Law<'_> {
                 between: line.between.map(|share| share * limit),
             };
         }
-        let Geometry { fall, fall_speed, .. } = self.tables.geometry;
+        let Friction { fall, fall_speed, .. } = self.parameters.friction;
         let decay = (-(sliding.abs() - limit) / fall_speed).exp();
         let capacity = frame.capacity[driving];
         Traction {
@@ -358,33 +301,32 @@ impl Law<'_> {
         }
     }
 
-    /// Drag torque of a shaft, N·m, and its slope over the speed.
-    #[must_use]
-    pub fn drag(&self, pulley: &PulleyParameters, speed: f64, load: f64) -> (f64, f64) {
-        let direction = (speed / FADING_SPEED).tanh();
-        let loaded = pulley.drag_constant + pulley.bearing_friction * pulley.bearing_radius * load;
-        (
-            direction * loaded + pulley.drag_viscous * speed,
-            (1.0 - direction * direction) / FADING_SPEED * loaded + pulley.drag_viscous,
-        )
-    }
-
     /// Forces of clamps and cylinders that close the primary and the secondary pulley in a state, without their seals, N.
     #[must_use]
     pub fn closing(&self, state: &State, inputs: &Inputs) -> [f64; 2] {
-        let [primary, secondary] = self.radii.positions(&self.tables.geometry, state.log_ratio);
-        let of = |of: &Cylinder, inputs: &PulleyInputs, (position, _): (f64, f64), speed: f64| {
-            let push = of.spring_force - of.spring_stiffness * position + of.centrifugal * speed * speed;
-            inputs.clamping_force + of.area * inputs.pressure + push
-        };
+        let [primary, secondary] = self.radii.positions(state.log_ratio);
         [
-            of(&self.settings.primary.cylinder, &inputs.primary, primary, state.primary),
-            of(
-                &self.settings.secondary.cylinder,
-                &inputs.secondary,
-                secondary,
-                state.secondary,
-            ),
+            (Primary, primary, state.primary),
+            (Secondary, secondary, state.secondary),
+        ]
+        .map(|(pulley, (position, _), speed)| {
+            let cylinder = &self.parameters.pulley(pulley).cylinder;
+            inputs.pulley(pulley).force(cylinder) + cylinder.push(position, speed)
+        })
+    }
+
+    /// Friction of the seals of both cylinders along the speeds of the sheaves, m/s; N.
+    #[must_use]
+    pub fn rubbing(&self, velocities: [f64; 2]) -> [f64; 2] {
+        let Parameters {
+            primary,
+            secondary,
+            friction,
+            ..
+        } = self.parameters;
+        [
+            primary.cylinder.drag(velocities[0], friction.velocity),
+            secondary.cylinder.drag(velocities[1], friction.velocity),
         ]
     }
 
@@ -393,16 +335,14 @@ impl Law<'_> {
     pub fn shift(&self, frame: &Frame, point: &Point, state: &State, inputs: &Inputs) -> (f64, f64) {
         let forces = self.closing(state, inputs);
         let free = self.shift_under(frame, point, state.primary, forces);
-        let cylinders = [&self.settings.primary, &self.settings.secondary].map(|pulley| &pulley.cylinder);
-        if cylinders.iter().all(|cylinder| cylinder.seal == 0.0) {
+        let Parameters { primary, secondary, .. } = self.parameters;
+        if primary.cylinder.seal == 0.0 && secondary.cylinder.seal == 0.0 {
             return free;
         }
-        let slopes = self
-            .radii
-            .positions(&self.tables.geometry, state.log_ratio)
-            .map(|(_, slope)| slope);
+        let slopes = self.radii.positions(state.log_ratio).map(|(_, slope)| slope);
         let under = |rate: f64| {
-            let rubbed = [0, 1].map(|k| forces[k] - cylinders[k].drag(slopes[k] * rate));
+            let rubbing = self.rubbing(slopes.map(|slope| slope * rate));
+            let rubbed = [forces[0] - rubbing[0], forces[1] - rubbing[1]];
             self.shift_under(frame, point, state.primary, rubbed)
         };
         // The friction of the seals falls with the rate that it causes: one root, between no motion and that without friction.
@@ -416,7 +356,7 @@ impl Law<'_> {
             }
         }
         let rate = 0.5 * (low + high);
-        let near = 1e-2 * SEAL_SPEED / slopes[1].abs();
+        let near = 1e-2 * self.parameters.friction.velocity / slopes[1].abs();
         let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);
         (rate, under(rate).1 / (1.0 - falls.min(0.0)))
     }

@@ -1,15 +1,15 @@
-//! A pushbelt variator from maps: `PushbeltMap.fmu`, level 0. Its tables come from the detailed model.
+//! A pushbelt variator from maps: `PushbeltMap.fmu`, level 0. Its tables come from the detailed model, with which it shares
+//! variables, inputs and the laws of pulleys.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`cubic`] | monotone cubic interpolation, to refine a table |
 //! | [`mod@file`] | the file of the tables: read from JSON, checked, refined |
 //! | [`tables`] | the tables, evaluated |
-//! | [`settings`] | parameters, inputs, outputs |
+//! | [`settings`] | what it has of the detailed unit's variables |
 //! | [`law`] | torques, losses and shift rate of a state |
 //! | [`stage`] | one implicit stage |
 //! | [`mod@unit`] | the FMU: start, steps, outputs, stored states |
-//! | `variables` | the variable table |
 #![warn(missing_docs)]
 
 #[forbid(unsafe_code)]
@@ -26,7 +26,6 @@ pub mod stage;
 pub mod tables;
 #[forbid(unsafe_code)]
 pub mod unit;
-#[forbid(unsafe_code)]
-mod variables;
 
+#[cfg(feature = "exports")]
 pushbelt_fmi::export!(crate::unit::MapUnit);

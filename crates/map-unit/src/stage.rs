@@ -4,11 +4,11 @@
 //! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
 //! outer iteration.
 
-use crate::law::{FADING_SPEED, Frame, Law, State, Traction};
-use crate::settings::{Axial, Drive, Inputs, PulleyParameters};
+use pushbelt::shaft::FADING_SPEED;
+use pushbelt::variator::settings::{Drive, Inputs, PulleyParameters, SPEED_LAG};
 
-/// Lag of a shaft behind its set point, s: as in the detailed unit.
-pub const SPEED_LAG: f64 = 1e-3;
+use crate::law::{Frame, Law, State, Traction};
+
 /// Largest number of outer iterations.
 const ITERATIONS: usize = 60;
 /// Largest number of iterations for the sliding speed.
@@ -61,7 +61,7 @@ impl Stage<'_> {
 
     fn iterate(&self, base: &State, k: f64, state: &State) -> Option<State> {
         let law = self.law;
-        let settings = law.settings;
+        let parameters = law.parameters;
         let [closing, own] = law.closing(state, &self.inputs);
         let force = self.held_thrust_ratio.map_or(own, |ratio| closing / ratio);
         let frame = law.frame(state, force);
@@ -72,10 +72,10 @@ impl Stage<'_> {
         let lost = (state.primary / FADING_SPEED).tanh() * point.torque_loss();
 
         let torque = self.inputs.primary.torque;
-        let shaft = (&settings.primary, base.primary, state.primary);
+        let shaft = (&parameters.primary, base.primary, state.primary);
         let primary = self.line(shaft, k, load, torque, -1.0, self.inputs.primary.speed_setpoint);
         let torque = self.inputs.secondary.torque - frame.ratio * lost;
-        let shaft = (&settings.secondary, base.secondary, state.secondary);
+        let shaft = (&parameters.secondary, base.secondary, state.secondary);
         let secondary = self.line(
             shaft,
             k,
@@ -88,7 +88,7 @@ impl Stage<'_> {
         let free = frame.radius * (primary.constant - frame.ratio * secondary.constant);
         let per_torque = -frame.radius * (primary.slope - frame.ratio * secondary.slope);
         // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
-        let held = self.is_held();
+        let held = parameters.holds_a_sheave();
         let (rate, slope) = if held {
             (0.0, 0.0)
         } else {
@@ -124,11 +124,6 @@ impl Stage<'_> {
         })
     }
 
-    fn is_held(&self) -> bool {
-        let settings = self.law.settings;
-        settings.primary.axial == Axial::Held || settings.secondary.axial == Axial::Held
-    }
-
     /// The speed of a shaft: J (ω − base) = k (T + `lever` T_P − drag), with the drag linear about the present speed; or its lag
     /// behind the set point.
     fn line(
@@ -146,9 +141,9 @@ impl Stage<'_> {
                 slope: 0.0,
             };
         }
-        let (drag, slope) = self.law.drag(pulley, speed, load);
-        let per_torque = k / (pulley.inertia + k * slope);
-        let constant = per_torque * (pulley.inertia / k * base + torque - drag + slope * speed);
+        let drag = pulley.drag.at(speed, [load, 0.0]);
+        let per_torque = k / (pulley.inertia + k * drag.by_speed);
+        let constant = per_torque * (pulley.inertia / k * base + torque - drag.torque + drag.by_speed * speed);
         Line {
             constant,
             slope: per_torque * lever,

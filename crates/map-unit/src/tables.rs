@@ -5,6 +5,8 @@
 //! last axis it is the monotone cubic through the given values, in pieces so short that they are straight. Beyond the axes the
 //! value at the border holds.
 
+use pushbelt::variator::settings::Parameters;
+
 /// Even places on an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Even {
@@ -126,28 +128,11 @@ pub struct Line {
     pub between: [f64; 2],
 }
 
-/// Constants of the variator whose maps these are.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry {
-    /// Distance of the pulley axes, m.
-    pub center_distance: f64,
-    /// Length of the ring's centre line, m.
-    pub belt_length: f64,
-    /// Half wedge angle, rad.
-    pub wedge_angle: f64,
-    /// Distance of the pitch line from the centre line of the ring, m.
-    pub pitch_offset: f64,
-    /// Relative decrease of the friction in fast sliding.
-    pub fall: f64,
-    /// Sliding speed over which the friction falls, m/s.
-    pub fall_speed: f64,
-}
-
 /// All tables of a variator.
 #[derive(Clone, Debug)]
 pub struct Tables {
-    /// Constants of the variator.
-    pub geometry: Geometry,
+    /// Geometry of the variator and fall of its friction; the start values otherwise.
+    pub parameters: Parameters,
     /// Hash of the file.
     pub hash: u128,
     pub(crate) forces: Vec<f64>,

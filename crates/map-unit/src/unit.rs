@@ -5,23 +5,25 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use pushbelt::pulley::Pulley;
+use pushbelt::shaft::FADING_SPEED;
+use pushbelt::solver::sdirk::GAMMA;
+use pushbelt::variator::run::InputProfile;
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Table;
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
+use pushbelt_fmi::unit::{Experiment, Identity, Remark, StepFailure, Unit};
 
 use crate::file::THRUST_RATIO;
-use crate::law::{FADING_SPEED, Frame, Law, Point, Radii, State};
-use crate::settings::{Axial, Drive, Inputs, PulleyOutputs, Readings, Settings};
-use crate::stage::{SPEED_LAG, Stage};
+use crate::law::{Frame, Law, Point, Radii, State};
+use crate::settings::{self, Readings, Settings};
+use crate::stage::Stage;
 use crate::tables::Tables;
-use crate::variables;
 
 /// Longest step, s.
 const LONGEST: f64 = 1e-2;
 /// Shortest step, s: a step that does not converge is divided down to it.
 const SHORTEST: f64 = 1e-7;
-/// γ of the method.
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Times closer than this are the same, s.
 const INSTANT: f64 = 1e-12;
 /// Steps that a communication step may take, and how many times as many as of the longest ones.
@@ -39,7 +41,7 @@ pub struct MapUnit {
     state: State,
     time: f64,
     /// The inputs that act at the present time.
-    acting: [f64; 8],
+    acting: Inputs,
     /// Thrust ratio of the last step, from which a held secondary sheave gets its force.
     thrust_ratio: f64,
     /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
@@ -48,11 +50,18 @@ pub struct MapUnit {
     readings: Readings,
 }
 
+/// A communication step: its end, s, and the inputs over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    to: f64,
+    inputs: InputProfile,
+}
+
 impl MapUnit {
     fn blank_with(settings: &Settings) -> Result<Self, String> {
-        let tables = settings.tables.clone().ok_or("the unit has no tables")?;
+        let tables = settings.own.clone().ok_or("the unit has no tables")?;
         check(settings)?;
-        let radii = Arc::new(Radii::new(&tables.geometry, settings)?);
+        let radii = Arc::new(Radii::new(&settings.parameters)?);
         Ok(Self {
             tables,
             radii,
@@ -63,7 +72,7 @@ impl MapUnit {
                 log_ratio: 0.0,
             },
             time: 0.0,
-            acting: settings.inputs.array(),
+            acting: settings.inputs,
             thrust_ratio: 1.0,
             logged: false,
             opened: false,
@@ -75,53 +84,54 @@ impl MapUnit {
         Law {
             tables: &self.tables,
             radii: &self.radii,
-            settings: &self.settings,
+            parameters: self.parameters(),
         }
+    }
+
+    fn parameters(&self) -> &Parameters {
+        &self.settings.parameters
     }
 
     /// The state at the start.
     fn initialise(&mut self, remarks: &mut Vec<Remark>) {
         let mut warn = |text: String| remarks.push(Remark { warning: true, text });
         let [least, most] = self.radii.stops;
-        let wanted = self.settings.ratio.ln();
+        let initial = self.parameters().initial.clone();
+        let wanted = initial.ratio.ln();
         self.state.log_ratio = wanted.clamp(least, most);
         // The detailed unit accepts a start up to 6 % beyond, where a loaded belt rests.
         if (self.state.log_ratio - wanted).abs() > 0.06 {
             let [least, most] = self.radii.stops.map(f64::exp);
             warn(format!(
                 "initial.ratio = {} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop",
-                self.settings.ratio
+                initial.ratio
             ));
         }
-        let drive = [self.settings.primary.drive, self.settings.secondary.drive];
+        let drive = [self.parameters().primary.drive, self.parameters().secondary.drive];
         self.state.primary = match drive[0] {
-            Drive::Speed => self.acting[2],
-            Drive::Torque => self.settings.primary_speed,
+            Drive::Speed => self.acting.primary.speed_setpoint,
+            Drive::Torque => initial.primary_speed,
         };
         self.thrust_ratio = self.tables.belt(&self.frame().place, 0.0).thrust_ratio;
         self.settle(drive, &mut warn);
-        if self.settings.steady && self.settings.equilibrium && !self.is_held() {
+        if initial.steady && initial.equilibrium && !self.parameters().holds_a_sheave() {
             self.balance(drive, &mut warn);
         }
         self.update_thrust_ratio();
-    }
-
-    fn is_held(&self) -> bool {
-        self.settings.primary.axial == Axial::Held || self.settings.secondary.axial == Axial::Held
     }
 
     /// Sets the secondary speed at the present ratio: that of the steady slip, of the set point, or without slip.
     fn settle(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
         let ratio = self.state.log_ratio.exp();
         if drive[1] == Drive::Speed {
-            self.state.secondary = self.acting[6];
+            self.state.secondary = self.acting.secondary.speed_setpoint;
             if drive[0] == Drive::Torque {
-                self.state.primary = self.acting[6] * ratio;
+                self.state.primary = self.acting.secondary.speed_setpoint * ratio;
             }
         } else {
             self.state.secondary = self.state.primary / ratio;
         }
-        if !self.settings.steady || drive == [Drive::Speed; 2] || self.state.primary == 0.0 {
+        if !self.parameters().initial.steady || drive == [Drive::Speed; 2] || self.state.primary == 0.0 {
             return;
         }
         // The speed of the shaft that is not given follows from the slip. Torque, loss and bearing load are iterated.
@@ -157,16 +167,20 @@ impl MapUnit {
         let point = law.point(frame, sliding);
         let load = point.bearing_load();
         let lost = (primary / FADING_SPEED).tanh() * point.torque_loss();
-        let (on_primary, _) = law.drag(&self.settings.primary, primary, load);
-        let (on_secondary, _) = law.drag(&self.settings.secondary, secondary, load);
-        let (into, out) = (self.acting[0] - on_primary, self.acting[4] - on_secondary);
+        let Parameters {
+            primary: of_primary,
+            secondary: of_secondary,
+            ..
+        } = self.parameters();
+        let into = self.acting.primary.torque - of_primary.drag.at(primary, [load, 0.0]).torque;
+        let out = self.acting.secondary.torque - of_secondary.drag.at(secondary, [load, 0.0]).torque;
         let i = frame.ratio;
         match drive {
             [Drive::Torque, Drive::Speed] => into,
             [Drive::Speed, _] => lost - out / i,
             // (into − T)/J_P = i (out + i (T − lost))/J_S
             [Drive::Torque, Drive::Torque] => {
-                let (j_p, j_s) = (self.settings.primary.inertia, self.settings.secondary.inertia);
+                let (j_p, j_s) = (of_primary.inertia, of_secondary.inertia);
                 (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
             }
         }
@@ -219,12 +233,12 @@ impl MapUnit {
 
     /// The thrust ratio from which a held secondary sheave gets its force.
     fn held_thrust_ratio(&self) -> Option<f64> {
-        (self.settings.secondary.axial == Axial::Held).then_some(self.thrust_ratio)
+        (self.parameters().secondary.axial == Axial::Held).then_some(self.thrust_ratio)
     }
 
     /// Forces of clamps and cylinders on the primary and the secondary sheave at present, without seals, N.
     fn closing(&self) -> [f64; 2] {
-        self.law().closing(&self.state, &Inputs::of_array(self.acting))
+        self.law().closing(&self.state, &self.acting)
     }
 
     /// The secondary force, N: of clamp and cylinder, or with a held sheave what the primary force requires.
@@ -247,13 +261,13 @@ impl MapUnit {
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
-    fn step(&mut self, duration: f64, to: [f64; 8]) -> bool {
+    fn step(&mut self, duration: f64, to: &Inputs) -> bool {
         let from = self.acting;
-        let at = |share: f64| Inputs::of_array(std::array::from_fn(|n| from[n] + share * (to[n] - from[n])));
+        let change = to.after(-1.0, &from);
         let k = GAMMA * duration;
         let law = self.law();
         let start = self.state;
-        let inputs = at(GAMMA);
+        let inputs = from.after(GAMMA, &change);
         let stage = Stage {
             law: &law,
             inputs,
@@ -270,7 +284,7 @@ impl MapUnit {
             secondary: ahead(start.secondary, first.secondary),
             log_ratio: ahead(start.log_ratio, first.log_ratio),
         };
-        let inputs = at(1.0);
+        let inputs = *to;
         let stage = Stage {
             law: &law,
             inputs,
@@ -280,15 +294,15 @@ impl MapUnit {
             return false;
         };
         self.state = second;
-        self.acting = to;
-        if self.settings.secondary.axial == Axial::Held {
+        self.acting = *to;
+        if self.parameters().secondary.axial == Axial::Held {
             self.update_thrust_ratio();
         }
         true
     }
 
     /// Steps to a time, s, at which the inputs are `to`.
-    fn run_to(&mut self, end: f64, to: [f64; 8]) -> Result<(), StepFailure> {
+    fn run_to(&mut self, end: f64, to: &Inputs) -> Result<(), StepFailure> {
         let mut longest = LONGEST;
         let whole = end - self.time;
         let mut left = whole;
@@ -300,12 +314,12 @@ impl MapUnit {
             let duration = left / count;
             let share = if count > 1.0 { duration / left } else { 1.0 };
             let next = if count > 1.0 {
-                std::array::from_fn(|n| self.acting[n] + share * (to[n] - self.acting[n]))
+                self.acting.after(share, &to.after(-1.0, &self.acting))
             } else {
-                to
+                *to
             };
             steps += 1.0;
-            if self.step(duration, next) {
+            if self.step(duration, &next) {
                 left = if count > 1.0 { left - duration } else { 0.0 };
                 longest = (2.0 * longest).min(LONGEST);
             } else {
@@ -318,53 +332,27 @@ impl MapUnit {
                 )));
             }
         }
-        self.acting = to;
+        self.acting = *to;
         self.time = end;
         Ok(())
     }
 
     /// Advances over a communication step.
-    fn advance_to(&mut self, step: &CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
-        let wanted = settings.inputs.array();
-        let duration = step.to - self.time;
-        let rates = step.rates.as_ref().map_or([0.0; 8], |rates| rates.inputs.array());
-        let ramp = if settings.ramp < 0.0 {
-            duration
-        } else {
-            settings.ramp.min(duration)
-        };
-        // An input with a rate starts at its value; the others reach theirs at the end of the ramp.
-        for n in 0..8 {
-            if rates[n] != 0.0 || ramp <= INSTANT {
-                self.acting[n] = wanted[n];
-            }
-        }
-        let at = |since: f64| -> [f64; 8] {
-            std::array::from_fn(|n| {
-                let value = wanted[n] + rates[n] * since;
-                if n % 4 == 1 { value.max(0.0) } else { value }
-            })
-        };
-        let from = self.time;
-        if self.acting != wanted && ramp > INSTANT && ramp < duration {
-            self.run_to(from + ramp, at(ramp))?;
-        }
-        self.run_to(step.to, at(duration))?;
-        // After the step an input has the value that was set last.
-        self.acting = wanted;
-        if rates != [0.0; 8] {
-            self.acting = at(duration);
+    fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
+        for segment in step.inputs.segments() {
+            self.acting = segment.at(segment.from);
+            let end = segment.until.min(step.to);
+            self.run_to(end, &segment.at(end))?;
         }
         Ok(())
     }
 
     /// Logs once that a cylinder opens its pulley.
     fn log_opening(&mut self, remarks: &mut Vec<Remark>) {
-        let inputs = Inputs::of_array(self.acting);
-        let pulleys = [("primary", inputs.primary), ("secondary", inputs.secondary)];
-        let axials = [self.settings.primary.axial, self.settings.secondary.axial];
-        for ((force, (name, given)), axial) in self.closing().into_iter().zip(pulleys).zip(axials) {
-            if !self.opened && axial == Axial::Force && force <= 0.0 && force < given.clamping_force {
+        for (force, pulley) in self.closing().into_iter().zip([Pulley::Primary, Pulley::Secondary]) {
+            let (name, given) = (pulley.name(), self.acting.pulley(pulley));
+            let is_free = self.parameters().pulley(pulley).axial == Axial::Force;
+            if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
                 self.opened = true;
                 remarks.push(Remark {
                     warning: true,
@@ -402,15 +390,14 @@ impl MapUnit {
 
     /// Speeds of the primary and the secondary sheave at present, closing positive, m/s.
     fn sheave_velocities(&self, frame: &Frame, point: &Point) -> [f64; 2] {
-        if self.is_held() {
+        if self.parameters().holds_a_sheave() {
             return [0.0; 2];
         }
-        let inputs = Inputs::of_array(self.acting);
-        let (rate, _) = self.law().shift(frame, point, &self.state, &inputs);
+        let (rate, _) = self.law().shift(frame, point, &self.state, &self.acting);
         let [least, most] = self.radii.stops;
         let at_stop = self.state.log_ratio <= least && rate < 0.0 || self.state.log_ratio >= most && rate > 0.0;
         let rate = if at_stop { 0.0 } else { rate };
-        let positions = self.radii.positions(&self.tables.geometry, self.state.log_ratio);
+        let positions = self.radii.positions(self.state.log_ratio);
         positions.map(|(_, slope)| slope * rate)
     }
 
@@ -427,31 +414,41 @@ impl MapUnit {
         let lost = point.torque_loss();
         let on_secondary = frame.ratio * (torque - (primary / FADING_SPEED).tanh() * lost);
         let holding = point.thrust_ratio();
-        let drag = [(&self.settings.primary, primary), (&self.settings.secondary, secondary)]
-            .map(|(pulley, speed)| law.drag(pulley, speed, load).0);
-        let cylinders = [&self.settings.primary, &self.settings.secondary].map(|pulley| &pulley.cylinder);
+        let pulleys = [&self.parameters().primary, &self.parameters().secondary];
+        let drag = [(pulleys[0], primary), (pulleys[1], secondary)]
+            .map(|(pulley, speed)| pulley.drag.at(speed, [load, 0.0]).torque);
         let velocities = self.sheave_velocities(&frame, &point);
-        let drags: [f64; 2] = std::array::from_fn(|k| cylinders[k].drag(velocities[k]));
-        let axial = match self.settings.primary.axial {
+        let drags = law.rubbing(velocities);
+        let axial = match pulleys[0].axial {
             Axial::Held => holding * force,
             Axial::Force => self.closing()[0] - drags[0],
         };
         let force = force - drags[1];
         let seal_loss = drags[0] * velocities[0] + drags[1] * velocities[1];
         let setpoint = |speed: f64, pulley: usize, from_belt: f64| {
-            let of = [&self.settings.primary, &self.settings.secondary][pulley];
+            let (of, given) = (pulleys[pulley], [&self.acting.primary, &self.acting.secondary][pulley]);
             match of.drive {
-                Drive::Torque => self.acting[4 * pulley],
-                Drive::Speed => {
-                    of.inertia * (self.acting[4 * pulley + 2] - speed) / SPEED_LAG - from_belt + drag[pulley]
-                }
+                Drive::Torque => given.torque,
+                Drive::Speed => of.inertia * (given.speed_setpoint - speed) / SPEED_LAG - from_belt + drag[pulley],
             }
         };
         let belt_powers = [torque * primary, -on_secondary * secondary];
         let shaft_powers = [belt_powers[0] + drag[0] * primary, belt_powers[1] + drag[1] * secondary];
         let shaft_loss = drag[0] * primary + drag[1] * secondary;
         let slip_speed = 1e-3;
-        Readings {
+        let pulley = |k: usize, speed: f64, radius: f64, shaft_torque: f64| PulleyOutputs {
+            speed,
+            radius,
+            axial_force: [axial, force][k],
+            clamping_force_total: [axial, force][k],
+            sheave_velocity: velocities[k],
+            flow: pulleys[k].cylinder.area * velocities[k],
+            shaft_torque,
+            external_torque: setpoint(speed, k, shaft_torque),
+            power: belt_powers[k],
+            ..PulleyOutputs::default()
+        };
+        let outputs = Outputs {
             thrust_ratio: if force < 1.0 { 0.0 } else { axial / force },
             belt_speed: 0.5 * frame.radius * (primary + frame.ratio * secondary),
             ratio_speed: if secondary == 0.0 { 0.0 } else { primary / secondary },
@@ -463,35 +460,23 @@ impl MapUnit {
             },
             efficiency: efficiency(shaft_powers),
             belt_efficiency: efficiency(belt_powers),
-            utilisation: traction.value.abs(),
+            torque_utilisation: traction.value.abs(),
             macro_slip: traction.macro_slip,
-            loss: belt_powers[0] + belt_powers[1] + shaft_loss + seal_loss,
-            shaft_loss,
-            seal_loss,
-            stored_energy: 0.5
-                * (self.settings.primary.inertia * primary * primary
-                    + self.settings.secondary.inertia * secondary * secondary),
+            losses: Losses {
+                // Maps have the belt's loss as a whole.
+                other: belt_powers[0] + belt_powers[1],
+                shafts: shaft_loss,
+                seals: seal_loss,
+                ..Losses::default()
+            },
+            stored_energy: 0.5 * (pulleys[0].inertia * primary * primary + pulleys[1].inertia * secondary * secondary),
+            primary: pulley(0, primary, frame.radius, -torque),
+            secondary: pulley(1, secondary, frame.ratio * frame.radius, on_secondary),
+            ..Outputs::default()
+        };
+        Readings {
+            outputs,
             outside: frame.place.outside,
-            primary: PulleyOutputs {
-                speed: primary,
-                radius: frame.radius,
-                axial_force: axial,
-                sheave_velocity: velocities[0],
-                flow: cylinders[0].area * velocities[0],
-                shaft_torque: -torque,
-                external_torque: setpoint(primary, 0, -torque),
-                power: belt_powers[0],
-            },
-            secondary: PulleyOutputs {
-                speed: secondary,
-                radius: frame.ratio * frame.radius,
-                axial_force: force,
-                sheave_velocity: velocities[1],
-                flow: cylinders[1].area * velocities[1],
-                shaft_torque: on_secondary,
-                external_torque: setpoint(secondary, 1, on_secondary),
-                power: belt_powers[1],
-            },
         }
     }
 }
@@ -509,28 +494,22 @@ fn efficiency(powers: [f64; 2]) -> f64 {
 
 /// Settings that do not fit each other.
 fn check(settings: &Settings) -> Result<(), String> {
-    if settings.primary.axial == Axial::Held && settings.secondary.axial == Axial::Held {
+    if settings.parameters.holds_both_sheaves() {
         return Err(
             "primary.axial and secondary.axial are both Held: maps have no forces for that, one must be Force"
                 .to_owned(),
         );
     }
-    if let Some(tables) = &settings.tables {
-        let steepest = tables.geometry.wedge_angle.tan();
-        if settings.friction >= steepest {
-            return Err(format!(
-                "friction.pulley = {} must be below tan(geometry.wedgeAngle) = {steepest:.4} of the maps",
-                settings.friction
-            ));
-        }
-    }
-    Ok(())
+    settings
+        .parameters
+        .validate_friction()
+        .map_err(|error| error.to_string())
 }
 
 impl Unit for MapUnit {
     type Settings = Settings;
     type Readings = Readings;
-    type Progress = ();
+    type Step = Step;
 
     const IDENTITY: Identity = Identity {
         name: "PushbeltMap",
@@ -548,20 +527,21 @@ impl Unit for MapUnit {
     const INTERPOLATES_INPUTS: bool = true;
 
     fn table() -> Table<Settings, Readings> {
-        variables::table()
+        settings::table()
     }
 
     fn load(resources: Option<&Path>) -> Result<Settings, String> {
         let resources = resources.ok_or("the importer names no folder of resources, and the tables are there")?;
         let tables = Tables::read(resources)?;
         Ok(Settings {
-            tables: Some(Arc::new(tables)),
+            parameters: tables.parameters.clone(),
+            own: Some(Arc::new(tables)),
             ..Settings::default()
         })
     }
 
     fn data(settings: &Settings) -> Option<u128> {
-        settings.tables.as_ref().map(|tables| tables.hash)
+        settings.own.as_ref().map(|tables| tables.hash)
     }
 
     fn check(settings: &Settings) -> Result<(), String> {
@@ -584,33 +564,33 @@ impl Unit for MapUnit {
         &self.readings
     }
 
-    fn advance(
-        &mut self,
-        step: &mut CommunicationStep<Self>,
-        settings: &Settings,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        let before = (
-            self.state,
-            self.time,
-            self.acting,
-            self.thrust_ratio,
-            self.settings.friction,
-        );
-        self.settings.friction = settings.friction;
-        let advanced = self.advance_to(step, settings);
+    fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Step, StepFailure> {
+        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
+        let ramp = settings.parameters.solver.input_ramp;
+        let inputs = InputProfile::new(ramp, [self.time, to], &self.acting, &settings.inputs, &rates);
+        Ok(Step { to, inputs })
+    }
+
+    fn advance(&mut self, step: &mut Step, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+        let friction = settings.parameters.friction.pulley;
+        let own = std::mem::replace(&mut self.settings.parameters.friction.pulley, friction);
+        let before = (self.state, self.time, self.acting, self.thrust_ratio);
+        let advanced = self.advance_to(step);
         if advanced.is_err() {
-            (
-                self.state,
-                self.time,
-                self.acting,
-                self.thrust_ratio,
-                self.settings.friction,
-            ) = before;
+            (self.state, self.time, self.acting, self.thrust_ratio) = before;
+            self.settings.parameters.friction.pulley = own;
         }
         advanced?;
         self.log_outside(remarks);
         Ok(())
+    }
+
+    fn is_over(&self, step: &Step) -> bool {
+        self.time >= step.to
+    }
+
+    fn end_at(&mut self, step: &mut Step, time: f64) {
+        step.to = step.to.min(time.max(self.time));
     }
 
     fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {
@@ -631,7 +611,7 @@ impl Unit for MapUnit {
         tape.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
         tape.within(&mut self.thrust_ratio, least, most);
-        for value in &mut self.acting {
+        for value in self.acting.each_mut() {
             tape.within(value, -LARGEST, LARGEST);
         }
         tape.flag(&mut self.logged);

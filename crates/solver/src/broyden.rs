@@ -2,6 +2,8 @@
 //! (1995), section 7.3: it needs the steps made so far and no matrix. Where a few rows have changed between sticking and
 //! sliding, the Jacobian has changed in rank by as few, which updates make good.
 
+use nalgebra::DVectorView;
+
 /// A scaled step.
 #[derive(Clone, Debug)]
 struct Step {
@@ -17,18 +19,9 @@ pub(super) struct Broyden {
     made: usize,
 }
 
-/// a·b, in as many sums as keep the processor's adders busy.
+/// a·b.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const SUMS: usize = 16;
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
-    let mut sums = [0.0; SUMS];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
 
 impl Broyden {

@@ -11,7 +11,6 @@ mod broyden;
 pub mod continuation;
 pub mod differences;
 mod kernels;
-mod line_search;
 pub mod newton;
 pub mod scalar;
 pub mod sdirk;

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt import page
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.style import BLUE, GREEN, INK, ORANGE, VIOLET
+from pushbelt.report import page
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import BLUE, GREEN, INK, ORANGE, VIOLET
 
 from . import package
 from .study import PACKAGE, SIGNALS, Coupling, orders

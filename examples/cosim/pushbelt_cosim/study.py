@@ -11,15 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.drive import simulate
-from pushbelt.drive.car import demo_car
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.maps.data import Maps
-from pushbelt.progress import progress_bar
-from pushbelt.side_by_side import run_in_workers, tick
+from pushbelt.report.side_by_side import progress_bar, run_in_workers, tick
 
 from . import fmus, package
 from .masters import MASTERS, Progress

@@ -46,7 +46,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     }
     progress::headline("Reading the Python package");
     let mut reference = Environment::prepare(workspace, &RUNNING)?.command();
-    cargo::run(reference.arg(workspace.root().join("python").join("reference.py")))
+    cargo::run(reference.arg(workspace.root().join("fmu-build/python/book.py")))
 }
 
 /// Files that are out of date with respect to `modelDescription.xml` and the version. Whether `modelDescription.xml` is that of

@@ -19,7 +19,6 @@ from pushbelt.fmu.enumerations import Drive
 from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
-from pushbelt.fmu.tilt import RIGID
 from pushbelt.fmu.unit import Archive, Instance, output_names
 
 from . import times
@@ -49,6 +48,8 @@ MESHES: Mapping[str, Parameters] = {"aligned": {}, "even": EVEN, "even, fine": {
 OFFSET = 5e-4
 """Axial offset of the pulleys in the run in space, m."""
 
+RIGID = 1e12
+"""Stiffness above which a sheave is rigid, N·m/rad."""
 SHIFT_FORCE = 1.2
 """Primary clamping force of the shift on two meshes, relative to that at rest."""
 

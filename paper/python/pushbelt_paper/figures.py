@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pushbelt.charts import Chart, Level, Panel, Series, Shade, Tick, around
 from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import LoadCase
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.charts import Chart, Level, Panel, Series, Shade, Tick, around
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from . import profiles, times
 from .results import MODELS, OTHERS, PULLEYS, REFERENCE, CaseRun, PaperResults

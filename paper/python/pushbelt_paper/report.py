@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
+from pushbelt import tables
 from pushbelt.fmu.data import load_case_speed
+from pushbelt.report import page
 
 from . import cases, figures, profiles, times
 from .results import MODELS, PULLEYS, REFERENCE, PaperResults

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from pushbelt import side_by_side
 from pushbelt.fmu.data import load_case_speed, load_cases, parameter_set
 from pushbelt.fmu.results import LoadCase, SteadyState
 from pushbelt.fmu.unit import Archive, UnitError
-from pushbelt.side_by_side import Call, tick
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import Call, tick
 
 from . import cases, rings, times
 from .results import CHOSEN_CASE, MODELS, CaseRun, Effort, Failure, PaperResults

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pushbelt import tables
-from pushbelt.page import MINUS
+from pushbelt.report.page import MINUS
 
 from . import profiles, times
 from .cases import OFFSET

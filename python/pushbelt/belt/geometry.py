@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import BELT_LENGTH
@@ -101,14 +101,17 @@ class Dimensions:
             )
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A parameter with its origin."""
+class Entry(NamedTuple):
+    """A parameter with its origin: `given`, `geometry` (follows from given dimensions) or `typical` (contains an engineering value)."""
 
     value: float
-    origin: str
-    """`given`, `geometry` (follows from given dimensions) or `typical` (contains an engineering value)."""
+    origin: str = "given"
     note: str = ""
+
+
+def _chosen(value: float, given: bool, note: str = "") -> Entry:
+    """A value that is given, or an engineering value."""
+    return Entry(value) if given else Entry(value, "typical", note)
 
 
 class Belt:
@@ -237,80 +240,59 @@ class Belt:
 
     def _geometry(self) -> dict[str, Entry]:
         d = self.dimensions
-        standard = d.wedge_angle == Dimensions.wedge_angle
-        stops = (
-            ("minRadius", d.min_radius, d.min_radius != MIN_RADIUS, "engineering value"),
-            ("maxRadius", self.max_radius, d.max_radius is not None, "engineering value: the pulleys are 4 mm apart at this radius"),
-        )
+        apart = "engineering value: the pulleys are 4 mm apart at this radius"
+        stops = {
+            "minRadius": _chosen(d.min_radius, d.min_radius != MIN_RADIUS, "engineering value"),
+            "maxRadius": _chosen(self.max_radius, d.max_radius is not None, apart),
+        }
         return {
-            "geometry.centerDistance": Entry(d.center_distance, "given"),
-            "geometry.beltLength": Entry(d.length, "given"),
-            "geometry.wedgeAngle": Entry(
-                d.wedge_angle, "typical" if standard else "given", "11 degrees, as usual" if standard else ""
-            ),
-            **{
-                f"{pulley}.{name}": Entry(value, "given", "") if given else Entry(value, "typical", note)
-                for pulley in ("primary", "secondary")
-                for name, value, given, note in stops
-            },
+            "geometry.centerDistance": Entry(d.center_distance),
+            "geometry.beltLength": Entry(d.length),
+            "geometry.wedgeAngle": _chosen(d.wedge_angle, d.wedge_angle != Dimensions.wedge_angle, "11 degrees, as usual"),
+            **{f"{pulley}.{name}": stop for pulley in ("primary", "secondary") for name, stop in stops.items()},
         }
 
     def _ring(self) -> dict[str, Entry]:
         d = self.dimensions
         area = SETS * d.layers * self.layer_width * d.layer_thickness
         stiffness = d.young * area
-        width = Entry(self.layer_width, "given") if d.layer_width is not None else Entry(
-            self.layer_width, "typical", "(width - 6 mm)/2"
-        )  # fmt: skip
-        origin = "geometry" if width.origin == "given" else "typical"
+        width = _chosen(self.layer_width, d.layer_width is not None, "(width - 6 mm)/2")
+        origin = "geometry" if d.layer_width is not None else "typical"
         layers = f"2 sets of {d.layers} layers, {1e3 * d.layer_thickness:g} mm x {1e3 * self.layer_width:g} mm"
+        bends, lateral = (stiffness * size**2 / 12.0 for size in (d.layer_thickness, self.layer_width))
+        aged = "a circle of the belt's length, as which a layer was aged and nitrided"
         return {
-            "ring.layers": Entry(d.layers, "given"),
-            "ring.layerThickness": Entry(
-                d.layer_thickness, "given" if d.layer_thickness != Dimensions.layer_thickness else "typical"
-            ),
+            "ring.layers": Entry(d.layers),
+            "ring.layerThickness": _chosen(d.layer_thickness, d.layer_thickness != Dimensions.layer_thickness),
             "ring.layerWidth": width,
             "ring.massPerLength": Entry(d.density * area, origin, f"{layers}, {d.density:g} kg/m3"),
             "ring.axialStiffness": Entry(stiffness, origin, f"{layers}, {1e-9 * d.young:g} GPa"),
-            "ring.bendingStiffness": Entry(
-                stiffness * d.layer_thickness**2 / 12.0, origin, "the same layers, each bends separately"
-            ),
-            "ring.lateralBendingStiffness": Entry(
-                stiffness * self.layer_width**2 / 12.0, origin, "the same layers, each set bends separately"
-            ),
-            "ring.residualCurvature": Entry(
-                2.0 * math.pi / d.length, "typical", "a circle of the belt's length, as which a layer was aged and nitrided"
-            ),
+            "ring.bendingStiffness": Entry(bends, origin, "the same layers, each bends separately"),
+            "ring.lateralBendingStiffness": Entry(lateral, origin, "the same layers, each set bends separately"),
+            "ring.residualCurvature": Entry(2.0 * math.pi / d.length, "typical", aged),
         }
 
     def _elements(self) -> dict[str, Entry]:
         d = self.dimensions
         mass, thickness = self.element_mass, self.element_thickness
-        weighed = d.element_mass is not None
+        counted, weighed = d.elements or d.element_thickness, d.element_mass is not None
         number = f"{self.elements} elements of {1e3 * mass:.4g} g on the pitch line"
         filled = f"{number}, each 59 % of width x {1e3 * d.element_height:g} mm x thickness, 7800 kg/m3"
         wider, thicker = d.width / WIDTH, thickness / THICKNESS
         scales = {"belt.filmDamping": wider, "belt.squeezeDamping": wider * thicker, "belt.suction": wider}
+        saddle = "saddle 0.17 mm above the rocking edge, and half the layers"
+        play = "given" if d.play is not None else "geometry" if d.elements and d.element_thickness else "typical"
+        inertia = 0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2)
+        bar = f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge"
+        per_length = Entry(
+            self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
+        )
         return {
-            "belt.pitchOffset": Entry(
-                self.pitch_offset,
-                "typical" if d.pitch_offset is None else "given",
-                "saddle 0.17 mm above the rocking edge, and half the layers" if d.pitch_offset is None else "",
-            ),
-            "belt.play": Entry(
-                self.play,
-                "given" if d.play is not None else "geometry" if d.elements and d.element_thickness else "typical",
-                "of the unstretched ring",
-            ),
-            "belt.elementThickness": Entry(thickness, "geometry" if d.elements or d.element_thickness else "typical", "mean"),
-            "belt.massPerLength": Entry(
-                self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
-            ),
-            "belt.elementInertia": Entry(
-                0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
-                "typical",
-                f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
-            ),
+            "belt.pitchOffset": _chosen(self.pitch_offset, d.pitch_offset is not None, saddle),
+            "belt.play": Entry(self.play, play, "of the unstretched ring"),
+            "belt.elementThickness": Entry(thickness, "geometry" if counted else "typical", "mean"),
+            "belt.massPerLength": per_length,
+            "belt.elementInertia": Entry(inertia, "typical", bar),
             "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
             **{
                 name: Entry(value * scales[name], "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
@@ -320,13 +302,8 @@ class Belt:
 
     def _contact(self) -> dict[str, Entry]:
         element = 2.0 * STEEL * FLANK / self.dimensions.width
-        return {
-            "contact.stiffness": Entry(
-                1.0 / (1.0 / element + 1.0 / SHEAVE),
-                "typical",
-                "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11",
-            )
-        }
+        about = "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11"
+        return {"contact.stiffness": Entry(1.0 / (1.0 / element + 1.0 / SHEAVE), "typical", about)}
 
     def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:
         """The parameter set. `values` are the parameters of the set `base`, used where nothing follows from the dimensions.
@@ -334,7 +311,7 @@ class Belt:
         `changes` are values of the user. They come first.
         """
         taken = {key: Entry(value, "typical", f"as {base}") for key, value in values.items()}
-        given = {key: Entry(value, "given") for key, value in changes.items()}
+        given = {key: Entry(value) for key, value in changes.items()}
         d = self.dimensions
         return {
             "id": name,

@@ -36,7 +36,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
-from pushbelt.progress import progress_bar
+from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import columns, points
 from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError

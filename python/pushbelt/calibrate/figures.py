@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series, around
+from pushbelt.report.charts import Chart, Panel, Series, around
 from pushbelt.fmu.geometry import Array
-from pushbelt.page import MINUS
-from pushbelt.style import BLUE, MUTED, ORANGE
+from pushbelt.report.page import MINUS
+from pushbelt.report.style import BLUE, MUTED, ORANGE
 
 from .residuals import Residual
 

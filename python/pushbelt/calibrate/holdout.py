@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from pushbelt import page, tables
+from pushbelt import tables
+from pushbelt.report import page
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
-from pushbelt.progress import progress_bar
+from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig

@@ -12,7 +12,7 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive
-from pushbelt.side_by_side import Call, worker_pool
+from pushbelt.report.side_by_side import Call, worker_pool
 from pushbelt.tables.points import Measured, Point
 
 from .parameters import Parameter, assign

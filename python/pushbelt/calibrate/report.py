@@ -9,7 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pushbelt import page, tables
+from pushbelt import tables
+from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Point
 

@@ -15,7 +15,7 @@ from pushbelt.fmu.enumerations import Axial, StartState
 from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
-from pushbelt.side_by_side import tick
+from pushbelt.report.side_by_side import tick
 from pushbelt.tables.columns import SAMPLED
 from pushbelt.tables.points import Point, Record
 

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
 from pushbelt.fmu.data import is_chain
 from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
+from pushbelt.report.belt_view import SPEEDS, Motion, over_time
 
 FIELD = "profile."
 """Prefix of the names of fields along the belt."""
-SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
 OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius", *SPEEDS)
 MOMENTS = 300
 """Largest number of times of a run in the animation."""
@@ -49,5 +48,4 @@ def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
         )
         for k in rows
     }
-    turned = [integrated(run.time, run[name], run.time[rows]) for name in SPEEDS]
-    return motion(states, parameters, turned)
+    return over_time(run.time, run.columns, states, parameters)

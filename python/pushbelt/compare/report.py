@@ -8,10 +8,11 @@ from typing import Any
 
 from markupsafe import Markup
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.style import BLUE, ORANGE, in_figures
+from pushbelt import tables
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view
+from pushbelt.report.charts import Chart, Series, stack
+from pushbelt.report.style import BLUE, ORANGE, in_figures
 
 from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
@@ -31,15 +32,14 @@ def write(
     files have the fields along the belt.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    tables.write(
-        folder / "differences.csv",
-        ["run", "column", "unit", *(f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest")), "time [s]", "largestShare [1]"],
-        (
-            [pair.name, d.name, _units_of(pair, units).get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
-            for pair in pairs
-            for d in pair.differences
-        ),
+    measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
+    rows = (
+        [pair.name, d.name, _units_of(pair, units).get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
+        for pair in pairs
+        for d in pair.differences
     )
+    header = ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"]
+    tables.write(folder / "differences.csv", header, rows)
     path = folder / "report.html"
     page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path, plain=_plain)
     return path
@@ -82,26 +82,19 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), gr
     looks = (("A", BLUE, ""), ("B", ORANGE, "dash"))
     start = min(float(run.time[0]) for run in pair.runs)
     end = max(float(run.time[-1]) for run in pair.runs)
-    return Chart(
-        [
-            Panel(
-                f"{name} ({shown[name][1]})" if name in units else name,
-                [
-                    Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
-                    for (who, colour, dash), run in zip(looks, pair.runs, strict=True)
-                ],
-                "time (s)" if name == names[-1] else "",
-                x_range=(start, end),
-                height=170,
-            )
-            for name in names
-        ],
-        f"Both runs of {pair.name} over time",
-        columns=2,
-        linked=True,
-        group=group,
-        least_width=330,
-    )
+    rows = [
+        (
+            f"{name} ({shown[name][1]})" if name in units else name,
+            [
+                Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
+                for (who, colour, dash), run in zip(looks, pair.runs, strict=True)
+            ],
+            {},
+        )
+        for name in names
+    ]
+    panels = stack(rows, "time (s)", x_range=(start, end), height=170)
+    return Chart(panels, f"Both runs of {pair.name} over time", columns=2, linked=True, group=group, least_width=330)
 
 
 def _plain(value: float) -> str:

@@ -64,14 +64,11 @@ def launch(trace: Trace) -> Event:
     end = shifting[0] if shifting.size else len(time) - 1
     driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
     end = driving[-1] if driving.size else end
-    return Event(
-        name,
-        True,
-        float(time[moving[0]]),
-        float(time[end]),
+    evidence = (
         f"secondary from 0 to {RPM * speed[end]:.0f} rpm at ratios of {ratio[: end + 1].min():.2f} to "
-        f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %",
+        f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %"
     )
+    return Event(name, True, float(time[moving[0]]), float(time[end]), evidence)
 
 
 def shift(trace: Trace) -> Event:
@@ -87,18 +84,12 @@ def shift(trace: Trace) -> Event:
     start = np.flatnonzero(ratio[:crossing] > high - 0.05 * (high - low))[-1]
     end = crossing + np.flatnonzero(ratio[crossing:] < low + 0.05 * (high - low))[0]
     rate = np.gradient(ratio[start : end + 1], time[start : end + 1]).min()
-    return Event(
-        name,
-        True,
-        float(time[start]),
-        float(time[end]),
+    slipping = (trace["macroSlip"][start : end + 1] > 0.5).mean() * (time[end] - time[start])
+    evidence = (
         f"ratio from {ratio[start]:.2f} to {ratio[end]:.2f}, through 1 at {time[crossing]:.2f} s, "
-        f"at most {-rate:.2f} 1/s; macro-slip for {_macro_slip_time(trace, start, end):.2f} s of it",
+        f"at most {-rate:.2f} 1/s; macro-slip for {slipping:.2f} s of it"
     )
-
-
-def _macro_slip_time(trace: Trace, first: int, last: int) -> float:
-    return float((trace["macroSlip"][first : last + 1] > 0.5).mean() * (trace.time[last] - trace.time[first]))
+    return Event(name, True, float(time[start]), float(time[end]), evidence)
 
 
 def torque_steps(trace: Trace) -> list[Event]:
@@ -111,17 +102,12 @@ def torque_steps(trace: Trace) -> list[Event]:
             continue
         window = (trace.time >= at) & (trace.time <= at + 0.3)
         belt = -trace["primary.shaftTorque"][window][-1]
-        events.append(
-            Event(
-                f"Torque step {before:.0f} → {after:.0f} N·m",
-                True,
-                at,
-                float("nan"),
-                f"0.3 s later the belt carries {belt:.1f} N·m; slip from "
-                f"{100 * trace['slip'][window][0]:.2f} to {100 * trace['slip'][window][-1]:.2f} %, "
-                f"utilisation {trace['torqueUtilisation'][window][-1]:.2f}",
-            )
+        first, last = 100 * trace["slip"][window][[0, -1]]
+        evidence = (
+            f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, "
+            f"utilisation {trace['torqueUtilisation'][window][-1]:.2f}"
         )
+        events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, at, float("nan"), evidence))
     return events or [_missing("Torque steps", "no step of the primary torque above 20 N·m within 30 ms")]
 
 
@@ -130,21 +116,15 @@ def over_torque(trace: Trace) -> list[Event]:
 
     Of several intervals of macro-slip, the one with the largest external torque is used; the others are additional events.
     """
-    slipping = [
-        (start, end) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02) if end - start >= 0.02
-    ]
+    slipping = [one for one in intervals(trace.time, trace["macroSlip"], gap=0.02) if one[1] - one[0] >= 0.02]
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()
         return [
             _missing(OVERLOAD, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
             _missing("Recovery", "no recovery, since there was no macro-slip"),
         ]
-    overload = max(
-        slipping, key=lambda interval: np.abs(trace["primary.externalTorque"][_within(trace, *interval)]).max()
-    )
-    events = [
-        _slipping(OVERLOAD if interval == overload else "Additional macro-slip", trace, *interval) for interval in slipping
-    ]
+    overload = max(slipping, key=lambda one: np.abs(trace["primary.externalTorque"][_within(trace, *one)]).max())
+    events = [_slipping(OVERLOAD if one == overload else "Additional macro-slip", trace, *one) for one in slipping]
     return [*events, _recovery(trace, overload[1])]
 
 
@@ -158,14 +138,11 @@ def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
     carried = np.median(-trace["primary.shaftTorque"][during])
     slip = 100 * np.abs(trace["slip"][during]).max()
     loss = 1e-3 * trace["loss.total"][during].max()
-    return Event(
-        name,
-        True,
-        start,
-        end,
+    evidence = (
         f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); "
-        f"slip up to {slip:.0f} %, loss up to {loss:.3g} kW",
+        f"slip up to {slip:.0f} %, loss up to {loss:.3g} kW"
     )
+    return Event(name, True, start, end, evidence)
 
 
 def _recovery(trace: Trace, overload_end: float) -> Event:
@@ -175,14 +152,11 @@ def _recovery(trace: Trace, overload_end: float) -> Event:
         return _missing(name, f"slip is still {100 * slip[-1]:.1f} % at the end")
     late = np.flatnonzero((trace.time > overload_end) & (slip > 0.03))
     settled = float(trace.time[late[-1] + 1]) if late.size else overload_end
-    return Event(
-        name,
-        True,
-        overload_end,
-        settled,
+    evidence = (
         f"slip below 3 % permanently {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
-        f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}",
+        f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}"
     )
+    return Event(name, True, overload_end, settled, evidence)
 
 
 def detect(trace: Trace) -> list[Event]:

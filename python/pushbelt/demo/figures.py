@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
-from pushbelt.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.belt_view import Motion, over_time
+from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from .checks import energy_bound
-from .events import Event
-from .results import ManoeuvreResult, MeasuredPoint
+from .events import RPM, Event
+from .simulate import ManoeuvreResult, MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -33,8 +33,6 @@ LOSSES = (
 STANDSTILL = 1.0
 """Least secondary speed for quotients of speeds, rad/s."""
 
-RPM = 30.0 / np.pi
-"""rpm of a speed of 1 rad/s."""
 TIME = "time (s)"
 GROUP = "manoeuvre"
 """Group name of charts and belt that share a cursor."""
@@ -50,15 +48,12 @@ def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoi
         thrust.append(Series(name, torques, [r.steady["thrustRatio"] for r in line], **marked))
         efficiency.append(Series(name, torques, [100 * r.steady["efficiency"] for r in line], **marked))
     x_label = "primary torque (N·m)"
-    return Chart(
-        [
-            Panel("Thrust ratio", thrust, x_label),
-            Panel("Efficiency of the shafts (%)", efficiency + _measured(measured, results), x_label),
-            _loss_shares(results, torques),
-        ],
-        "Thrust ratio, efficiency and losses of the load cases",
-        columns=3,
-    )
+    panels = [
+        Panel("Thrust ratio", thrust, x_label),
+        Panel("Efficiency of the shafts (%)", efficiency + _measured(measured, results), x_label),
+        _loss_shares(results, torques),
+    ]
+    return Chart(panels, "Thrust ratio, efficiency and losses of the load cases", columns=3)
 
 
 def _measured(measured: Sequence[MeasuredPoint], results: Sequence[LoadCaseResult]) -> list[Series]:
@@ -90,21 +85,14 @@ def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) ->
     places = np.array([k + 0.8 * (k // len(torques)) for k in range(len(ordered))])
     names = [f"{r.case.ratio_name}, {r.case.torque:g} N·m" for r in ordered]
     ticks = tuple((float(place), f"{r.case.torque:g}") for place, r in zip(places, ordered, strict=True))
-    groups = [places[k * len(torques) : (k + 1) * len(torques)] for k in range(len(RATIO_COLOURS))]
-    return Panel(
-        "Losses (W) by ratio and torque (N·m)",
-        [
-            Series(label, places, [r.steady[part] for r in ordered], colour, "bars", labels=names, bar_width=0.82)
-            for part, label, colour in LOSSES
-            if any(r.steady[part] for r in ordered)
-        ],
-        x_ticks=ticks,
-        stacked=True,
-        shades=[
-            Shade(group[0] - 0.5, group[-1] + 0.5, "#ffffff", name, 0.0)
-            for group, name in zip(groups, RATIO_COLOURS, strict=True)
-        ],
-    )
+    groups = zip(places.reshape(len(RATIO_COLOURS), -1), RATIO_COLOURS, strict=True)
+    series = [
+        Series(label, places, [r.steady[part] for r in ordered], colour, "bars", labels=names, bar_width=0.82)
+        for part, label, colour in LOSSES
+        if any(r.steady[part] for r in ordered)
+    ]
+    shades = [Shade(group[0] - 0.5, group[-1] + 0.5, "#ffffff", name, 0.0) for group, name in groups]
+    return Panel("Losses (W) by ratio and torque (N·m)", series, x_ticks=ticks, stacked=True, shades=shades)
 
 
 def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
@@ -117,77 +105,49 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
     of_speeds = np.where(moving, trace["ratio.speed"], np.nan)
     slip = np.where(moving, 100 * trace["slip"], np.nan)
     bound = energy_bound(trace)
-    panels = [
-        (
-            "Torques (N·m)",
-            [
-                line("P, external", trace["primary.externalTorque"], MUTED, "dash"),
-                line("P, carried by the belt", -trace["primary.shaftTorque"], BLUE),
-                line("S, of the belt", trace["secondary.shaftTorque"], ORANGE),
-            ],
-            {},
-        ),
-        (
-            "Axial forces (kN)",
-            [
-                line(f"{pulley[0].upper()}, {what}", 1e-3 * trace[f"{pulley}.{name}"], colour, dash)
-                for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
-                for what, name, dash in (("of the belt", "axialForce", ""), ("clamping", "clampingForce", "dash"))
-            ],
-            {},
-        ),
-        (
-            "Speeds (rpm)",
-            [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)],
-            {},
-        ),
-        (
-            "Ratio",
-            [
-                line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN),
-                line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash"),
-            ],
-            {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))},
-        ),
+    kilowatts = {"scale": "symlog", "linear_to": 1.0, "y_ticks": tuple((k, f"{k:g}") for k in (0, 0.5, 1, 10, 100))}
+    torques = [
+        line("P, external", trace["primary.externalTorque"], MUTED, "dash"),
+        line("P, carried by the belt", -trace["primary.shaftTorque"], BLUE),
+        line("S, of the belt", trace["secondary.shaftTorque"], ORANGE),
+    ]
+    forces = [
+        line(f"{pulley[0].upper()}, {what}", 1e-3 * trace[f"{pulley}.{name}"], colour, dash)
+        for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
+        for what, name, dash in (("of the belt", "axialForce", ""), ("clamping", "clampingForce", "dash"))
+    ]
+    ratios = [
+        line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN),
+        line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash"),
+    ]
+    residual = [
+        line("residual", trace["energy.residual"], VIOLET),
+        line("bound", bound, MUTED, "dash"),
+        line("−bound", -bound, MUTED, "dash"),
+    ]
+    losses = [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])]
+    marks = [Mark(event.start, str(k)) for k, event in enumerate((e for e in events if e.occurred), start=1)]
+    rows = [
+        ("Torques (N·m)", torques, {"marks": marks}),
+        ("Axial forces (kN)", forces, {}),
+        ("Speeds (rpm)", _speeds(line, trace), {}),
+        ("Ratio", ratios, {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))}),
         ("Slip (%), linear to 3 %, logarithmic beyond", [line("slip", slip, RED)], _slip_axis(slip[moving])),
-        (
-            "Losses (kW), linear to 1 kW, logarithmic beyond",
-            [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])],
-            {
-                "scale": "symlog",
-                "linear_to": 1.0,
-                "y_ticks": ((0, "0"), (0.5, "0.5"), (1, "1"), (10, "10"), (100, "100")),
-            },
-        ),
-        (
-            "Energy residual: supplied minus lost minus stored (J)",
-            [
-                line("residual", trace["energy.residual"], VIOLET),
-                line("bound", bound, MUTED, "dash"),
-                line("−bound", -bound, MUTED, "dash"),
-            ],
-            {},
-        ),
+        ("Losses (kW), linear to 1 kW, logarithmic beyond", losses, kilowatts),
+        ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
     ]
-    shades = _macro_slip(trace.time, trace["macroSlip"])
-    marks = [
-        Mark(event.start, str(number))
-        for number, event in enumerate((event for event in events if event.occurred), start=1)
-    ]
-    span = float(trace.time[0]), float(trace.time[-1])
-    last = len(panels) - 1
-    return Chart(
-        [
-            Panel(
-                title, series, TIME if k == last else "", x_range=span, shades=shades,
-                marks=marks if k == 0 else [Mark(mark.x) for mark in marks], height=190, **axis,
-            )
-            for k, (title, series, axis) in enumerate(panels)
-        ],
-        "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time",
-        linked=True,
-        group=GROUP,
-    )  # fmt: skip
+    common = {
+        "x_range": (float(trace.time[0]), float(trace.time[-1])),
+        "height": 190,
+        "marks": [Mark(mark.x) for mark in marks],
+    }
+    panels = stack(rows, TIME, shades=_macro_slip(trace.time, trace["macroSlip"]), **common)
+    label = "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time"
+    return Chart(panels, label, linked=True, group=GROUP)
+
+
+def _speeds(line: Callable[[str, Array, str], Series], trace: Trace) -> list[Series]:
+    return [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)]
 
 
 def _slip_axis(shown: Array) -> dict[str, object]:
@@ -213,18 +173,11 @@ def overload(trace: Trace, start: float, end: float) -> Chart:
         line("external", trace["primary.externalTorque"], MUTED, "dash"),
         line("carried by the belt", -trace["primary.shaftTorque"], BLUE),
     ]
-    speeds = [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)]
     losses = [line("all", 1e-3 * trace["loss.total"], RED)]
     shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
-    return Chart(
-        [
-            Panel(title, series, TIME, shades=shades, x_range=span)
-            for title, series in (("Torque on P (N·m)", torques), ("Speeds (rpm)", speeds), ("Losses (kW)", losses))
-        ],
-        "Torque, speeds and losses during macro-slip",
-        columns=3,
-        linked=True,
-    )
+    rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
+    panels = [Panel(title, series, TIME, shades=shades, x_range=span) for title, series in rows]
+    return Chart(panels, "Torque, speeds and losses during macro-slip", columns=3, linked=True)
 
 
 def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion:
@@ -237,8 +190,7 @@ def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion
         float(moment): BeltState({name: float(at[name][k]) for name in names}, run.snapshots[moment])
         for k, moment in enumerate(moments)
     }
-    speeds = ("primary.speed", "secondary.speed", "belt.speed")
-    return motion(states, parameters, [integrated(trace.time, trace[name], moments) for name in speeds])
+    return over_time(trace.time, trace.columns, states, parameters)
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
@@ -255,22 +207,21 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
     )
     if not profile.push_force.any():
         rows = rows[1:-1]
-    arcs, named = shaded_arcs(curve), shaded_arcs(curve, named=True)
-    return Chart(
+    names = [title.split(" (")[0] for title, _, _ in rows]
+    panels = stack(
         [
-            Panel(
+            (
                 title,
-                [Series(title.split(" (")[0], xi, values[order], colour, marker="circle", size=4)],
-                "place ξ along the belt (mm)" if k == len(rows) - 1 else "",
-                shades=arcs if k else named,
-                x_range=(0.0, 1e3 * curve.length),
-                height=170,
+                [Series(name, xi, values[order], colour, marker="circle", size=4)],
+                {"shades": shaded_arcs(curve, named=name == names[0])},
             )
-            for k, (title, values, colour) in enumerate(rows)
+            for name, (title, values, colour) in zip(names, rows, strict=True)
         ],
-        f"{', '.join(title.split(' (')[0] for title, _, _ in rows)} along the belt",
-        linked=True,
+        "place ξ along the belt (mm)",
+        x_range=(0.0, 1e3 * curve.length),
+        height=170,
     )
+    return Chart(panels, f"{', '.join(names)} along the belt", linked=True)
 
 
 def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:

@@ -2,40 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view, steady
+from pushbelt import tables
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
-from pushbelt.fmu.results import LoadCaseResult
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view, steady
 
 from . import checks, events, figures
-from .manoeuvre import START_VALUES
-from .measured import LEAST_FORCE, SAFETY
-from .results import DemoResults
+from .simulate import LEAST_FORCE, SAFETY, START_VALUES, STEP, DemoResults
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
 SHOWN_TIME = 4.0
 """Initial time of the belt animation in the manoeuvre, s."""
-
-
-@dataclass(frozen=True)
-class CaseRow:
-    """A line of the table of load cases."""
-
-    result: LoadCaseResult
-    imbalance: float
-
-
-def case_rows(results: Iterable[LoadCaseResult]) -> list[CaseRow]:
-    """Lines of the table of load cases."""
-    return [CaseRow(result, checks.power_imbalance(result)) for result in results]
 
 
 def write_html(results: DemoResults, path: Path) -> None:
@@ -44,7 +27,6 @@ def write_html(results: DemoResults, path: Path) -> None:
 
 
 def _context(results: DemoResults) -> dict[str, Any]:
-    rows = case_rows(results.cases)
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
@@ -62,11 +44,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
             start=min(SHOWN_TIME, float(trace.time[-1])),
         ),
         "fields": figures.fields(chosen.steady.profile, curve),
-        "belt": belt_view(
-            steady(chosen.steady, results.parameters),
-            results.parameters,
-            "The belt on its pulleys",
-        ),
+        "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
     }
     if slipping is not None:
         pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)
@@ -76,19 +54,20 @@ def _context(results: DemoResults) -> dict[str, Any]:
         pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
     return {
         "version": results.fmu_version,
-        "rows": rows,
+        "rows": [{"result": result, "imbalance": checks.power_imbalance(result)} for result in results.cases],
         "measured": results.measured,
         "safety": SAFETY,
         "least_force": LEAST_FORCE,
         "events": found,
         "checks": checks.evaluate(results),
         "manoeuvre": results.manoeuvre,
+        "step": STEP,
         "duration": float(trace.time[-1]),
         "standstill": figures.STANDSTILL,
         "start_values": START_VALUES,
         "residual": float(np.abs(trace["energy.residual"]).max()),
-        "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * results.manoeuvre.step),
-        "energy_lost": float(np.sum(trace["loss.total"]) * results.manoeuvre.step),
+        "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * STEP),
+        "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
         "chosen": chosen,
         "speed": load_case_speed(),
         "parameters": results.parameters,

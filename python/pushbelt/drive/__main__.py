@@ -33,17 +33,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--cycle", choices=list(CYCLES), help=text)
     parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
     add_ring(parser)
-    parser.add_argument(
-        "--clamping",
-        type=float,
-        default=1.0,
-        metavar="FACTOR",
-        help="factor on the secondary clamping force that both strategies demand [default: 1]",
-    )
+    text = "factor on the secondary clamping force that both strategies demand [default: 1]"
+    parser.add_argument("--clamping", type=float, default=1.0, metavar="FACTOR", help=text)
     add_variator(parser)
-    parser.add_argument(
-        "--maps", type=Path, metavar="FILE", help="maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
-    )
+    text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
+    parser.add_argument("--maps", type=Path, metavar="FILE", help=text)
     options = parser.parse_args(arguments)
     provenance.begin("drive", arguments)
     if not 0.5 <= options.clamping <= 2.0:
@@ -53,13 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Imported here, so that the help needs no packages of the extras.
     from . import report, runs
 
-    plan = dataclasses.replace(
-        (runs.SHORT if options.short else runs.FULL)[options.cycle],
-        ring=options.ring,
-        variator=options.variator,
-        clamping=options.clamping,
-        maps=options.maps,
-    )
+    given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
+    plan = dataclasses.replace((runs.SHORT if options.short else runs.FULL)[options.cycle], **given)
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()

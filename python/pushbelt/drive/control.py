@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 from pushbelt.fmu.data import clamping_force
 
@@ -36,14 +35,8 @@ class Measured:
     @classmethod
     def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
         """Measured values from signals by the names of FMU variables and the estimated torque, N·m."""
-        return cls(
-            primary_speed=signals["primary.speed"],
-            ratio=signals["ratio.geometric"],
-            slip=signals["slip"],
-            macro_slip=bool(signals["macroSlip"]),
-            pitch_radius=signals["primary.radius"],
-            torque=torque,
-        )
+        names = ("primary.speed", "ratio.geometric", "slip", "macroSlip", "primary.radius")
+        return cls(*(signals[name] for name in names), torque)
 
 
 @dataclass(frozen=True)
@@ -63,26 +56,11 @@ class Friction:
         return clamping_force(torque, measured.pitch_radius, self.coefficient, self.wedge_angle, safety)
 
 
-class ClampingStrategy(Protocol):
-    """Computes the secondary clamping force."""
-
-    def force(self, measured: Measured, step: float, overruled: bool) -> float:
-        """Secondary clamping force for the next step of `step` seconds, N.
-
-        `overruled`: the ratio control used a larger secondary force than this strategy computed.
-        """
-        ...
-
-    @property
-    def intervening(self) -> bool:
-        """Whether it intervenes against macro-slip."""
-        ...
-
-
 class SafetyFactor:
     """Fixed safety factor: the force follows the estimated torque and does not depend on slip."""
 
     intervening = False
+    interventions = 0
 
     def __init__(self, friction: Friction, safety: float = 1.3) -> None:
         self.friction, self.safety = friction, safety
@@ -126,12 +104,7 @@ class SlipControl:
     """Least speed of the primary pulley for slip control, rad/s."""
 
     def __init__(
-        self,
-        friction: Friction,
-        thrust_map: ThrustMap,
-        flywheel: float,
-        utilisation: float = 0.9,
-        safety: float = 1.3,
+        self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3
     ) -> None:
         """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
         self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation
@@ -159,7 +132,7 @@ class SlipControl:
         return abs(self.map.slip(ratio, utilisation))
 
     def force(self, measured: Measured, step: float, overruled: bool = False) -> float:
-        """Secondary clamping force, N."""
+        """Secondary clamping force for the next `step` seconds, N. `overruled`: the ratio control used a larger one before."""
         if measured.primary_speed < self.LEAST_SPEED:
             self._integral = self._rescue_left = 0.0
             return self.fallback.force(measured, step)
@@ -286,20 +259,3 @@ class RatioControl:
             else:
                 above = middle
         return above
-
-
-class PressureControl:
-    """Pressure feedback of one circuit: the valve's demand exceeds the set point in proportion to the pressure error.
-
-    The circuit is a first-order lag with time constant τ. F_v = F + (τ/τ_c)(F* − F) changes it to τ_c, within the valve's limits.
-    """
-
-    WANTED_LAG = 0.0125
-    """τ_c, s."""
-
-    def __init__(self, lag: float) -> None:
-        self.gain = max(lag / self.WANTED_LAG, 1.0)
-
-    def demand(self, wanted: float, force: float) -> float:
-        """Demand on the valve for a demanded and a measured clamping force, N."""
-        return force + self.gain * (wanted - force)

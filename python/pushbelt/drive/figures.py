@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from pushbelt.belt_view import Motion, integrated, motion
-from pushbelt.charts import Chart, Field, Panel, Series, Shade, Tick
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.belt_view import SPEEDS, Motion, over_time
+from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-LOSS_COLOURS = (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED)
-"""Colours of `LOSSES`."""
+RPM = 30.0 / np.pi
+LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED), strict=True))
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
@@ -29,7 +29,8 @@ def drive(run: Run, group: str = "") -> Chart:
     def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
         return Series(name, run.time, values, colour, width=width)
 
-    panels: list[tuple[str, list[Series], dict[str, object]]] = [
+    slip = {"y_range": (-3.0, 4.0)}
+    rows = [
         (
             "Speed (km/h)",
             [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)],
@@ -42,57 +43,32 @@ def drive(run: Run, group: str = "") -> Chart:
         ),
         (
             "Speeds (rpm)",
-            [
-                line(name, run[column] * 30.0 / np.pi, colour)
-                for name, column, colour in (
-                    ("engine", "engine.speed", ORANGE),
-                    ("primary pulley", "primary.speed", BLUE),
-                )
-            ],
+            [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)],
             {},
         ),
         (
             "Pressures (bar)",
-            [
-                line(pulley, 1e-5 * run[f"{pulley}.pressure"], colour)
-                for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
-            ],
+            [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))],
             {},
         ),
-        ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], {"y_range": (-3.0, 4.0)}),
+        ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], slip),
         (
             "Loss of the variator (W)",
-            [
-                line(part, run[f"loss.{part}"], colour)
-                for part, colour in zip(LOSSES, LOSS_COLOURS, strict=True)
-                if run[f"loss.{part}"].any()
-            ],
+            [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()],
             {},
         ),
     ]
     macro = intervals(run.time, run["macroSlip"], gap=0.2)
     shades = [Shade(start, stop + STEP, RED, opacity=0.25) for start, stop in macro]
-    last = len(panels) - 1
-    return Chart(
-        [
-            Panel(
-                title, series, TIME if k == last else "", shades=shades, x_range=(float(run.time[0]), float(run.time[-1])),
-                height=200, **axis,
-            )
-            for k, (title, series, axis) in enumerate(panels)
-        ],
-        "Speed, ratio, engine speed, pressures, slip and losses over time",
-        linked=True,
-        group=group,
-    )  # fmt: skip
+    panels = stack(rows, TIME, shades=shades, x_range=(float(run.time[0]), float(run.time[-1])), height=200)
+    return Chart(panels, "Speed, ratio, engine speed, pressures, slip and losses over time", linked=True, group=group)
 
 
 def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
     """The belt during a run."""
     moments = np.array(sorted(run.snapshots))
-    speeds = ("primary.speed", "secondary.speed", "belt.speed")
-    at = [np.array([run.snapshots[moment][name] for moment in moments]) for name in speeds]
-    return motion(run.snapshots, parameters, [integrated(moments, values, moments) for values in at])
+    columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
+    return over_time(moments, columns, run.snapshots, parameters)
 
 
 def savings(fixed: Run, slip: Run) -> Chart:
@@ -105,15 +81,12 @@ def savings(fixed: Run, slip: Run) -> Chart:
         driving = run["primary.power"] > 1000.0
         counts = STEP * np.histogram(run["utilisation.signed"][driving], edges)[0]
         share.append(Series(run.setup.name, np.repeat(edges, 2)[1:-1], np.repeat(counts, 2), **look))
-    return Chart(
-        [
-            Panel("Variator loss, added up (kJ)", loss, TIME, height=270),
-            Panel("Time (s) at a torque utilisation, above 1 kW", share, "torque utilisation", height=270),
-        ],
-        "Variator loss of both strategies added up over time, and torque utilisation",
-        columns=2,
-        common_legend=True,
-    )
+    panels = [
+        Panel("Variator loss, added up (kJ)", loss, TIME, height=270),
+        Panel("Time (s) at a torque utilisation, above 1 kW", share, "torque utilisation", height=270),
+    ]
+    label = "Variator loss of both strategies added up over time, and torque utilisation"
+    return Chart(panels, label, columns=2, common_legend=True)
 
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
@@ -126,22 +99,13 @@ def energy_shares(fixed: Run, slip: Run) -> Chart:
     )
     runs = (slip, fixed)
     energies = [run.energies() for run in runs]
-    return Chart(
-        [
-            Panel(
-                "Energy (kJ)",
-                [
-                    Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
-                    for part, colour in parts
-                    if any(e[part] for e in energies)
-                ],
-                y_ticks=tuple((float(k), run.setup.name) for k, run in enumerate(runs)),
-                stacked=True,
-                height=170,
-            )
-        ],
-        "Shares of energy",
-    )
+    series = [
+        Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
+        for part, colour in parts
+        if any(e[part] for e in energies)
+    ]
+    ticks = tuple((float(k), run.setup.name) for k, run in enumerate(runs))
+    return Chart([Panel("Energy (kJ)", series, y_ticks=ticks, stacked=True, height=170)], "Shares of energy")
 
 
 def low_friction(fixed: Run, slip: Run) -> Chart:
@@ -158,12 +122,8 @@ def low_friction(fixed: Run, slip: Run) -> Chart:
         ("Secondary clamping force (kN)", lambda run: 1e-3 * run["secondary.clampingForceTotal"]),
         ("Variator loss, added up (kJ)", lambda run: 1e-3 * STEP * np.cumsum(run.loss)),
     )
-    return Chart(
-        [Panel(title, lines(values), TIME) for title, values in rows],
-        "Slip, secondary force and loss of both strategies with low friction",
-        columns=3,
-        linked=True,
-    )
+    label = "Slip, secondary force and loss of both strategies with low friction"
+    return Chart([Panel(title, lines(values), TIME) for title, values in rows], label, columns=3, linked=True)
 
 
 def operating_points(table: ThrustMap, run: Run) -> Chart:
@@ -177,30 +137,25 @@ def operating_points(table: ThrustMap, run: Run) -> Chart:
     expected = [table.thrust_ratio(i, u) for i, u in zip(ratio, utilisation, strict=True)]
     low, high = float(table.thrust.min()), float(table.thrust.max())
     points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": times}
-    return Chart(
-        [
-            Panel(
-                "Thrust ratio of the map, and operating points",
-                [Series("worked at", ratio, utilisation, **points)],
-                "ratio",
-                "torque utilisation",
-                fields=[Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)],
-                x_scale="log",
-                x_ticks=RATIO_TICKS,
-                height=350,
-            ),
-            Panel(
-                "Thrust ratio while driving",
-                [
-                    Series("belt", expected, thrust, **points),
-                    Series("as in the map", [low, high], [low, high], INK, width=0.9),
-                ],
-                "of the map (steady)",
-                "of the belt",
-                y_range=(low - 0.5, high + 0.5),
-                height=350,
-            ),
-        ],
-        "Contours of the thrust ratio with operating points",
-        columns=2,
-    )
+    ideal = Series("as in the map", [low, high], [low, high], INK, width=0.9)
+    panels = [
+        Panel(
+            "Thrust ratio of the map, and operating points",
+            [Series("worked at", ratio, utilisation, **points)],
+            "ratio",
+            "torque utilisation",
+            fields=[Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)],
+            x_scale="log",
+            x_ticks=RATIO_TICKS,
+            height=350,
+        ),
+        Panel(
+            "Thrust ratio while driving",
+            [Series("belt", expected, thrust, **points), ideal],
+            "of the map (steady)",
+            "of the belt",
+            y_range=(low - 0.5, high + 0.5),
+            height=350,
+        ),
+    ]
+    return Chart(panels, "Contours of the thrust ratio with operating points", columns=2)

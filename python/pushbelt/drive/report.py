@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
-from pushbelt.belt_view import belt_view
+from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
+from pushbelt.report import page
+from pushbelt.report.belt_view import belt_view
 
 from . import figures
-from .car import demo_car
+from .vehicle import demo_car
 from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, OF_STEPS, STEP, Run
@@ -68,7 +69,7 @@ def write_html(results: Results, path: Path) -> None:
 def context(results: Results) -> dict[str, Any]:
     """Values for the template."""
     parameters = parameter_set(results.plan.variator)
-    fixed, slip = results.fixed, results.slip
+    fixed, slip, close_up, *slippery = results.runs
     belt = belt_view(
         figures.belt_over_time(slip, parameters),
         parameters,
@@ -103,10 +104,10 @@ def context(results: Results) -> dict[str, Any]:
         "pictures": {
             "belt": belt,
             "drive": figures.drive(slip, figures.GROUP),
-            "close_up": figures.drive(results.close_up),
+            "close_up": figures.drive(close_up),
             "savings": figures.savings(fixed, slip),
             "energy": figures.energy_shares(fixed, slip),
-            "low_friction": figures.low_friction(results.fixed_low_friction, results.slip_low_friction),
+            "low_friction": figures.low_friction(*slippery),
             "map": figures.operating_points(results.thrust_map, slip),
         },
     }

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
 from pushbelt.maps.data import Maps
-from pushbelt.side_by_side import tick
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import tick
 
 from . import simulate
-from .car import demo_car
+from .vehicle import demo_car
 from .cycle import CYCLES
 from .measure import measure
 from .simulate import Run, Setup
@@ -89,16 +89,8 @@ class Results:
     units: Mapping[str, str]
     """Units of the columns of the runs by name."""
     thrust_map: ThrustMap
-    fixed: Run
-    slip: Run
-    close_up: Run
-    fixed_low_friction: Run
-    slip_low_friction: Run
-
-    @property
-    def runs(self) -> tuple[Run, ...]:
-        """All runs."""
-        return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
+    runs: Sequence[Run]
+    """In the order of `Plan.setups`."""
 
 
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
@@ -107,8 +99,16 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     """Runs a plan with an FMU; the controllers' maps are stored in the folder `cache`."""
+    setups = plan.setups()
     with Archive.unpack(fmu) as archive:
-        return _run_all(fmu, archive, plan, cache)
+        maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
+        done = side_by_side.run_all(
+            [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
+            total=round(sum(setup.cycle.duration for setup in setups)),
+            title="driving",
+            workers=len(setups),
+        )
+        return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], done)
 
 
 def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
@@ -116,15 +116,3 @@ def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
         return ThrustMap.of_maps(Maps.read(plan.maps))
     parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
     return ThrustMap.of_maps(measure(fmu, parameters, cache))
-
-
-def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
-    setups = plan.setups()
-    maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
-    done = side_by_side.run_all(
-        [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
-        total=round(sum(setup.cycle.duration for setup in setups)),
-        title="driving",
-        workers=len(setups),
-    )
-    return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], *done)

@@ -15,13 +15,12 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import BeltState
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 
-from .car import Car
+from . import vehicle
 from .control import Friction, Measured
 from .cycle import Cycle
-from .hydraulics import PressureCircuit
 from .thrust_map import ThrustMap
-from .transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
-from .vehicle import Vehicle, VehicleSignals
+from .transmission import RATIO_LIMITS, START_PRESSURE, PressureCircuit, TransmissionControl
+from .vehicle import Car, Vehicle
 
 STEP = 0.01
 """Default communication and control step, s."""
@@ -62,32 +61,24 @@ OUTPUTS = (
 """FMU variables that are recorded."""
 
 SIGNALS: Mapping[str, str] = {
-    "speed.target": "m/s",
-    "speed.car": "m/s",
-    "ratio.target": "1",
-    "engine.speed": "rad/s",
-    "engine.torque": "N.m",
-    "clutch.torque": "N.m",
-    "clutch.locked": "1",
-    "force.brake": "N",
-    "force.road": "N",
-    "intervening": "1",
-    "work.engine": "J",
-    "loss.clutch": "J",
-    "utilisation.signed": "1",
+    **{
+        name: unit
+        for name, unit in vehicle.SIGNALS.items()
+        if name not in ("secondary.torque", "torque.estimated", "power.demand")
+    },
+    **dict.fromkeys(("ratio.target", "intervening", "utilisation.signed"), "1"),
     "distance": "m",
 }
 """Units of the recorded signals that are no variables of the FMU."""
 OF_STEPS = ("work.engine", "loss.clutch")
 """Signals that are energies of one step."""
+COLUMNS = (*OUTPUTS, "macroSlip", "primary.pressure", "secondary.pressure", *SIGNALS)
 
 INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")
 """Inputs of the FMU."""
 
 VARIATOR = "bench168"
 """Parameter set of the drives."""
-
-Outputs = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -176,74 +167,8 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
     return {**parameters, "ring.model": model, **chosen}
 
 
-class Record:
-    """Records a run, one row per communication step."""
-
-    def __init__(self, setup: Setup, friction: Friction, count: int) -> None:
-        self._friction, self._step = friction, setup.step
-        self._outputs = np.empty((count, len(OUTPUTS)))
-        self._signals: list[Mapping[str, float]] = []
-        start, step = setup.cycle.start, setup.step
-        self._moments = {round((moment - start) / step): moment for moment in setup.snapshots}
-        self.snapshots: dict[float, BeltState] = {}
-
-    def add(self, unit: Instance, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
-        """Adds the values at a communication point and the signals over the step that follows."""
-        k = len(self._signals)
-        # A variator from maps has fewer outputs.
-        self._outputs[k] = [outputs.get(name, math.nan) for name in OUTPUTS]
-        self._signals.append(
-            {
-                **_columns(vehicle, clamping),
-                "macroSlip": outputs["macroSlip"],
-                "utilisation.signed": self._utilisation(outputs),
-            }
-        )
-        if k in self._moments:
-            self.snapshots[self._moments[k]] = BeltState(unit.outputs(), unit.profile())
-
-    def _utilisation(self, outputs: Outputs) -> float:
-        """Torque utilisation with the sign of the torque, for the friction coefficient that the controllers assume."""
-        belt = self._friction
-        capacity = slip_torque(
-            belt.coefficient, belt.wedge_angle, outputs["secondary.axialForce"], outputs["primary.radius"]
-        )
-        return -outputs["primary.shaftTorque"] / max(capacity, 1e-3)
-
-    def columns(self) -> dict[str, Array]:
-        """All columns by name."""
-        columns = {name: self._outputs[:, k] for k, name in enumerate(OUTPUTS)}
-        signals = {name: np.array([float(row[name]) for row in self._signals]) for name in self._signals[0]}
-        driven = np.cumsum(np.concatenate([[0.0], np.abs(signals["speed.car"][:-1])]))
-        return columns | signals | {"distance": self._step * driven}
-
-
-def _columns(vehicle: VehicleSignals, clamping: ClampingSignals) -> dict[str, float]:
-    """Signals in the form in which they are recorded; `work.` and `loss.` in J per step."""
-    return {
-        "speed.target": vehicle.target_speed,
-        "speed.car": vehicle.speed,
-        "ratio.target": clamping.target_ratio,
-        "engine.speed": vehicle.engine_speed,
-        "engine.torque": vehicle.engine_torque,
-        "clutch.torque": vehicle.primary_torque,
-        "clutch.locked": vehicle.clutch_locked,
-        "force.brake": vehicle.brake_force,
-        "force.road": vehicle.road_load,
-        "primary.pressure": clamping.primary_pressure,
-        "secondary.pressure": clamping.secondary_pressure,
-        "intervening": clamping.intervening,
-        "work.engine": vehicle.engine_work,
-        "loss.clutch": vehicle.clutch_loss,
-    }
-
-
 def run(
-    archive: Archive,
-    car: Car,
-    thrust_map: ThrustMap,
-    setup: Setup,
-    progress: Callable[[float], None] = lambda _: None,
+    archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None
 ) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
 
@@ -251,82 +176,79 @@ def run(
     """
     parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
-    vehicle = Vehicle(car, setup.cycle)
     control = TransmissionControl(car, setup.strategy, friction, thrust_map, setup.clamping)
-    count = round(setup.cycle.duration / setup.step)
-    record = Record(setup, friction, count)
     begin = clock.process_time()
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
-    known = {variable.name for variable in archive.description.modelVariables}
+    known = archive.variables
     with Instance(archive, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
-        _advance(unit, vehicle, control, setup, record, count, progress)
+        rows, snapshots = _advance(unit, Vehicle(car, setup.cycle), control, friction, setup, progress)
         messages = tuple(unit.warnings)
-    return Run(
-        setup=setup,
-        time=setup.cycle.start + np.arange(count) * setup.step,
-        columns=record.columns(),
-        snapshots=record.snapshots,
-        interventions=control.interventions,
-        processor_time=clock.process_time() - begin,
-        messages=messages,
-    )
+    columns = dict(zip(COLUMNS, rows.T, strict=True))
+    driven = np.abs(columns["speed.car"])
+    columns["distance"] = setup.step * (np.cumsum(driven) - driven)
+    time = setup.cycle.start + np.arange(len(rows)) * setup.step
+    return Run(setup, time, columns, snapshots, control.clamping.interventions, clock.process_time() - begin, messages)
 
 
 def _advance(
     unit: Instance,
-    vehicle: Vehicle,
+    car: Vehicle,
     control: TransmissionControl,
+    friction: Friction,
     setup: Setup,
-    record: Record,
-    count: int,
     progress: Callable[[float], None],
-) -> None:
-    """The loop: `count` communication steps from standstill on."""
-    step = setup.step
+) -> tuple[Array, dict[float, BeltState]]:
+    """The loop of communication steps from standstill on: `COLUMNS` at each communication point and over the step that follows, and the
+    belt at the times of the set-up."""
+    step, count, start = setup.step, round(setup.cycle.duration / setup.step), setup.cycle.start
+    moments = {round((moment - start) / step): moment for moment in setup.snapshots}
+    rows, snapshots = np.empty((count, len(COLUMNS))), {}
     outputs, inputs = unit.reals(name for name in OUTPUTS if name in unit.variables), unit.reals(INPUTS)
-    signals = VehicleSignals(), control.signals
+    signals = dict.fromkeys(vehicle.SIGNALS, 0.0), control.signals
     before = _input_values(*signals)
     for k in range(count):
         time = k * step
         state = dict(zip(outputs.names, unit.get_reals(outputs).tolist(), strict=True))
         state["macroSlip"] = unit.get("macroSlip")
         earlier = signals
-        driving = vehicle.advance(
-            time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step
-        )
+        driving = car.advance(time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step)
         known = earlier[0] if setup.parallel else driving
-        measured = Measured.from_signals(state, known.estimated_torque)
-        signals = driving, control.advance(known.power_demand, state["secondary.speed"], measured, step)
-        record.add(unit, state, *signals)
+        measured = Measured.from_signals(state, known["torque.estimated"])
+        signals = driving, control.advance(known["power.demand"], state["secondary.speed"], measured, step)
+        utilisation = {"utilisation.signed": _utilisation(state, friction)}
+        # A variator from maps has fewer outputs.
+        row = {**signals[0], **signals[1], **state, **utilisation}
+        rows[k] = [row.get(name, math.nan) for name in COLUMNS]
+        if k in moments:
+            snapshots[moments[k]] = BeltState(unit.outputs(), unit.profile())
 
         # A ramp takes one internal step of the FMU. A jump takes several, with ten times the work.
         after = _input_values(*(earlier if setup.parallel else signals))
         course = after if setup.parallel else before
-        unit.set_ramps(inputs, course, [(end - start) / step for start, end in zip(course, after, strict=True)])
+        unit.set_ramps(inputs, course, [(end - begin) / step for begin, end in zip(course, after, strict=True)])
         before = after
         try:
             unit.step_to((k + 1) * step)
         except UnitError as error:
-            raise UnitError(f"{setup.name}, from {setup.cycle.start + time:.2f} s on: {error}") from error
+            raise UnitError(f"{setup.name}, from {start + time:.2f} s on: {error}") from error
         progress(step)
+    return rows, snapshots
+
+
+def _utilisation(state: Mapping[str, float], belt: Friction) -> float:
+    """Torque utilisation with the sign of the torque, for the friction coefficient that the controllers assume."""
+    capacity = slip_torque(belt.coefficient, belt.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
+    return -state["primary.shaftTorque"] / max(capacity, 1e-3)
 
 
 def at_rest() -> dict[str, float]:
     """Start values of the FMU in the standing car."""
-    signals = VehicleSignals()
-    return {
-        "initial.ratio": RATIO_LIMITS[1],
-        "initial.primarySpeed": 0.0,
-        "primary.torque": signals.primary_torque,
-        "secondary.torque": signals.secondary_torque,
-        "primary.clampingForce": 0.0,
-        "secondary.clampingForce": 0.0,
-        "primary.pressure": START_PRESSURE,
-        "secondary.pressure": START_PRESSURE,
-    }
+    still = ("initial.primarySpeed", "primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
+    pressures = dict.fromkeys(("primary.pressure", "secondary.pressure"), START_PRESSURE)
+    return {"initial.ratio": RATIO_LIMITS[1], **dict.fromkeys(still, 0.0), **pressures}
 
 
-def _input_values(vehicle: VehicleSignals, clamping: ClampingSignals) -> tuple[float, ...]:
+def _input_values(driving: Mapping[str, float], clamping: Mapping[str, float]) -> tuple[float, ...]:
     """Values of `INPUTS`."""
-    return vehicle.primary_torque, vehicle.secondary_torque, clamping.primary_pressure, clamping.secondary_pressure
+    return driving["clutch.torque"], driving["secondary.torque"], clamping["primary.pressure"], clamping["secondary.pressure"]

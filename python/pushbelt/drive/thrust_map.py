@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from operator import mul
-from typing import TYPE_CHECKING, NamedTuple
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,17 +32,6 @@ STILL = 1e-4
 """Least change of slip over an interval of the utilisation whose ends are both steady states."""
 NEARBY = 0.2
 """Range of the excess about its expected value in which the shift gain is taken."""
-
-
-class _Plain(NamedTuple):
-    """The tables of a map as plain numbers."""
-
-    ratios: list[float]
-    utilisations: list[float]
-    thrust: list[list[float]]
-    slips: list[list[float]]
-    excesses: list[float]
-    shift_rates: list[list[list[float]]]
 
 
 def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
@@ -76,9 +66,11 @@ class ThrustMap:
     force. At F_c bending is as large as the clearance. With F_c = 0 the shift rate is proportional to force."""
 
     @cached_property
-    def _plain(self) -> _Plain:
-        fields = (self.ratios, self.utilisations, self.thrust, self.slips, self.excesses, self.shift_rates)
-        return _Plain(*(field.tolist() for field in fields))
+    def _plain(self) -> SimpleNamespace:
+        """The tables as plain numbers."""
+        return SimpleNamespace(
+            **{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)}
+        )
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:

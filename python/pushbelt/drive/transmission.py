@@ -1,15 +1,14 @@
-"""The transmission control: target ratio, clamping forces and hydraulics. It is called once per control step."""
+"""The transmission control: target ratio, clamping forces and pressure circuits. It is called once per control step."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from .car import Car
-from .control import ClampingStrategy, Friction, Measured, PressureControl, RatioControl, SafetyFactor, SlipControl
-from .hydraulics import PressureCircuit
+from .control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from .piecewise import clip
 from .thrust_map import ThrustMap
+from .vehicle import Car
 
 RATIO_LIMITS = 0.46, 2.2
 """Range of the target ratio; the car starts at the upper end."""
@@ -17,17 +16,70 @@ START_PRESSURE = 8e5
 """Initial pressure of both circuits, Pa."""
 
 
-@dataclass(frozen=True)
-class ClampingSignals:
-    """Outputs of the transmission control over a control step."""
+@dataclass
+class PressureCircuit:
+    """A valve and a piston: first-order lag with limits of pressure and of its rate, in steps of 1 ms.
 
-    primary_pressure: float
-    """Mean pressure in the primary cylinder, Pa."""
-    secondary_pressure: float
+        dp/dt = clip((p_demand − p)/τ, −rate, rate),   p_min ≤ p_demand ≤ p_max,   F = A p
+
+    Values are typical; they are not from a source.
+    """
+
+    pressure: float
     """Pa."""
-    target_ratio: float
-    intervening: bool
-    """Whether the slip controller intervenes against macro-slip."""
+    area: float = 0.01
+    """m²."""
+    lag: float = 0.05
+    """s."""
+    lowest: float = 2e5
+    """Pa."""
+    highest: float = 6e6
+    """Pa."""
+    rate: float = 4e7
+    """Pa/s."""
+    substep: float = 1e-3
+    """s."""
+
+    @property
+    def force(self) -> float:
+        """Clamping force now, N."""
+        return self.area * self.pressure
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and largest clamping force, N."""
+        return self.area * self.lowest, self.area * self.highest
+
+    def advance(self, demand: float, step: float) -> float:
+        """Advances by a communication step towards a demanded clamping force, N; returns the mean pressure over the step, Pa."""
+        wanted = clip(demand / self.area, self.lowest, self.highest)
+        count = max(round(step / self.substep), 1)
+        dt = step / count
+        # Exact for a constant demand, so that the solution does not oscillate for any time constant.
+        share, most = -math.expm1(-dt / self.lag), self.rate * dt
+        impulse = 0.0
+        for _ in range(count):
+            before = self.pressure
+            self.pressure += clip((wanted - before) * share, -most, most)
+            impulse += 0.5 * dt * (before + self.pressure)
+        return impulse / step
+
+
+class PressureControl:
+    """Pressure feedback of one circuit: the valve's demand exceeds the set point in proportion to the pressure error.
+
+    The circuit is a first-order lag with time constant τ. F_v = F + (τ/τ_c)(F* − F) changes it to τ_c, within the valve's limits.
+    """
+
+    WANTED_LAG = 0.0125
+    """τ_c, s."""
+
+    def __init__(self, lag: float) -> None:
+        self.gain = max(lag / self.WANTED_LAG, 1.0)
+
+    def demand(self, wanted: float, force: float) -> float:
+        """Demand on the valve for a demanded and a measured clamping force, N."""
+        return force + self.gain * (wanted - force)
 
 
 def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
@@ -37,15 +89,12 @@ def ratio_target(engine_speed: float, secondary_speed: float, before: float, ste
     return before * math.exp(change)
 
 
-def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> ClampingStrategy:
+def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> SafetyFactor | SlipControl:
     """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control; the engine's inertia in kg·m².
 
     Raises ValueError for any other name.
     """
-    strategies = {
-        "safety": lambda: SafetyFactor(friction),
-        "slip": lambda: SlipControl(friction, thrust_map, flywheel),
-    }
+    strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, flywheel)}
     if name not in strategies:
         raise ValueError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
     return strategies[name]()
@@ -60,9 +109,7 @@ class TransmissionControl:
     POWER_RISE, POWER_FALL = 0.3, 1.5
     """Time constants with which the ratio follows the demanded power, s."""
 
-    def __init__(
-        self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0
-    ) -> None:
+    def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale
         self.clamping = strategy_of(strategy, friction, thrust_map, car.engine_inertia)
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
@@ -70,18 +117,14 @@ class TransmissionControl:
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
         self._overruled = False
         self._target, self._power = RATIO_LIMITS[1], 0.0
+        self._pressures = {"primary.pressure": START_PRESSURE, "secondary.pressure": START_PRESSURE}
 
     @property
-    def interventions(self) -> int:
-        """Number of interventions of the slip controller so far."""
-        return getattr(self.clamping, "interventions", 0)
+    def signals(self) -> dict[str, float]:
+        """Mean pressures over the last step, Pa, target ratio, and whether the slip controller intervenes."""
+        return {**self._pressures, "ratio.target": self._target, "intervening": self.clamping.intervening}
 
-    @property
-    def signals(self) -> ClampingSignals:
-        """The present pressures, as they act before the first step."""
-        return ClampingSignals(self.primary.pressure, self.secondary.pressure, self._target, self.clamping.intervening)
-
-    def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> ClampingSignals:
+    def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> dict[str, float]:
         """Computes the demands from the measured values and advances the hydraulics by a step, s. Power in W, speed in rad/s."""
         lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
         self._power += (power_demand - self._power) * step / lag
@@ -89,13 +132,6 @@ class TransmissionControl:
         needed = self._scale * self.clamping.force(measured, step, self._overruled)
         primary, secondary = self.shifting.forces(self._target, measured, needed, step)
         self._overruled = secondary > needed
-        return ClampingSignals(
-            self._close(self.primary, primary, step),
-            self._close(self.secondary, secondary, step),
-            self._target,
-            self.clamping.intervening,
-        )
-
-    def _close(self, circuit: PressureCircuit, wanted: float, step: float) -> float:
-        """Mean pressure of a circuit over a step towards a demanded force, N; Pa."""
-        return circuit.advance(self.pressure.demand(wanted, circuit.force), step)
+        for name, circuit, wanted in (("primary", self.primary, primary), ("secondary", self.secondary, secondary)):
+            self._pressures[f"{name}.pressure"] = circuit.advance(self.pressure.demand(wanted, circuit.force), step)
+        return self.signals

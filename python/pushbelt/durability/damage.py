@@ -75,12 +75,15 @@ class Damage:
     @cached_property
     def total(self) -> float:
         """Miner's sum."""
-        return float(sum(one.sum() for one in self.rows().values()))
+        return self._sum(True)
 
     @cached_property
     def total_without_limit(self) -> float:
         """Miner's sum if the S-N curve continues below the fatigue limit."""
-        return float(sum(one.sum() for one in self.rows(False).values()))
+        return self._sum(False)
+
+    def _sum(self, limited: bool) -> float:
+        return float(sum(one.sum() for one in self.rows(limited).values()))
 
     @property
     def limited(self) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pushbelt.charts import Chart, Level, Panel, Series
-from pushbelt.style import BLUE, COLOUR_SCALE, GREEN, MUTED, ORANGE, RED
+from pushbelt.report.charts import Chart, Level, Panel, Series, stack
+from pushbelt.report.style import BLUE, COLOUR_SCALE, GREEN, MUTED, ORANGE, RED
 
 from .damage import Damage
 
@@ -20,26 +20,22 @@ def over_time(result: Damage) -> Chart:
     time = result.table["time"]
     parts = result.rows(result.limited)
     scale = result.total if result.limited else result.total_without_limit
-    common = {"x_range": (float(time[0]), float(time[-1])), "height": 190}
-    panels = [
-        Panel("Speed of the ring (m/s)", [Series("ring.speed", time, result.table["ring.speed"], GREEN)], **common),
-        Panel(
-            "Largest equivalent amplitude (MPa)",
-            [Series(name, time, MEGA * one, c) for (name, one), c in zip(result.equivalent.items(), COLOURS)],
-            levels=[Level(MEGA * result.material.allowed, "fatigue limit with safety factor", RED)],
-            y_range=(0.0, 1.1 * MEGA * max(result.material.allowed, *(float(e.max()) for e in result.equivalent.values()))),
-            **common,
-        ),
-        Panel(
-            f"Accumulated damage, % of the run's{'' if result.limited else ', without fatigue limit'}",
-            [
-                Series(name, time, 100.0 * np.cumsum(one) / (scale or 1.0), c)
-                for (name, one), c in zip(parts.items(), COLOURS)
-            ],
-            "time (s)",
-            **common,
-        ),
+    limit = result.material.allowed
+    most = max(limit, *(float(one.max()) for one in result.equivalent.values()))
+    amplitudes = [Series(name, time, MEGA * one, c) for (name, one), c in zip(result.equivalent.items(), COLOURS)]
+    damage = [
+        Series(name, time, 100.0 * np.cumsum(one) / (scale or 1.0), c) for (name, one), c in zip(parts.items(), COLOURS)
     ]
+    rows = [
+        ("Speed of the ring (m/s)", [Series("ring.speed", time, result.table["ring.speed"], GREEN)], {}),
+        (
+            "Largest equivalent amplitude (MPa)",
+            amplitudes,
+            {"levels": [Level(MEGA * limit, "fatigue limit with safety factor", RED)], "y_range": (0.0, 1.1 * MEGA * most)},
+        ),
+        (f"Accumulated damage, % of the run's{'' if result.limited else ', without fatigue limit'}", damage, {}),
+    ]
+    panels = stack(rows, "time (s)", x_range=(float(time[0]), float(time[-1])), height=190)
     return Chart(panels, "Stress and damage over time", linked=True)
 
 
@@ -52,9 +48,8 @@ def haigh(result: Damage) -> Chart:
         rows = np.flatnonzero(large & (result.turns > 0.0))
         order = rows[np.argsort(-result.equivalent[name][rows])]
         chosen = order[:: -(-len(order) // MOST_POINTS) or 1]
-        series.append(
-            Series(name, MEGA * part.mean[chosen, 0], MEGA * part.amplitude[chosen, 0], colour, "points", size=4, opacity=0.5)
-        )
+        cycles = MEGA * part.mean[chosen, 0], MEGA * part.amplitude[chosen, 0]
+        series.append(Series(name, *cycles, colour, "points", size=4, opacity=0.5))
     for text, limit, dash in (
         ("fatigue limit with safety factor", material.allowed, ""),
         ("fatigue limit", material.limit, "dash"),
@@ -96,28 +91,18 @@ def clamping(found: list[tuple[float, float, float, float]]) -> Chart:
     """Damage over the factor on the clamping forces: factor, damage with and without fatigue limit, utilisation."""
     factors, with_limit, without, utilisation = (np.array(column) for column in zip(*found))
     base = without[list(factors).index(1.0)]
+    rows = [
+        ("Damage", with_limit, GREEN),
+        ("Damage without fatigue limit, relative to the run", without / (base or 1.0), BLUE),
+        ("Utilisation of the fatigue limit (%)", 100.0 * utilisation, ORANGE),
+    ]
     panels = [
         Panel(
-            "Damage without fatigue limit, relative to the run",
-            [Series("damage", factors, without / (base or 1.0), BLUE, "bars", bar_width=0.05)],
+            title,
+            [Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)],
             "factor on the clamping forces",
             height=220,
-        ),
-        Panel(
-            "Utilisation of the fatigue limit (%)",
-            [Series("utilisation", factors, 100.0 * utilisation, ORANGE, "bars", bar_width=0.05)],
-            "factor on the clamping forces",
-            height=220,
-        ),
-    ]
-    if with_limit.any():
-        panels.insert(
-            0,
-            Panel(
-                "Damage",
-                [Series("damage", factors, with_limit, GREEN, "bars", bar_width=0.05)],
-                "factor on the clamping forces",
-                height=220,
-            ),
         )
+        for title, values, colour in (rows if with_limit.any() else rows[1:])
+    ]
     return Chart(panels, "Effect of the clamping forces", columns=3)

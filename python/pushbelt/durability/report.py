@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt import page, tables
+from pushbelt import tables
 from pushbelt._version import __version__
+from pushbelt.report import page
 
 from . import figures
 from .damage import CLAMPING, Damage

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .data import curve_of, torque_capacity
+from .enumerations import Axial, Drive
 from .geometry import theta_of
 
 BEYOND = 1.15
@@ -33,6 +34,21 @@ def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force:
     why = f"the capacity is {carried:.3g} N·m at {force:g} N"
     hint = wrong_unit(torque, force, carried)
     return f"{why}. {hint}" if hint else why
+
+
+def slip_of_units(values: Mapping[str, Any]) -> str | None:
+    """Reason and probable unit if the belt cannot carry the primary torque of start values under their secondary force, and a wrong unit
+    explains it; None if they may be right."""
+    torque, force = values["primary.torque"], values["secondary.clampingForce"]
+    force += values.get("secondary.cylinder.area", 0.0) * values.get("secondary.pressure", 0.0)
+    if values["primary.drive"] != Drive.TORQUE or values["secondary.axial"] != Axial.FORCE or torque == 0.0:
+        return None
+    carried = torque_capacity(values, values["initial.ratio"], force)
+    # The torque of a utilisation is small with the force, so a force that carries less than the drag of a shaft is one in kN as well.
+    if abs(torque) <= BEYOND * carried + DRAG and carried > DRAG:
+        return None
+    hint = wrong_unit(torque, force, carried)
+    return f"the capacity is {carried:.3g} N·m at {force:g} N. {hint}" if hint else None
 
 
 def wrong_unit(torque: float, force: float, carried: float) -> str | None:

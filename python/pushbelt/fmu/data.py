@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,17 +53,17 @@ def parameter_sets() -> list[str]:
     return sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
 
 
+REMOVED = {
+    "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
+    "belt.filmForce": "delete it, and see CHANGELOG.md for the new values of belt.filmDamping and belt.squeezeDamping",
+}
+"""Parameters of earlier versions, and what to do."""
+
+
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
     """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
-    if "belt.contactStrain" in values:
-        raise InputFileError(
-            f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness"
-        )
-    if "belt.filmForce" in values:
-        raise InputFileError(
-            f"{path}: belt.filmForce has been removed; delete it, and see CHANGELOG.md for the new values of belt.filmDamping and "
-            "belt.squeezeDamping"
-        )
+    for name in REMOVED.keys() & values.keys():
+        raise InputFileError(f"{path}: {name} has been removed; {REMOVED[name]}")
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
             raise InputFileError(
@@ -155,14 +155,7 @@ def load_case_speed() -> float:
     return published_data()["loadCases"]["primarySpeedRpm"] * 2.0 * np.pi / 60.0
 
 
-def reference_case() -> dict[str, Any]:
-    """The published steady state of `belt155`."""
-    variators = published_data()["variators"]
-    return next(entry["referenceCase"] for entry in variators if entry["id"] == "belt155")
-
-
-@dataclass(frozen=True)
-class EfficiencyPoint:
+class EfficiencyPoint(NamedTuple):
     """A measured point of a production transmission (variator and final drive together)."""
 
     ratio: float
@@ -175,10 +168,9 @@ class EfficiencyPoint:
 
 def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
     """All measured points of the transmission."""
-    keys = {"ratio": "ratio", "rpm": "speed", "torque": "torque", "efficiency": "efficiency"}
+    points = published_data()["measuredEfficiency"]["points"]
     return tuple(
-        EfficiencyPoint(**{field: float(point[key]) for key, field in keys.items()})
-        for point in published_data()["measuredEfficiency"]["points"]
+        EfficiencyPoint(*(float(point[key]) for key in ("ratio", "rpm", "torque", "efficiency"))) for point in points
     )
 
 

@@ -24,13 +24,18 @@ def default_fmu() -> Path:
 
     Raises MissingFileError if it is missing.
     """
-    named = os.environ.get("PUSHBELT_FMU")
-    path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
+    return found("PUSHBELT_FMU", NAME, "cargo fmu build")
+
+
+def found(variable: str, name: str, build: str) -> Path:
+    """An FMU that an environment variable names, or the one of a name in the wheel or in `target`."""
+    named = os.environ.get(variable)
+    path = Path(named) if named else DATA / name if DATA.is_dir() else TREE / "target" / name
     if not path.is_file():
         why = (
-            "the path is from the environment variable PUSHBELT_FMU"
+            f"the path is from the environment variable {variable}"
             if named
-            else "in the source tree it is built by `cargo fmu build`"
+            else f"in the source tree it is built by `{build}`"
         )
         raise MissingFileError(f"there is no FMU at {path}; {why}")
     return path

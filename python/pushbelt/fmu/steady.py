@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Mapping
 
 from .unit import Archive, Instance, UnitError
 
@@ -60,50 +57,3 @@ class SteadyStates:
             self.close()
             raise
         return unit
-
-
-def attempt(solve: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """The results of a solution, or the reason for missing ones as `reason`; and the processor time as `time`, s."""
-    begin = time.thread_time()
-    try:
-        found = solve()
-    except UnitError as error:
-        found = {"reason": str(error)}
-    except Exception as error:  # noqa: BLE001
-        found = {"reason": f"{type(error).__name__}: {error}"}
-    return {**found, "time": time.thread_time() - begin}
-
-
-class Pool:
-    """Instances for several threads: each solves with one that no other uses."""
-
-    def __init__(self, archive: Archive, parameters: Mapping[str, float] | None = None) -> None:
-        """The FMU is loaded, so that its errors are raised here."""
-        self._archive, self._parameters = archive, parameters
-        self._idle = [SteadyStates(archive, parameters)]
-        assert self._idle[0].unit
-        self.instances = 1
-        """Number of instances created so far, without those that replaced another one."""
-
-    @contextmanager
-    def one(self) -> Iterator[SteadyStates]:
-        """An instance of the pool. It is freed if the block fails."""
-        try:
-            # Removal from a list is atomic.
-            states = self._idle.pop()
-        except IndexError:
-            states = SteadyStates(self._archive, self._parameters)
-            self.instances += 1
-        done = False
-        try:
-            yield states
-            done = True
-        finally:
-            if not done:
-                states.close()
-            self._idle.append(states)
-
-    def close(self) -> None:
-        """Frees the instances."""
-        while self._idle:
-            self._idle.pop().close()

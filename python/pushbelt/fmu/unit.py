@@ -36,6 +36,10 @@ PROFILE_FIELDS = {
 }
 
 
+CALLED = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+"""Type in the names of the functions that set and get a variable of a type."""
+
+
 class UnitError(PushbeltError, RuntimeError):
     """A call of the FMU failed. The message contains the log of the FMU."""
 
@@ -190,11 +194,7 @@ class Instance:
 
     def step_to(self, time: float) -> None:
         """Advances to a time, s, with the present inputs."""
-        self._call(
-            self._slave.doStep,
-            currentCommunicationPoint=self.time,
-            communicationStepSize=time - self.time,
-        )
+        self._call(self._slave.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
         self.time = time
 
     # Stored states
@@ -233,26 +233,14 @@ class Instance:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets variables of any type by name."""
-        setters = {
-            "Real": self._slave.setReal,
-            "Integer": self._slave.setInteger,
-            "Enumeration": self._slave.setInteger,
-            "Boolean": self._slave.setBoolean,
-        }
         for name, value in values.items():
             variable = self.variables[name]
-            self._call(setters[variable.type], [variable.valueReference], [value])
+            self._call(getattr(self._slave, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
         """Value of a variable of any type."""
-        getters = {
-            "Real": self._slave.getReal,
-            "Integer": self._slave.getInteger,
-            "Enumeration": self._slave.getInteger,
-            "Boolean": self._slave.getBoolean,
-        }
         variable = self.variables[name]
-        value = self._call(getters[variable.type], [variable.valueReference])[0]
+        value = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])[0]
         return bool(value) if variable.type == "Boolean" else value
 
     def reals(self, names: Iterable[str]) -> Reals:
@@ -384,10 +372,8 @@ def _not_executable(archive: Archive) -> str | None:
     """Remark on a file system that does not allow execution; None otherwise."""
     if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
         return None
-    return (
-        f"the file system of {archive.directory} does not allow execution (noexec): let the environment variable {archive.moved_by} name "
-        "another folder"
-    )
+    moved = f"let the environment variable {archive.moved_by} name another folder"
+    return f"the file system of {archive.directory} does not allow execution (noexec): {moved}"
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:
@@ -395,7 +381,5 @@ def output_names(variables: Iterable[Any]) -> list[str]:
     return [
         variable.name
         for variable in variables
-        if variable.type == "Real"
-        and variable.causality in ("output", "local")
-        and not variable.name.startswith("profile.")
+        if variable.type == "Real" and variable.causality in ("output", "local") and not variable.name.startswith("profile.")
     ]

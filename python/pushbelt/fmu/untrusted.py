@@ -6,9 +6,8 @@ import json
 import re
 import stat
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -89,27 +88,6 @@ def described(path: Path) -> Any:
         if kind is not None and not IDENTIFIER.fullmatch(kind.modelIdentifier):
             raise InputFileError(f"{path} is not a usable FMU: its modelIdentifier {kind.modelIdentifier!r} is not a name in C")
     return description
-
-
-class OfFmu:
-    """What is defined for an FMU, whose path is `fmu`."""
-
-    fmu: Path
-
-    @cached_property
-    def archive(self) -> bytes:
-        """The FMU's bytes."""
-        return self.fmu.read_bytes()
-
-    @cached_property
-    def description(self) -> Any:
-        """The FMU's model description."""
-        return described(self.fmu)
-
-    @cached_property
-    def variables(self) -> Mapping[str, Any]:
-        """The FMU's variables by name."""
-        return {variable.name: variable for variable in self.description.modelVariables}
 
 
 @contextmanager

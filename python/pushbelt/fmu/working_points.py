@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from .data import torque_capacity
-from .shift import TIME_STEP, WINDOW
 from .starts import driven_at_speed, driven_by_slip, driven_by_torque
 from .steady import SteadyStates
 from .unit import Instance, UnitError
@@ -45,6 +44,10 @@ FLAT = 0.01
 """Relative growth of the utilisation from one slip to the next that counts as none."""
 TRIED = 1.05
 """Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
+WINDOW = (0.06, 0.12)
+"""Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
+TIME_STEP = 0.01
+"""Largest communication step in it, s."""
 SHIFT_REACH = 0.05
 """Largest change of ln i in a shift measurement."""
 STEP_ANGLE = 0.5
@@ -168,7 +171,7 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess.
 
     The primary speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
-    window of `shift`, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
+    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
     """
     load = at_torque(states, line, utilisation).get("secondary.externalTorque")
     unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))

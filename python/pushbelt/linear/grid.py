@@ -46,15 +46,11 @@ class LinearGrid:
 
     def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
         """Points with a model: values by axis, and the model."""
-        for place in np.ndindex(self.shape):
-            if self.models[place] is not None:
-                yield self.point(place), self.models[place]
+        return ((self.point(place), self.models[place]) for place in np.ndindex(self.shape) if self.models[place] is not None)
 
     def refused(self) -> Iterator[tuple[dict[str, float], str]]:
         """Points without a model: values by axis, and the reason."""
-        for place in np.ndindex(self.shape):
-            if self.models[place] is None:
-                yield self.point(place), self.reasons[place]
+        return ((self.point(place), self.reasons[place]) for place in np.ndindex(self.shape) if self.models[place] is None)
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
         """Values by axis at a point."""
@@ -76,9 +72,7 @@ class LinearGrid:
         return interpolation.interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
-        axes = ", ".join(
-            f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items()
-        )
+        axes = ", ".join(f"{name} {one.min():.4g} to {one.max():.4g} ({len(one)})" for name, one in self.axes.items())
         count = sum(model is not None for model in self.models.flat)
         return f"<LinearGrid: {axes or 'one point'}; {count} of {self.models.size} points have a model>"
 
@@ -94,11 +88,7 @@ class LinearGrid:
 
     def to_control(self) -> NDArray[np.object_]:
         """One `control.StateSpace` of python-control per point, or None where there is no model."""
-        systems = np.full(self.shape, None, dtype=object)
-        for place in np.ndindex(self.shape):
-            if self.models[place] is not None:
-                systems[place] = self.models[place].to_control()
-        return systems
+        return np.vectorize(lambda model: None if model is None else model.to_control(), otypes=[object])(self.models)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a file. The extension selects the format: `.npz`, `.mat` (needs scipy) or `.json`. `load_linear` reads `.npz`.
@@ -140,8 +130,6 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
     n = int(found["order"][place])
     remarks = str(found["remarks"][place])
-    # Files of earlier versions have no coordinates.
-    coordinates = str(found.get("coordinates", "modal"))
     return LinearModel(
         a=found["A"][place][:n, :n],
         b=found["B"][place][:n],
@@ -159,7 +147,8 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),
         remarks=tuple(remarks.split("\n")) if remarks else (),
-        coordinates=coordinates,
+        # Files of earlier versions have no coordinates.
+        coordinates=str(found.get("coordinates", "modal")),
         sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
     )
 
@@ -241,9 +230,8 @@ def _structure(model: LinearModel) -> dict[str, Any]:
 
 def _json(grid: LinearGrid, path: Path) -> None:
     models = [
-        grid.point(place)
-        | ({"reason": grid.reasons[place]} if grid.models[place] is None else grid.models[place].document())
-        for place in np.ndindex(grid.shape)
+        grid.point(place) | ({"reason": reason} if model is None else model.document())
+        for place, model, reason in zip(np.ndindex(grid.shape), grid.models.flat, grid.reasons.flat, strict=True)
     ]
     axes = {name: values.tolist() for name, values in grid.axes.items()}
     path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -28,13 +29,13 @@ def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple
     unknown = [name for name in point if name not in axes]
     if unknown:
         raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
-    corners: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
+    found: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
     for name, values in axes.items():
         if name not in point and len(values) > 1:
             raise ArgumentError(f"a value of {name} is missing: the grid has {len(values)} values of it")
         along = _along(name, values, point.get(name, values[0]))
-        corners = [((*place, k), weight * share) for place, weight in corners for k, share in along]
-    return corners
+        found = [((*place, k), weight * share) for place, weight in found for k, share in along]
+    return found
 
 
 def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
@@ -60,10 +61,7 @@ def interpolated(models: Weighted) -> LinearModel:
         raise ArgumentError(
             "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
         )
-
-    def kind(one: LinearModel) -> tuple[Any, ...]:
-        return one.inputs, one.outputs, one.states, one.sample_time
-
+    kind = attrgetter("inputs", "outputs", "states", "sample_time")
     if any(kind(one) != kind(first) for one, _ in models):
         raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
 
@@ -86,9 +84,7 @@ def interpolated(models: Weighted) -> LinearModel:
         c=c,
         d=mean(lambda one: one.d),
         poles=sorted_poles(a),
-        held=named(lambda one: one.held),
-        given=named(lambda one: one.given),
-        values=named(lambda one: one.values),
+        **{name: named(attrgetter(name)) for name in ("held", "given", "values")},
         slip=float(mean(lambda one: one.slip)),
         macro_slip=any(one.macro_slip for one, _ in models),
         remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),

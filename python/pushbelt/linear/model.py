@@ -84,13 +84,9 @@ class LinearModel:
             "C": (len(readings), len(states)),
             "D": (len(readings), len(loads)),
         }
-        a, b, c, d = (np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items())
         poles = np.array(document["poles"], dtype=float).reshape(-1, 2)
         return cls(
-            a,
-            b,
-            c,
-            d,
+            **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
             inputs=tuple(one["name"] for one in loads),
             outputs=tuple(one["name"] for one in readings),
             states=tuple(states),
@@ -183,14 +179,8 @@ class LinearModel:
         outputs = self.outputs if outputs is None else tuple(outputs)
         inputs = self.inputs if inputs is None else tuple(inputs)
         rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
-        return replace(
-            self,
-            b=self.b[:, columns],
-            c=self.c[rows],
-            d=self.d[np.ix_(rows, columns)],
-            inputs=inputs,
-            outputs=outputs,
-        )
+        d = self.d[np.ix_(rows, columns)]
+        return replace(self, b=self.b[:, columns], c=self.c[rows], d=d, inputs=inputs, outputs=outputs)
 
     def response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
         """Frequency response at angular frequencies (rad/s), of the shape (frequencies, outputs, inputs).
@@ -227,12 +217,9 @@ class LinearModel:
                 "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
             ) from error
         # In python-control a dot in a name separates the system from its signal.
-        plain = {
-            key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")
-        }
-        if self.sample_time is None:
-            return control.ss(self.a, self.b, self.c, self.d, **plain)
-        return control.ss(*self.discrete(), self.sample_time, **plain)
+        plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
+        matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)
+        return control.ss(*matrices, **plain)
 
 
 def units_of_states(states: Iterable[str]) -> dict[str, str]:

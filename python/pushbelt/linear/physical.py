@@ -28,8 +28,6 @@ FORCES = ("primary.clampingForce", "secondary.clampingForce")
 """Inputs without one of which the ratio is held."""
 WORST = 1e6
 """Condition number of the transform above which it is refused."""
-
-
 MOST_HERTZ = 1600.0
 """Frequency up to which modes are searched for the coordinates, Hz."""
 
@@ -47,12 +45,7 @@ def coordinates(inputs: Sequence[str]) -> list[str]:
 def modes_needed(model: LinearModel) -> int:
     """Number of modes that `physical` takes: the number of coordinates, plus one if that would divide an oscillating pair."""
     n = len(coordinates(model.inputs))
-    return n + 1 if n <= len(model.poles) and _divides(model, n) else n
-
-
-def _divides(model: LinearModel, n: int) -> bool:
-    """Whether the first n modes contain one of a pair only. The second of a pair has the negative imaginary part."""
-    return n > 0 and bool(np.count_nonzero(model.poles[:n].imag) % 2)
+    return n + np.count_nonzero(model.poles[:n].imag) % 2 if n <= len(model.poles) else n
 
 
 def physical(model: LinearModel) -> LinearModel:
@@ -65,7 +58,8 @@ def physical(model: LinearModel) -> LinearModel:
         raise NotPhysicalError(
             f"{len(model.poles)} modes are below {model.frequency:g} Hz, but {taken} are needed for {', '.join(names)}"
         )
-    a, b, c, d = _slowest(model, taken)
+    # Between groups of modes A is zero.
+    a, b, c, d = _quasi_static(model.a, model.b, model.c, model.d, taken)
     rows, scale = _rows(model, c, names)
     if taken > n:
         share, natural = _pair(rows / scale[:, None], a, n)
@@ -93,11 +87,6 @@ def sorted_poles(a: Array) -> NDArray[np.complex128]:
     """Eigenvalues, the slowest first, and of each pair first the one with a positive imaginary part."""
     poles = np.linalg.eigvals(a).astype(complex)
     return poles[np.lexsort((-poles.imag, np.abs(poles).round(9)))]
-
-
-def _slowest(model: LinearModel, count: int) -> tuple[Array, Array, Array, Array]:
-    """Matrices of the slowest modes. Between groups of modes A is zero."""
-    return _quasi_static(model.a, model.b, model.c, model.d, count)
 
 
 def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array, Array, Array, Array]:

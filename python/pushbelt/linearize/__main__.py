@@ -12,6 +12,7 @@ the belt slips through, or which requires other loads than the specified ones, h
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 
@@ -33,24 +34,16 @@ def parser() -> argparse.ArgumentParser:
     found = program("linearize", __doc__, "the files and report.html")
     found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
     add_variator(found, None)
-    found.add_argument(
-        "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below this frequency are states [%(default)s]"
-    )
-    found.add_argument(
-        "--states",
-        choices=STATES,
-        default="modal",
-        help="physical: speeds and the logarithm of the ratio, whose matrices can be interpolated over points [%(default)s]",
-    )
-    found.add_argument(
-        "--sample-time", type=float, metavar="S", help="adds the discrete-time matrices Ad, Bd, Cd, Dd for this sample time"
-    )
-    found.add_argument(
-        "--safety", type=float, metavar="FACTOR", help="clamping force from the torque with this safety factor, instead of a specified force"
-    )
-    found.add_argument(
-        "--outputs", default=",".join(OUTPUTS), metavar="NAMES", help="outputs in the figures [%(default)s]"
-    )
+    text = "modes below this frequency are states [%(default)s]"
+    found.add_argument("--frequency", type=float, default=FREQUENCY, metavar="HZ", help=text)
+    text = "physical: speeds and the logarithm of the ratio, whose matrices can be interpolated over points [%(default)s]"
+    found.add_argument("--states", choices=STATES, default="modal", help=text)
+    text = "adds the discrete-time matrices Ad, Bd, Cd, Dd for this sample time"
+    found.add_argument("--sample-time", type=float, metavar="S", help=text)
+    text = "clamping force from the torque with this safety factor, instead of a specified force"
+    found.add_argument("--safety", type=float, metavar="FACTOR", help=text)
+    text = "outputs in the figures [%(default)s]"
+    found.add_argument("--outputs", default=",".join(OUTPUTS), metavar="NAMES", help=text)
     found.add_argument("--time", type=float, default=2.0, metavar="S", help="length of the step plots [%(default)s]")
     return found
 
@@ -69,22 +62,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
     """The models, with a progress bar."""
     # Imported here, so that the help needs no packages of the extras.
-    from pushbelt.progress import progress_bar
+    from pushbelt.report.side_by_side import progress_bar
 
-    axes = asked.filled(variator)
-    bar = progress_bar(axes.size, "working points")
-    with bar:
+    axes = asked.axes(variator)
+    given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
+    size = math.prod(len(values) for values in (*axes.values(), *asked.changes.values()) if isinstance(values, list))
+    with progress_bar(size, "working points") as bar:
         grid = variator.linear_grid(
-            axes.ratio,
-            axes.torque,
-            speed=axes.speed,
-            force=axes.force,
-            safety=asked.safety or 1.0,
-            frequency=options.frequency,
-            states=options.states,
-            sample_time=options.sample_time,
-            changes=axes.changes,
-            after_each=lambda: bar.update(1),
+            **axes, safety=asked.safety or 1.0, changes=asked.changes, after_each=lambda: bar.update(1), **given
         )
     return points.without_other_loads(grid, asked.loads)
 

@@ -35,23 +35,6 @@ class PointError(PushbeltError, ValueError):
 
 
 @dataclass(frozen=True)
-class Axes:
-    """Values of each axis. A single number is not an axis."""
-
-    ratio: list[float]
-    torque: list[float]
-    speed: float | list[float]
-    force: float | list[float] | None
-    changes: Mapping[str, list[Any]]
-
-    @property
-    def size(self) -> int:
-        """Number of points."""
-        lists = (self.ratio, self.torque, self.speed, self.force, *self.changes.values())
-        return math.prod(len(values) for values in lists if isinstance(values, list))
-
-
-@dataclass(frozen=True)
 class Asked:
     """The specified points and parameters."""
 
@@ -65,16 +48,13 @@ class Asked:
     """Parameters with several values."""
     safety: float | None
 
-    def filled(self, variator: Variator) -> Axes:
-        """Adds the start values of the variator for loads that are not specified."""
-        several = {name: values if len(values) > 1 else values[0] for name, values in self.points.items()}
-        return Axes(
-            self.points.get("initial.ratio") or [variator["initial.ratio"]],
-            self.points.get("primary.torque") or [variator["primary.torque"]],
-            several.get("initial.primarySpeed", variator["initial.primarySpeed"]),
-            None if self.safety else several.get("secondary.clampingForce", variator["secondary.clampingForce"]),
-            self.changes,
-        )
+    def axes(self, variator: Variator) -> dict[str, Any]:
+        """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
+        of speed or force is not an axis."""
+        found = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
+        found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
+        found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque")}
+        return found | ({"force": None} if self.safety else {})
 
 
 def read(settings: Sequence[str], safety: float | None = None) -> Asked:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pushbelt import page
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.linear.model import Array, LinearModel
 from pushbelt.linear.grid import LinearGrid
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, in_figures
+from pushbelt.linear.model import Array, LinearModel
+from pushbelt.report import page
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, in_figures
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 DASHES = ("", "dash", "dot")

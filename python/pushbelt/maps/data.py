@@ -80,9 +80,7 @@ TABLES: Mapping[str, Quantity] = {
         POINT, "N.m", "Belt torque on the primary pulley - belt torque on the secondary pulley / ratio"
     ),
     "torqueLoss": Quantity(
-        POINT,
-        "N.m",
-        "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts",
+        POINT, "N.m", "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts"
     ),
     "primaryTorque": Quantity(POINT, "N.m", "Belt torque on the primary pulley, positive where it drives"),
     "efficiency": Quantity(POINT, "1", "Driven / driving shaft power, 0 without power flow"),
@@ -99,6 +97,8 @@ TABLES: Mapping[str, Quantity] = {
     "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
     "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
 }
+TEXTS = ("source", "parameters", "reasons")
+"""Parts of a data set that are no numbers."""
 LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")
 """Losses of the belt."""
 
@@ -158,14 +158,10 @@ class Maps:
             "version": VERSION,
             "source": dict(self.source),
             "parameters": dict(self.parameters),
-            "axes": {
-                name: {**AXES[name]._asdict(), "values": self.axes[name].tolist()} for name in AXES
-            },
-            "tables": {
-                name: {**quantity._asdict(), "values": self.tables[name].tolist()} for name, quantity in TABLES.items()
-            },
+            "axes": {name: {**axis._asdict(), "values": self.axes[name].tolist()} for name, axis in AXES.items()},
+            "tables": {name: {**table._asdict(), "values": self.tables[name].tolist()} for name, table in TABLES.items()},
             "reasons": dict(self.reasons),
-        }  # fmt: skip
+        }
 
     @classmethod
     def of_document(cls, document: Any) -> Maps:
@@ -191,7 +187,7 @@ class Maps:
     @classmethod
     def read(cls, path: Path) -> Maps:
         """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
-        readers = {".json": _read_json, ".npz": _read_npz, ".nc": _read_netcdf}
+        readers = {".json": lambda path: json.loads(path.read_text(encoding="utf-8")), ".npz": _read_npz, ".nc": _read_netcdf}
         if path.suffix not in readers:
             raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
         path.open("rb").close()
@@ -215,11 +211,7 @@ class Maps:
 
     def _about(self) -> dict[str, str]:
         """What is not numbers, as JSON texts."""
-        return {
-            "source": json.dumps(dict(self.source)),
-            "parameters": json.dumps(dict(self.parameters)),
-            "reasons": json.dumps(dict(self.reasons)),
-        }
+        return {name: json.dumps(dict(getattr(self, name))) for name in TEXTS}
 
     def _write_json(self, path: Path) -> None:
         path.write_text(json.dumps(self.document(), allow_nan=False), encoding="utf-8")
@@ -252,15 +244,11 @@ class Maps:
                     variable.flag_meanings = " ".join(STATES).encode()
 
 
-def _read_json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
 def _read_npz(path: Path) -> Any:
     with np.load(path, allow_pickle=False) as file:
         return _of_arrays(
             int(file["version"]),
-            {name: str(file[name]) for name in ("source", "parameters", "reasons")},
+            {name: str(file[name]) for name in TEXTS},
             {name: file[f"axis_{name}"] for name in AXES},
             {name: file[name] for name in TABLES},
         )
@@ -273,7 +261,7 @@ def _read_netcdf(path: Path) -> Any:
         variables = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
         return _of_arrays(
             int(np.asarray(file.format_version).item()),
-            {name: getattr(file, name).decode() for name in ("source", "parameters", "reasons")},
+            {name: getattr(file, name).decode() for name in TEXTS},
             {name: variables[name] for name in AXES},
             {name: variables[name] for name in TABLES},
         )

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import Maps
-from pushbelt.maps.panels import TICKS, Border, heading, levels_of, panel, shades
-from pushbelt.style import BLUE, ORANGE
+from pushbelt.maps.panels import TICKS, Border, Quantity, levels_of, panel, shades
+from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import BLUE, ORANGE
 
 RPM = 30.0 / np.pi
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
@@ -19,33 +18,17 @@ KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 SLIPS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0)
 
 
-@dataclass(frozen=True)
-class Shown:
-    """A quantity of the contours."""
-
-    title: str
-    table: str
-    scale: float
-    unit: str
-    levels: tuple[float, ...] | None = None
-
-    @property
-    def heading(self) -> str:
-        """Title with unit."""
-        return heading(self.title, self.unit)
-
-
 QUANTITIES = (
-    Shown("Thrust ratio", "thrustRatio", 1.0, ""),
-    Shown("Slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
-    Shown("Efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 88, 90, 92, 94, 95, 96, 97, 98)),
-    Shown("Torque loss at the primary shaft", "torqueLoss", 1.0, "N·m"),
+    Quantity("Thrust ratio", "thrustRatio"),
+    Quantity("Slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
+    Quantity("Efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 88, 90, 92, 94, 95, 96, 97, 98)),
+    Quantity("Torque loss at the primary shaft", "torqueLoss", unit="N·m"),
 )
 
 
-def contours(named: Sequence[tuple[str, Maps]], shown: Shown) -> Chart:
+def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
     """A quantity of one or two variators: a row of panels for each force, a panel for each speed, variators side by side."""
-    values = [shown.scale * maps.masked(shown.table) for _, maps in named]
+    values = [shown.scale * maps.masked(shown.column) for _, maps in named]
     levels = levels_of(np.concatenate([one.ravel() for one in values]), shown.levels)
     panels = []
     first = named[0][1]
@@ -57,20 +40,20 @@ def contours(named: Sequence[tuple[str, Maps]], shown: Shown) -> Chart:
                 title = f"{1e-3 * maps.axes['force'][place[0]]:g} kN, {RPM * maps.axes['speed'][place[1]]:.0f} rpm"
                 panels.append(_contour(maps, shown, f"{name}: {title}" if name else title, table[place], place, levels))
     columns = len(first.axes["speed"]) if len(named) == 1 else 2
-    return Chart(panels, f"Maps of {shown.title.lower()}", columns=columns, common_legend=True, least_width=240)
+    return Chart(panels, f"Maps of {shown.name.lower()}", columns=columns, common_legend=True, least_width=240)
 
 
 def _nearest(maps: Maps, axis: str, value: float) -> int:
     return int(np.argmin(np.abs(np.log(maps.axes[axis] / value))))
 
 
-def _contour(maps: Maps, shown: Shown, title: str, values: Array, place: tuple[int, int], levels: Array) -> Panel:
+def _contour(maps: Maps, shown: Quantity, title: str, values: Array, place: tuple[int, int], levels: Array) -> Panel:
     """One map; `values` over ratio × utilisation."""
     state = maps["state"][place]
     kinds = {name: state == number for number, name in KINDS.items()}
-    at = 100.0 * maps["capacitySlip"][place].T if shown.table == "slip" else None
+    at = 100.0 * maps["capacitySlip"][place].T if shown.column == "slip" else None
     axes = maps.axes["ratio"], maps.axes["utilisation"]
-    return panel(title, (shown.title, shown.unit), axes, values, levels, kinds, Border(maps["capacity"][place].T, at))
+    return panel(title, shown, axes, values, levels, kinds, Border(maps["capacity"][place].T, at))
 
 
 def lines(maps: Maps) -> Chart:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
+import pandas
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
@@ -16,34 +16,9 @@ MATLAB_NAME = 31
 """Longest name that all versions of MATLAB accept."""
 LOOKUP = ("ratio", "utilisation", "speed", "force")
 """Order of the dimensions of tables over points for lookup blocks: `tbl(ratio, utilisation, speed, force)`."""
-COMBI = (
-    "thrustRatio",
-    "slip",
-    "torqueLoss",
-    "beltTorqueLoss",
-    "efficiency",
-    "bearingLoad",
-    "valid",
-)
+COMBI = ("thrustRatio", "slip", "torqueLoss", "beltTorqueLoss", "efficiency", "bearingLoad", "valid")
 """Quantities of the Modelica tables."""
 RPM = 30.0 / np.pi
-
-
-def write(maps: Maps, folder: Path) -> list[Path]:
-    """Writes all files and returns their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in OWN:
-        maps.write(folder / name)
-    writers = {
-        "maps.mat": _matlab,
-        "maps_combitable.txt": _combitable_text,
-        "maps_combitable.mat": _combitable_matlab,
-        "maps.csv": _csv,
-        "torque_loss.csv": _torque_loss,
-    }
-    for name, writer in writers.items():
-        writer(maps, folder / name)
-    return [folder / name for name in (*OWN, *writers)]
 
 
 def _matlab(maps: Maps, path: Path) -> None:
@@ -51,21 +26,14 @@ def _matlab(maps: Maps, path: Path) -> None:
     from scipy.io import savemat
 
     arrays: dict[str, object] = {f"bp_{name}": maps.axes[name] for name in AXES}
+    rows = []
     for name, quantity in TABLES.items():
-        order = sorted(range(len(quantity.axes)), key=lambda k: _place(quantity.axes[k]))
-        arrays[f"tbl_{name}"] = maps[name].transpose(order)
-    arrays["names"] = np.array([[f"tbl_{name}", _dimensions(name), TABLES[name].unit] for name in TABLES], dtype=object)
+        dimensions = sorted(quantity.axes, key=lambda axis: LOOKUP.index(axis) if axis in LOOKUP else 1)
+        arrays[f"tbl_{name}"] = maps[name].transpose([quantity.axes.index(axis) for axis in dimensions])
+        rows.append([f"tbl_{name}", ",".join(dimensions), quantity.unit])
+    arrays["names"] = np.array(rows, dtype=object)
     assert all(len(name) <= MATLAB_NAME for name in arrays)
     savemat(path, arrays, format="5", do_compression=True, oned_as="row")
-
-
-def _place(axis: str) -> int:
-    """Place of an axis among the dimensions of a lookup table."""
-    return LOOKUP.index(axis) if axis in LOOKUP else 1
-
-
-def _dimensions(name: str) -> str:
-    return ",".join(sorted(TABLES[name].axes, key=_place))
 
 
 def combitables(maps: Maps) -> dict[str, Array]:
@@ -101,30 +69,46 @@ def _combitable_matlab(maps: Maps, path: Path) -> None:
     savemat(path, combitables(maps), format="4")
 
 
+def _points(maps: Maps) -> pandas.DataFrame:
+    """A row for each point: the axes, and all tables over points."""
+    names = [name for name, quantity in TABLES.items() if quantity.axes == POINT]
+    axes = np.meshgrid(*(maps.axes[name] for name in POINT), indexing="ij")
+    return pandas.DataFrame(dict(zip(POINT, map(np.ravel, axes), strict=True)) | {name: maps[name].ravel() for name in names})
+
+
 def _csv(maps: Maps, path: Path) -> None:
     """A row for each point, with the reason for a missing steady state. Units are in the second row."""
-    names = [name for name, quantity in TABLES.items() if quantity.axes == POINT and name not in ("state", "valid")]
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([*POINT, *names, "valid", "state", "reason"])
-        writer.writerow([*(AXES[name].unit for name in POINT), *(TABLES[name].unit for name in names), "", "", ""])
-        for place in np.ndindex(maps["state"].shape):
-            at = [maps.axes[name][k] for name, k in zip(POINT, place, strict=True)]
-            values = [repr(float(value)) for value in (*at, *(maps[name][place] for name in names))]
-            state = STATES[int(maps["state"][place])]
-            writer.writerow(
-                [*values, int(maps["valid"][place]), state, maps.reasons.get("/".join(map(str, place)), "")]
-            )
+    frame = _points(maps)
+    units = {**{name: AXES[name].unit for name in POINT}, **{name: TABLES[name].unit for name in frame.columns[len(POINT) :]}}
+    valid, state = (frame.pop(name).astype(int) for name in ("valid", "state"))
+    reasons = [maps.reasons.get("/".join(map(str, place)), "") for place in np.ndindex(maps.valid.shape)]
+    frame = frame.assign(valid=valid, state=[STATES[k] for k in state], reason=reasons)
+    units |= dict.fromkeys(("valid", "state", "reason"), "")
+    frame.columns = pandas.MultiIndex.from_tuples((name, units[name]) for name in frame.columns)
+    frame.to_csv(path, index=False, lineterminator="\r\n")
 
 
 def _torque_loss(maps: Maps, path: Path) -> None:
     """Torque loss at the primary shaft over speed, ratio, force and torque, as vehicle simulations take it; gaps are left out."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["force_N", "ratio_1", "speed_rpm", "torque_Nm", "torque_loss_Nm"])
-        for place in np.argwhere(maps.valid):
-            f, s, r, _ = place = tuple(place)
-            row = [maps.axes["force"][f], maps.axes["ratio"][r], RPM * maps.axes["speed"][s]]
-            writer.writerow(
-                [f"{value:.9g}" for value in (*row, maps["primaryTorque"][place], maps["torqueLoss"][place])]
-            )
+    frame = _points(maps)[maps.valid.ravel()]
+    columns = {
+        "force_N": frame.force, "ratio_1": frame.ratio, "speed_rpm": RPM * frame.speed, "torque_Nm": frame.primaryTorque,
+        "torque_loss_Nm": frame.torqueLoss,
+    }  # fmt: skip
+    pandas.DataFrame(columns).to_csv(path, index=False, float_format="%.9g", lineterminator="\r\n")
+
+
+WRITERS = {
+    "maps.mat": _matlab, "maps_combitable.txt": _combitable_text, "maps_combitable.mat": _combitable_matlab, "maps.csv": _csv,
+    "torque_loss.csv": _torque_loss,
+}  # fmt: skip
+
+
+def write(maps: Maps, folder: Path) -> list[Path]:
+    """Writes all files and returns their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in OWN:
+        maps.write(folder / name)
+    for name, writer in WRITERS.items():
+        writer(maps, folder / name)
+    return [folder / name for name in (*OWN, *WRITERS)]

@@ -78,9 +78,7 @@ def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
     return min(found, key=lambda other: float(weights @ np.abs(np.array(np.unravel_index(other, shape)) - place)))
 
 
-def _states(
-    plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array
-) -> tuple[Array, dict[str, str]]:
+def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array) -> tuple[Array, dict[str, str]]:
     """The table `state`, and the reasons for missing steady states."""
     state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
     for index in range(len(plan.tasks())):

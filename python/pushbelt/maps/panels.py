@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from ..charts import Field, Panel, Series, around
 from ..fmu.geometry import Array
-from ..page import MINUS
-from ..style import COLOUR_SCALE, INK, MUTED, RED, mixed
+from ..report.charts import Field, Panel, Series, around
+from ..report.page import MINUS
+from ..report.style import COLOUR_SCALE, INK, MUTED, RED, mixed
 
 TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
 ROWS = 61
@@ -28,10 +28,22 @@ MARKS = {
 """Kinds of points with their look."""
 
 
-def heading(name: str, unit: str) -> str:
-    """Name of a quantity with its unit, if it has one."""
-    text = f"{name} ({unit})" if unit else name
-    return text[0].upper() + text[1:]
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of figures: a column or table, and how it is shown."""
+
+    name: str
+    column: str
+    scale: float = 1.0
+    unit: str = ""
+    levels: Sequence[float] | None = None
+    """Levels of the colours; by default they are evenly spaced."""
+
+    @property
+    def heading(self) -> str:
+        """Name with the unit, if it has one."""
+        text = f"{self.name} ({self.unit})" if self.unit else self.name
+        return text[0].upper() + text[1:]
 
 
 def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
@@ -65,15 +77,15 @@ class Border:
 
 def panel(
     title: str,
-    quantity: tuple[str, str],
+    quantity: Quantity,
     axes: tuple[Array, Array],
     values: Array,
     levels: Array,
     kinds: Mapping[str, np.ndarray],
     border: Border,
 ) -> Panel:
-    """A map of a quantity (name, unit); `values` and the masks of `kinds` over ratio × utilisation."""
-    name, unit = quantity
+    """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation."""
+    unit = quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
     series = []
@@ -91,20 +103,10 @@ def panel(
         middle, every = middle_of(levels), -(-len(levels) // MOST_TICKS)
         ticks = tuple((float(k), f"{level:g}".replace("-", MINUS)) for k, level in enumerate(levels))
         span = (0.0, float(len(levels) - 1), 1.0)
-        fields = [
-            Field(name, ratio, rows, steps.T, span, ticks[(middle or 0) % every :: every], middle=middle, unit=unit)
-        ]
-    return Panel(
-        title,
-        series,
-        "ratio r_S/r_P",
-        "torque utilisation",
-        fields=fields,
-        x_scale="log",
-        x_ticks=TICKS,
-        y_range=ends,
-        height=250,
-    )
+        shown = ticks[(middle or 0) % every :: every]
+        fields = [Field(quantity.name, ratio, rows, steps.T, span, shown, middle=middle, unit=unit)]
+    labels = {"x_label": "ratio r_S/r_P", "y_label": "torque utilisation"}
+    return Panel(title, series, **labels, fields=fields, x_scale="log", x_ticks=TICKS, y_range=ends, height=250)
 
 
 def _rows(utilisation: Array, border: Border) -> Array:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pushbelt.maps.data import AXES, TABLES, Maps
-from pushbelt.page import write_html
+from pushbelt.report.page import write_html
 from pushbelt.study.run import Effort
 
 from . import figures, files
@@ -42,7 +42,7 @@ def _context(maps: Maps, effort: Effort, beside: Maps | None) -> dict[str, Any]:
         "reasons": Counter(_kind(reason) for reason in maps.reasons.values()).most_common(),
         "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
         "tables": TABLES,
-        "files": (*files.OWN, "maps.mat", "maps_combitable.txt", "maps_combitable.mat", "maps.csv", "torque_loss.csv"),
+        "files": (*files.OWN, *files.WRITERS),
         "differing": [
             (name, value, others.get(name))
             for name, value in maps.parameters.items()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import codecs
 import json
-import os
 import re
 import zipfile
 from collections.abc import Mapping
@@ -16,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import MissingFileError
-from ..fmu.files import DATA, RESOURCES, TREE
+from ..fmu.files import RESOURCES, found
 from ..fmu.geometry import Array
 from ..fmu.start_values import DESCRIPTION, checked, write_copy
 from ..fmu.untrusted import described
@@ -31,12 +29,8 @@ FORMAT, VERSION = "pushbelt map unit", 1
 USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
 """Tables of the FMU."""
 GEOMETRY = (
-    "geometry.centerDistance",
-    "geometry.beltLength",
-    "geometry.wedgeAngle",
-    "belt.pitchOffset",
-    "friction.fall",
-    "friction.fallSpeed",
+    *(f"geometry.{name}" for name in ("centerDistance", "beltLength", "wedgeAngle")),
+    *("belt.pitchOffset", "friction.fall", "friction.fallSpeed"),
 )
 """Parameters of the variator that the tables contain."""
 DIGITS = 9
@@ -51,11 +45,7 @@ def default_fmu() -> Path:
 
     Raises MissingFileError if it is missing.
     """
-    named = os.environ.get("PUSHBELT_MAP_FMU")
-    path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
-    if not path.is_file():
-        raise MissingFileError(f"there is no FMU at {path}; in the source tree it is built by `cargo fmu build --map`")
-    return path
+    return found("PUSHBELT_MAP_FMU", NAME, "cargo fmu build --map")
 
 
 def default_maps() -> Path:
@@ -87,15 +77,7 @@ def tables_of(maps: Maps) -> bytes:
 
 def _start_values(maps: Maps) -> dict[str, float]:
     """Parameters of the variator that the FMU has as variables."""
-    pulley = (
-        "inertia",
-        "minRadius",
-        "maxRadius",
-        "drag.constant",
-        "drag.viscous",
-        "bearing.friction",
-        "bearing.radius",
-    )
+    pulley = ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
     names = ["friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in pulley)]
     return {name: maps.parameters[name] for name in names}
 

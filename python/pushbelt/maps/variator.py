@@ -42,6 +42,9 @@ BLOCK = 2048
 ITERATIONS = 3
 """Newton iterations for the sliding speed."""
 
+ENDS = (slice(None, -1), slice(1, None))
+"""Lower and upper ends of all intervals of an axis."""
+
 Tables = Mapping[str, Any]
 
 
@@ -51,16 +54,7 @@ class _Sheet:
     def __init__(self, even: Array, *tables: Array) -> None:
         self.first, self.count = float(even[0]), len(even)
         self.per_step = (len(even) - 1) / (float(even[-1]) - float(even[0]))
-        corners = []
-        for table in tables:
-            force, speed, ratio, along = (
-                (slice(None, -1), slice(1, None)),
-                (slice(None, -1), slice(1, None)),
-                (slice(None, -1), slice(1, None)),
-                (slice(None, -1), slice(1, None)),
-            )
-            corners += [table[f, s, r, x] for x in along for f in force for s in speed for r in ratio]
-        self.width = len(tables)
+        corners = [table[f, s, r, x] for table in tables for x in ENDS for f in ENDS for s in ENDS for r in ENDS]
         cells = np.stack(corners, axis=-1)
         self.rows = np.ascontiguousarray(cells.reshape(-1, 16 * len(tables)))
 
@@ -243,8 +237,6 @@ class MapVariator:
         axis = self._shift_utilisations
         rates = self._rates.find(lines, excess)
         values = [self._rates.of(*rates, weights, k)[0] for k in range(len(axis))]
-        if len(axis) == 1:
-            return values[0]
         found = values[0]
         for k in range(len(axis) - 1):
             share = np.clip((u - axis[k]) / (axis[k + 1] - axis[k]), 0.0, 1.0)
@@ -266,10 +258,7 @@ class MapVariator:
         return lines, weights
 
     def _radius(self, log_ratio: Array) -> Array:
-        scaled = np.clip((log_ratio - self._radii_first) * self._radii_per_step, 0.0, RADII - 1.0)
-        cell = np.minimum(scaled.astype(np.intp), RADII - 2)
-        low = self._radii.take(cell)
-        return low + (scaled - cell) * (self._radii.take(cell + 1) - low)
+        return np.interp(log_ratio, self._radii_places, self._radii)
 
     # Tables
 
@@ -308,8 +297,7 @@ class MapVariator:
         ]
         self._rates = _Sheet(rates[0][0], *(fine for _, fine in rates))
         pairs = np.concatenate([along_ratio(tables["capacity"]), along_ratio(tables["capacitySlip"])], axis=-1)
-        ends = (slice(None, -1), slice(1, None))
-        corners = [pairs[f, s, r, k] for k in range(4) for f in ends for s in ends for r in ends]
+        corners = [pairs[f, s, r, k] for k in range(4) for f in ENDS for s in ENDS for r in ENDS]
         self._limits = np.ascontiguousarray(np.stack(corners, axis=-1).reshape(-1, 32))
         self._build_radii()
 
@@ -318,9 +306,8 @@ class MapVariator:
         if least >= most:
             raise MapError("the radii at the end stops leave no range of ratios")
         self._stops = (least, most)
-        places = np.linspace(least - 0.05, most + 0.05, RADII)
-        self._radii = np.array([pitch_radius(self._geometry, math.exp(place)) for place in places])
-        self._radii_first, self._radii_per_step = places[0], (RADII - 1) / (places[-1] - places[0])
+        self._radii_places = np.linspace(least - 0.05, most + 0.05, RADII)
+        self._radii = np.array([pitch_radius(self._geometry, math.exp(place)) for place in self._radii_places])
 
 
 def _document(maps: Maps | Path | str | None) -> Tables:

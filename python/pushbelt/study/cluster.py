@@ -109,7 +109,11 @@ def shipped(
     """
     name = f"pushbelt-{client.id}"
     try:
-        with by_value(pushbelt.fmu, errors, sys.modules[__name__], *modules):
+        with ExitStack() as stack:
+            for module in (pushbelt.fmu, errors, sys.modules[__name__], *modules):
+                # Its objects and those of its submodules are pickled by value.
+                cloudpickle.register_pickle_by_value(module)
+                stack.callback(cloudpickle.unregister_pickle_by_value, module)
             client.register_plugin(UnitPlugin(name, fmu, load))
     except Exception as error:  # Any exception type is possible, since it comes from a worker.
         raise ClusterError(f"a worker cannot load the FMU: {error}") from error
@@ -132,23 +136,8 @@ def solver(name: str) -> Callable[[Chunk], Rows]:
     return solve
 
 
-@contextmanager
-def by_value(*modules: ModuleType) -> Iterator[None]:
-    """Objects of these modules and their submodules are pickled by value."""
-    for module in modules:
-        cloudpickle.register_pickle_by_value(module)
-    try:
-        yield
-    finally:
-        for module in modules:
-            cloudpickle.unregister_pickle_by_value(module)
-
-
 def rows(
-    client: Client,
-    solve: Callable[[Chunk], Rows],
-    chunks: Iterable[Chunk],
-    waiting: Callable[[], object],
+    client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk], waiting: Callable[[], object]
 ) -> Iterator[Rows]:
     """Rows of the chunks in the order of completion. `waiting` is called periodically.
 

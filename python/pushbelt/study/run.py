@@ -14,9 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pushbelt import side_by_side
 from pushbelt.fmu.unit import Archive
-from pushbelt.progress import progress_bar
+from pushbelt.report import side_by_side
+from pushbelt.report.side_by_side import progress_bar
 
 from . import worker
 from .store import Store
@@ -71,23 +71,26 @@ def solve(
     scheduler: Any = None,
     workers: int | None = None,
     chunk: int = 1,
+    anew: bool = False,
     progress: Callable[[Progress], object] = lambda _: None,
 ) -> dict[int, Row]:
-    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them.
+    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them, unless `anew`.
 
     `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local processes are started, one per
-    processor. A program that starts them needs the guard `if __name__ == "__main__":`. `progress` is called about once per second. Tasks
-    that lost their workers are not stored; the next run tries them again.
+    processor. A program that starts them needs the guard `if __name__ == "__main__":`. `progress` is called at the beginning and about once
+    per second. Tasks that lost their workers are not stored; the next run tries them again.
 
     Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain stored.
     """
     store = Store(folder, tasks)
-    rows = store.rows()
+    if anew:
+        store.clear()
+    rows, total = store.rows(), len(tasks.tasks())
+    failed = sum(row.get("reason") is not None for row in rows.values())
+    progress(Progress(total, len(rows), failed, 0))
     missing = chunks(tasks, set(rows), chunk)
     if not missing:
         return rows
-    total = len(tasks.tasks())
-    failed = sum(row.get("reason") is not None for row in rows.values())
     # Only studies on a cluster need the packages of dask.
     from . import cluster
 
@@ -115,8 +118,7 @@ def solve_in_processes(tasks: Tasks, folder: Path, title: str) -> dict[int, Row]
     """The same in processes of this machine, with a progress bar and without dask."""
     store = Store(folder, tasks)
     rows = store.rows()
-    missing = chunks(tasks, set(rows), 1)
-    if missing:
+    if missing := chunks(tasks, set(rows), 1):
         with Archive.unpack(tasks.fmu) as archive:
             calls = [(_solve_chunk, (archive, tasks.common, tasks.measure, chunk)) for chunk in missing]
             for found in map(dict, side_by_side.run_all(calls, len(calls), title, os.cpu_count() or 1)):
@@ -135,24 +137,28 @@ def _solve_chunk(archive: Archive, *arguments: Any) -> list[tuple[int, Row]]:
 
 def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
     """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
-    store, begin = Store(options.output, tasks), time.perf_counter()
-    if options.anew or options.measure:
-        store.clear()
-    total, before = len(tasks.tasks()), len(store.rows())
-    if before:
-        print(f"  {before} of {total} {what} are already stored")
-    with progress_bar(total, what, before) as bar:
+    begin, seen = time.perf_counter(), []
+    with progress_bar(len(tasks.tasks()), what) as bar:
 
         def shown(progress: Progress) -> None:
+            if not seen:
+                bar.initial = bar.n = progress.done
+                if progress.done:
+                    print(f"  {progress.done} of {progress.tasks} {what} are already stored")
+            seen[bool(seen) :] = [progress]
             bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
             bar.update(progress.done - bar.n)
 
+        given = {
+            "scheduler": scheduler or options.scheduler,
+            "workers": options.workers,
+            "anew": options.anew or options.measure,
+        }
         try:
-            rows = solve(
-                tasks, options.output, scheduler=scheduler or options.scheduler, workers=options.workers, chunk=chunk, progress=shown
-            )
+            rows = solve(tasks, options.output, chunk=chunk, progress=shown, **given)
         except KeyboardInterrupt:
-            print(f"\n{len(store.rows())} of {total} {what} are finished; the same command continues from them.")
+            if seen:
+                print(f"\n{seen[-1].done} of {seen[-1].tasks} {what} are finished; the same command continues from them.")
             raise
     used = sum(row.get("time") or 0.0 for row in rows.values())
-    return rows, Effort(total - before, time.perf_counter() - begin, used)
+    return rows, Effort(len(rows) - seen[0].done, time.perf_counter() - begin, used)

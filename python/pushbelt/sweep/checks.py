@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import xarray
+from xarray import DataArray
 
-from pushbelt.checks import Check
 from pushbelt.fmu.geometry import Array
+from pushbelt.report.page import Check
 
-from .maps import Results, in_rpm
+from .maps import in_rpm
 from .study import AXES
 
 ROUGHEST = 10
 """Number of listed spots."""
-AXIS = {name: place for place, name in enumerate(AXES)}
 
 
 @dataclass(frozen=True)
@@ -35,17 +36,19 @@ class Spot:
         return self.value / self.expected - 1.0
 
 
-def name_of(results: Results, place: Sequence[int]) -> str:
+def name_of(results: xarray.Dataset, at: Mapping[str, float]) -> str:
     """Description of a point."""
-    grid = results.grid
-    force, friction, speed, ratio, utilisation = place
-    return (
-        f"ratio {grid.ratio[ratio]:.3g}, utilisation {grid.utilisation[utilisation]:g}, μ {grid.friction[friction]:g}, "
-        f"{in_rpm(grid.speed[speed]):.0f} rpm" + (f", {grid.force[force]:.0f} N" if len(grid.force) > 1 else "")
-    )
+    force = f", {at['force']:.0f} N" if results.sizes["force"] > 1 else ""
+    return f"ratio {at['ratio']:.3g}, utilisation {at['utilisation']:g}, μ {at['friction']:g}, {in_rpm(at['speed']):.0f} rpm{force}"
 
 
-def of_all(column: Callable[[str], Array], steady: np.ndarray) -> tuple[tuple[str, Array, float], ...]:
+def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:
+    """Descriptions of the points at which a mask is true."""
+    places = points.transpose(*AXES).stack(point=list(AXES))
+    return [name_of(results, dict(zip(AXES, at, strict=True))) for at in places.point.values[places.values]]
+
+
+def of_all(column: Callable[[str], Array], steady: Array) -> tuple[tuple[str, Array, float], ...]:
     """What holds at every steady state: a statement, values in per cent, and their limit."""
     power = np.maximum(column("primary.power"), column("secondary.power"))
     # Powers are those of the belt, so they exclude the drag of the shafts.
@@ -60,98 +63,69 @@ def of_all(column: Callable[[str], Array], steady: np.ndarray) -> tuple[tuple[st
     )
 
 
-def evaluate(results: Results) -> list[Check]:
+def evaluate(results: xarray.Dataset) -> list[Check]:
     """All checks."""
-    carried = results.steady & (results["macroSlip"] == 0.0)
-    torque = np.broadcast_to(np.array(results.grid.utilisation) >= 0.0, carried.shape)
+    steady, positive = results.steady, results.utilisation >= 0.0
+    driving = steady & positive
 
-    def where(points: np.ndarray, values: Array) -> Array:
-        return np.where(points, values, np.nan)
+    def ascends(statement: str, values: DataArray, axis: str) -> Check:
+        steps = values.diff(axis)
+        return _check(results, statement, steps <= 0.0, int(steps.notnull().sum()), "steps from point to point")
 
-    driving = results.steady & torque
+    def at_most(statement: str, values: Array, limit: float) -> Check:
+        inside = results.thrustRatio.copy(data=values).where(steady)
+        worst = float(inside.max()) if steady.any() else 0.0
+        return _check(results, statement, inside > limit, int(steady.sum()), f"at most {worst:.2g} %")
+
+    # Every point below a utilisation with a steady state has one.
+    backwards = {"utilisation": slice(None, None, -1)}
+    beyond = driving.isel(backwards).cumsum("utilisation").isel(backwards) > 0
+    carried = results.thrustRatio.where(steady & (results.macroSlip == 0.0))
+    hole = "If a utilisation has a steady state, all smaller ones have one"
     return [
-        _falls(results, "Thrust ratio falls from overdrive to underdrive", where(carried, -results["thrustRatio"]), "ratio"),
-        _falls(results, "Slip grows with torque utilisation", where(driving, results["slip"]), "utilisation"),
-        _single_peak(results, where(driving, results["efficiency"])),
-        *(_at_most(results, *one) for one in of_all(results.__getitem__, results.steady)),
-        _no_holes(results),
+        ascends("Thrust ratio falls from overdrive to underdrive", -carried, "ratio"),
+        ascends("Slip grows with torque utilisation", results.slip.where(driving), "utilisation"),
+        _single_peak(results, results.efficiency.where(driving)),
+        *(at_most(*one) for one in of_all(lambda name: results[name].values, steady.values)),
+        _check(results, hole, ~steady & beyond & positive, steady.size),
     ]
 
 
-def _check(results: Results, statement: str, wrong: np.ndarray, asked: int, found: str = "") -> Check:
+def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int, found: str = "") -> Check:
     """A check that fails if `wrong` is true at any point. The first such points are listed."""
-    places = np.argwhere(wrong)
-    named = "; ".join(name_of(results, place) for place in places[:3])
-    count = f"{asked - len(places)} of {asked}"
-    return Check(
-        statement, not len(places), ", ".join(filter(None, [count, found])) + (f". Not: {named}" if named else "")
-    )
+    places = names_of(results, wrong)
+    text = ", ".join(filter(None, [f"{asked - len(places)} of {asked}", found]))
+    return Check(statement, not places, text + (f". Not: {'; '.join(places[:3])}" if places else ""))
 
 
-def _falls(results: Results, statement: str, values: Array, axis: str) -> Check:
-    """Check that values ascend along an axis."""
-    along = AXIS[axis]
-    steps = np.diff(values, axis=along)
-    wrong = np.zeros(values.shape, dtype=bool)
-    np.moveaxis(wrong, along, 0)[1:] = np.moveaxis(steps <= 0.0, along, 0)
-    return _check(results, statement, wrong, int(np.isfinite(steps).sum()), "steps from point to point")
-
-
-def _single_peak(results: Results, values: Array) -> Check:
+def _single_peak(results: xarray.Dataset, values: DataArray) -> Check:
     """Check that values have one maximum over the utilisation: no rise after a fall."""
-    wrong = np.zeros(values.shape, dtype=bool)
-    for place in np.ndindex(values.shape[:-1]):
-        line = values[place]
+    wrong = xarray.zeros_like(values, dtype=bool)
+    lines, marks = (
+        values.values.reshape(-1, values.sizes["utilisation"]),
+        wrong.values.reshape(-1, values.sizes["utilisation"]),
+    )
+    for line, mark in zip(lines, marks, strict=True):
         found = np.flatnonzero(np.isfinite(line))
-        if found.size > 2:
-            steps = np.diff(line[found])
-            valley = np.flatnonzero((steps[:-1] < 0.0) & (steps[1:] > 0.0)) + 1
-            wrong[(*place, found[valley])] = True
-    lines = int(np.prod(values.shape[:-1]))
-    statement = "Efficiency has one peak over the torque utilisation"
-    return _check(results, statement, wrong, lines, "lines")
+        steps = np.diff(line[found])
+        mark[found[np.flatnonzero((steps[:-1] < 0.0) & (steps[1:] > 0.0)) + 1]] = True
+    return _check(results, "Efficiency has one peak over the torque utilisation", wrong, len(lines), "lines")
 
 
-def _at_most(results: Results, statement: str, values: Array, limit: float) -> Check:
-    values = np.where(results.steady, values, np.nan)
-    worst = np.nanmax(values) if results.steady.any() else 0.0
-    return _check(results, statement, values > limit, int(results.steady.sum()), f"at most {worst:.2g} %")
-
-
-def _no_holes(results: Results) -> Check:
-    """Check that every point below a utilisation with a steady state has one."""
-    positive = np.array(results.grid.utilisation) >= 0.0
-    steady = results.steady & positive
-    beyond = np.flip(np.logical_or.accumulate(np.flip(steady, -1), -1), -1)
-    wrong = ~results.steady & beyond & positive
-    return _check(results, "If a utilisation has a steady state, all smaller ones have one", wrong, wrong.size)
-
-
-def spots(results: Results) -> list[Spot]:
+def spots(results: xarray.Dataset) -> list[Spot]:
     """The points with the largest deviations from their neighbours along ratio and utilisation, worst first."""
-    carried = results.steady & (results["macroSlip"] == 0.0)
-    found = [
-        spot
-        for column, axis in (("thrustRatio", "ratio"), ("thrustRatio", "utilisation"), ("efficiency", "ratio"))
-        for spot in _spots(results, column, axis, carried)
-    ]
-    return sorted(found, key=lambda spot: -abs(spot.share))[:ROUGHEST]
+    pairs = (("thrustRatio", "ratio"), ("thrustRatio", "utilisation"), ("efficiency", "ratio"))
+    return sorted((spot for pair in pairs for spot in _spots(results, *pair)), key=lambda spot: -abs(spot.share))[:ROUGHEST]
 
 
-def _spots(results: Results, column: str, axis: str, carried: np.ndarray) -> Iterable[Spot]:
-    grid = np.array(getattr(results.grid, axis))
-    if len(grid) < 3:
-        return
-    x = np.log(grid) if axis == "ratio" else grid
-    values = np.moveaxis(np.where(carried, results[column], np.nan), AXIS[axis], -1)
-    share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
-    expected = (1.0 - share) * values[..., :-2] + share * values[..., 2:]
-    distance = np.abs(values[..., 1:-1] / expected - 1.0)
-    for flat in np.argsort(-np.nan_to_num(distance, nan=-1.0), axis=None)[:ROUGHEST]:
-        inner = np.unravel_index(flat, distance.shape)
-        if not np.isfinite(distance[inner]):
-            continue
-        moved = [*inner[:-1], inner[-1] + 1]
-        place = list(moved[:-1])
-        place.insert(AXIS[axis], moved[-1])
-        yield Spot(name_of(results, place), column, float(values[tuple(moved)]), float(expected[inner]), axis)
+def _spots(results: xarray.Dataset, column: str, axis: str) -> Iterator[Spot]:
+    values = results[column].where(results.steady & (results.macroSlip == 0.0))
+    x = np.log(results[axis]) if axis == "ratio" else results[axis]
+    (before, after), (low, high) = ((one.shift({axis: 1}), one.shift({axis: -1})) for one in (x, values))
+    share = (x - before) / (after - before)
+    expected = ((1.0 - share) * low + share * high).transpose(*AXES)
+    off = np.abs(values / expected - 1.0).stack(point=list(AXES))
+    for k in np.argsort(-off.fillna(-1.0).values)[:ROUGHEST]:
+        at = dict(zip(AXES, off.point.values[k], strict=True))
+        if np.isfinite(off.values[k]):
+            yield Spot(name_of(results, at), column, float(values.sel(at)), float(expected.sel(at)), axis)

@@ -16,8 +16,6 @@ from typing import Any
 import numpy as np
 
 from pushbelt.errors import PushbeltError
-from pushbelt.fmu.data import torque_capacity
-from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import units
@@ -26,16 +24,9 @@ from pushbelt.tables.faults import Fault, TableError
 from pushbelt.tables.names import Column
 from pushbelt.tables.sheet import Reading
 
-from .point import Point, start_values
+from .point import Point
 
 UTILISATION = "utilisation"
-STANDARD = {
-    "initial.ratio": 1.0,
-    "utilisation": 0.6,
-    "initial.primarySpeed": 209.44,
-    "secondary.clampingForce": 12e3,
-}
-"""Values of the axes that a design does not vary."""
 AXIS_OF = {
     "ratio": "initial.ratio",
     "speed": "initial.primarySpeed",
@@ -47,12 +38,6 @@ AXIS_OF = {
 """Short names of columns, by which a point is defined."""
 OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Columns that may have the names of a rig's table, such as F_S. Its secondary torque has no sign, so it is not among them."""
-ACTING: Mapping[str, Mapping[str, float]] = {
-    "primary.clampingForce": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True},
-    "primary.speedSetpoint": {"primary.drive": Drive.SPEED.value},
-    "secondary.torque": {"secondary.drive": Drive.TORQUE.value},
-}
-"""Boundary conditions under which an input acts: a varied primary force determines the ratio, for example."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a design."""
 
@@ -68,14 +53,6 @@ class Varied:
     name: str
     values: tuple[float, ...] = ()
     span: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class DesignPoint:
-    """A point of a design: values of the varied columns."""
-
-    index: int
-    values: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -102,44 +79,17 @@ class Design:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def points(self) -> list[DesignPoint]:
-        """All points by index."""
-        return [DesignPoint(k, dict(zip(self.columns, row, strict=True))) for k, row in enumerate(self.rows)]
+    def points(self) -> list[Point]:
+        """All points; their places number them."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
 
     def check(self, variables: Mapping[str, Any]) -> None:
         """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
-        for point in self.points():
-            known = {name: value for name, value in point.values.items() if name != "utilisation"}
+        for number, point in enumerate(self.points(), 1):
             try:
-                checked(variables, known, SETTABLE)
+                checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
             except StartValueError as error:
-                raise DesignError(f"point {point.index + 1} of the design: {error}") from None
-
-
-def full_values(parameters: Mapping[str, float], point: DesignPoint) -> dict[str, float]:
-    """All start values of a point, by FMU variable. The torque follows from the point's own geometry."""
-    given = point.values
-    axes = {**STANDARD, "friction.pulley": parameters.get("friction.pulley", 0.0), **given}
-    defined = {*STANDARD, "friction.pulley"}
-    own = {**parameters, **{name: value for name, value in given.items() if name not in defined}}
-    law = Point(
-        point.index,
-        ratio=axes["initial.ratio"],
-        utilisation=axes["utilisation"],
-        friction=axes["friction.pulley"],
-        speed=axes["initial.primarySpeed"],
-        force=axes["secondary.clampingForce"],
-    )
-    values = {**own, **start_values(own, law)}
-    for name, condition in ACTING.items():
-        if name in given:
-            values |= condition
-    return values | {name: given[name] for name in given if name not in defined}
-
-
-def utilisation_of(values: Mapping[str, float]) -> float:
-    """Torque utilisation of start values."""
-    return values["primary.torque"] / torque_capacity(values, values["initial.ratio"], values["secondary.clampingForce"])
+                raise DesignError(f"point {number} of the design: {error}") from None
 
 
 # Reading

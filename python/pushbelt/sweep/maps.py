@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import matplotlib
 
 matplotlib.use("Agg")
@@ -12,54 +9,36 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
+import xarray
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.panels import levels_of, middle_of
-from pushbelt.style import INK, RED, STYLE, colour_stops
+from pushbelt.maps.panels import Quantity, levels_of, middle_of
+from pushbelt.report.style import INK, RED, STYLE, colour_stops
 
-from .study import Grid
+from .study import AXES, Grid
 
 RATIO_TICKS = (0.5, 0.7, 1.0, 1.4, 2.0)
 
 
-class Results:
-    """Columns of the results as arrays over the grid, in the order of `AXES`; NaN where there is no steady state."""
-
-    def __init__(self, grid: Grid, table: pa.Table) -> None:
-        self.grid = grid
-        self.table = table
-
-    def __getitem__(self, column: str) -> Array:
-        values = self.table[column].to_numpy(zero_copy_only=False).astype(float)
-        return values.reshape(self.grid.shape)
-
-    @cached_property
-    def steady(self) -> np.ndarray:
-        """Mask of points with a steady state."""
-        return np.isfinite(self["thrustRatio"])
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """The quantity of a map."""
-
-    name: str
-    column: str
-    scale: float
-    unit: str
-    levels: tuple[float, ...] | None = None
-    """Levels of the colours; by default they are evenly spaced."""
+def gridded(grid: Grid, table: pa.Table) -> xarray.Dataset:
+    """The numbers of the results over the axes of the grid, NaN where there is no steady state, and the mask `steady`."""
+    numbers = table.drop_columns(["remarks", "reason", *AXES.keys() & set(table.column_names)])
+    values = {
+        name: numbers[name].to_numpy(zero_copy_only=False).astype(float).reshape(grid.shape)
+        for name in numbers.column_names
+    }
+    axes = {name: list(getattr(grid, name)) for name in AXES}
+    found = xarray.Dataset({name: (tuple(AXES), one) for name, one in values.items()}, axes)
+    return found.assign(steady=found.thrustRatio.notnull())
 
 
 SLIPS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 QUANTITIES = (
-    Quantity("thrust ratio", "thrustRatio", 1.0, ""),
-    Quantity(
-        "efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)
-    ),
+    Quantity("thrust ratio", "thrustRatio"),
+    Quantity("efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)),
     Quantity("slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
 )
 
@@ -69,12 +48,11 @@ def in_rpm(speed: float) -> float:
     return speed * 30.0 / np.pi
 
 
-def maps(results: Results, quantity: Quantity, force: int) -> Figure:
-    """Maps of a quantity at the clamping force with an index, one per friction and speed."""
-    grid = results.grid
-    values = quantity.scale * results[quantity.column][force]
-    slipping = results["macroSlip"][force] > 0.0
-    down, across = [f"μ = {friction:g}" for friction in grid.friction], [f"{in_rpm(w):.0f} rpm" for w in grid.speed]
+def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
+    """Maps of a quantity at a clamping force, one per friction and speed."""
+    values = quantity.scale * results[quantity.column].values
+    slipping = results.macroSlip.values > 0.0
+    down, across = [f"μ = {one:g}" for one in results.friction.values], [f"{in_rpm(w):.0f} rpm" for w in results.speed.values]
     if len(down) > len(across):
         values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
         down, across = across, down
@@ -85,17 +63,12 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     colours = plt.get_cmap("viridis") if stops is None else LinearSegmentedColormap.from_list("diverging", stops)
     rows, columns = len(down), len(across)
     with plt.rc_context(STYLE):
+        size = (2.45 * columns + 1.4, 2.15 * rows + 0.5)
         figure, panels = plt.subplots(
-            rows,
-            columns,
-            figsize=(2.45 * columns + 1.4, 2.15 * rows + 0.5),
-            sharex=True,
-            sharey=True,
-            squeeze=False,
-            layout="constrained",
+            rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained"
         )
         for m, n in np.ndindex(rows, columns):
-            _panel(panels[m, n], grid, values[m, n], slipping[m, n], levels, colours)
+            _panel(panels[m, n], results, values[m, n], slipping[m, n], levels, colours)
             panels[m, n].set_title(f"{down[m]}, {across[n]}" if rows > 1 or columns > 1 else "")
         for axes in panels[-1]:
             axes.set_xlabel("ratio $r_S/r_P$")
@@ -125,9 +98,11 @@ def carried(utilisation: Array, holds: np.ndarray) -> Array:
     return border
 
 
-def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap) -> None:
+def _panel(
+    axes: Axes, results: xarray.Dataset, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap
+) -> None:
     """One map; `values` over ratio × utilisation."""
-    ratio, utilisation = (np.array(axis) for axis in (grid.ratio, grid.utilisation))
+    ratio, utilisation = results.ratio.values, results.utilisation.values
     field = np.ma.masked_invalid(values.T)
     axes.set_facecolor("#f1f3f5")
     if min(values.shape) > 1 and field.count() > 3:
@@ -156,11 +131,11 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
             limits(axis[0], axis[-1])
 
 
-def sheets(results: Results) -> dict[str, Figure]:
+def sheets(results: xarray.Dataset) -> dict[str, Figure]:
     """Figures of all maps, by file name."""
-    several = len(results.grid.force) > 1
+    several = results.sizes["force"] > 1
     return {
-        quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results, quantity, index)
-        for index, force in enumerate(results.grid.force)
+        quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results.sel(force=force), quantity)
+        for force in results.force.values
         for quantity in QUANTITIES
     }

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from pushbelt.fmu.data import torque_capacity
+from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import UnitError
@@ -22,29 +22,31 @@ Row = dict[str, float | bool | str | None]
 """A row of the results, by column."""
 
 
-@dataclass(frozen=True)
-class Point:
-    """A working point of a study."""
+Point = Mapping[str, float]
+"""A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,
+2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
 
-    index: int
-    """Index in the study."""
-    ratio: float
-    """Geometric ratio r_S/r_P."""
-    utilisation: float
-    """Primary torque divided by the torque at which the belt slips through, 2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
-    friction: float
-    """μ between element and sheave."""
-    speed: float
-    """Speed of the primary pulley without slip, ω_P = i ω_S, rad/s."""
-    force: float
-    """Secondary clamping force, N."""
+STANDARD = {"initial.ratio": 1.0, "utilisation": 0.6, "initial.primarySpeed": 209.44, "secondary.clampingForce": 12e3}
+"""Values of what a point does not have. Its friction is then that of the parameters."""
+ACTING: Mapping[str, Mapping[str, float]] = {
+    "primary.clampingForce": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True},
+    "primary.speedSetpoint": {"primary.drive": Drive.SPEED.value},
+    "secondary.torque": {"secondary.drive": Drive.TORQUE.value},
+}
+"""Boundary conditions under which an input acts: a varied primary force determines the ratio, for example."""
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
-    """Start values of a point by FMU variable. The torque follows from the geometry in the parameters."""
-    given = {"friction.pulley": point.friction, "initial.equilibrium": False}
-    torque = point.utilisation * torque_capacity({**parameters, **given}, point.ratio, point.force)
-    return driven_by_torque(given, point.ratio, point.speed, torque, point.force)
+    """All start values of a point by FMU variable. The torque of a utilisation follows from the point's own geometry."""
+    axes = {**STANDARD, **point}
+    own = {**parameters, **{name: value for name, value in point.items() if name not in STANDARD}}
+    ratio, speed, force = (axes[name] for name in ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce"))
+    torque = axes["utilisation"] * torque_capacity(own, ratio, force)
+    values = {**driven_by_torque(own, ratio, speed, torque, force), "initial.equilibrium": False}
+    for name, condition in ACTING.items():
+        if name in point:
+            values |= condition
+    return values | {name: value for name, value in point.items() if name not in STANDARD}
 
 
 def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:

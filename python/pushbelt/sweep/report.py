@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
-import numpy as np
 import pyarrow as pa
+import xarray
 
-from pushbelt.page import write_html
+from pushbelt.report.page import write_html
 from pushbelt.study.run import Effort
 
 from . import checks, figures, maps
-from .maps import Results
 from .results import METADATA, schema
 from .study import AXES, Study
 
@@ -25,7 +24,7 @@ FEW = 12
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     """Writes report and maps; returns the path of the report."""
-    results = Results(study.grid, table)
+    results = maps.gridded(study.grid, table)
     pictures = folder / "maps"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.png"):
@@ -34,46 +33,50 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
         plt.close(figure)
     path = folder / "report.html"
-    write_html("sweep/sweep.html.j2", _context(study, results, effort), path)
+    write_html("sweep/sweep.html.j2", _context(study, table, results, effort), path)
     return path
 
 
-def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
-    grid, table = study.grid, results.table
-    nearest = {
-        "friction": int(np.argmin(np.abs(np.array(grid.friction) - 0.09))),
-        "speed": int(np.argmin(np.abs(np.array(grid.speed) - 209.44))),
-        "force": len(grid.force) // 2,
-    }
+def common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
+    """Values for the template of any study."""
     reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
-    failed = np.argwhere(~results.steady)
-    steady = {column: results[column][results.steady] for column in ("thrustRatio", "efficiency", "slip", "macroSlip")}
     return {
         "version": study.description.version or "",
         "identity": study.identity,
-        "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "points": len(grid),
-        "steady": steady,
+        "points": len(table),
         "effort": effort,
         "processor_time": effort.processor_time,
         "reasons": reasons.most_common(),
-        "failed": [checks.name_of(results, place) for place in failed[:FEW]],
-        "failed_count": len(failed),
-        "checks": checks.evaluate(results) if results.steady.any() else [],
-        "spots": checks.spots(results) if results.steady.any() else [],
-        "cut": {
-            "picture": figures.cuts(results, **nearest),
-            "friction": grid.friction[nearest["friction"]],
-            "rpm": maps.in_rpm(grid.speed[nearest["speed"]]),
-            "force": grid.force[nearest["force"]],
-        },
-        "maps": figures.maps(results),
+        "failed_count": reasons.total(),
         "columns": [
             (field.name, {key.decode(): text.decode() for key, text in field.metadata.items()})
             for field in schema(study)
         ],
         "metadata_key": METADATA.decode(),
         "parameters": shown_parameters(study),
+    }
+
+
+def _context(study: Study, table: pa.Table, results: xarray.Dataset, effort: Effort) -> dict[str, Any]:
+    grid, steady = study.grid, results.steady
+    middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
+    return {
+        **common(study, table, effort),
+        "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
+        "steady": {
+            column: results[column].values[steady.values]
+            for column in ("thrustRatio", "efficiency", "slip", "macroSlip")
+        },
+        "failed": checks.names_of(results, ~steady)[:FEW],
+        "checks": checks.evaluate(results) if steady.any() else [],
+        "spots": checks.spots(results) if steady.any() else [],
+        "cut": {
+            "picture": figures.cuts(middle),
+            "friction": float(middle.friction),
+            "rpm": maps.in_rpm(float(middle.speed)),
+            "force": float(middle.force),
+        },
+        "maps": figures.maps(results),
     }
 
 

@@ -11,11 +11,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.unit import output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
-from .design import Design, DesignPoint, utilisation_of
+from .design import Design
 from .point import SHORT_STEP
 from .study import AXES, Study
 
@@ -66,7 +67,8 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
     for number in sorted(rows):
         point = points[number]
         values = study.start_values(point)
-        utilisation = utilisation_of(values) if isinstance(point, DesignPoint) else point.utilisation
+        carried = torque_capacity(values, values["initial.ratio"], values["secondary.clampingForce"])
+        utilisation = point.get("utilisation", values["primary.torque"] / carried)
         full.append({"point": number, "utilisation": utilisation, **{name: values[name] for name in given}, **rows[number]})
     results = pa.Table.from_pylist(full, columns)
     failed = len(results) - results["reason"].null_count

@@ -6,7 +6,6 @@ import itertools
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, fields
-from types import ModuleType
 from typing import Any
 
 from pushbelt.fmu import starts, steady
@@ -14,10 +13,9 @@ from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
-from . import design, point
-from .design import Design, DesignError, DesignPoint, full_values
+from . import point
+from .design import Design, DesignError
 from .point import Point, start_values
-
 
 CHUNK = 8
 """Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
@@ -75,10 +73,15 @@ class Grid:
     def __len__(self) -> int:
         return math.prod(self.shape)
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the points."""
+        return tuple(axis.column for axis in AXES.values())
+
     def points(self) -> list[Point]:
-        """All points by index. The utilisation varies fastest."""
-        combinations = itertools.product(*(getattr(self, name) for name in AXES))
-        return [Point(index, **dict(zip(AXES, values, strict=True))) for index, values in enumerate(combinations)]
+        """All points; their places number them. The utilisation varies fastest."""
+        rows = itertools.product(*(getattr(self, name) for name in AXES))
+        return [dict(zip(self.columns, row, strict=True)) for row in rows]
 
 
 DEFAULT = Grid()
@@ -101,17 +104,14 @@ class Study(Tasks):
         parameters = checked(self.variables, self.parameters, {"parameter"})
         if isinstance(self.grid, Design):
             self.grid.check(self.variables)
-            taken = parameters.keys() & {*self.grid.columns, "initial.steady", "initial.equilibrium"}
+            fixed = {"initial.steady", "initial.equilibrium"}
         else:
-            taken = self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys()
-        if taken:
+            fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
+        if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
-    @property
-    def procedure(self) -> tuple[ModuleType, ...]:
-        return (point, starts, steady, *([design] if isinstance(self.grid, Design) else []))
-
+    procedure = (point, starts, steady)
     measure = staticmethod(point.solve)
 
     def document(self) -> dict[str, Any]:
@@ -121,13 +121,11 @@ class Study(Tasks):
         """Start values of all points."""
         return [self.start_values(point) for point in self.grid.points()]
 
-    def start_values(self, point: Point | DesignPoint) -> dict[str, float]:
+    def start_values(self, point: Point) -> dict[str, float]:
         """All start values of a point."""
-        if isinstance(point, DesignPoint):
-            values = {name: value for name, value in point.values.items() if name in self.variables}
-            typed = {**point.values, **checked(self.variables, values)}
-            return full_values(self.parameters, DesignPoint(point.index, typed))
-        return {**self.parameters, **start_values(self.parameters, point)}
+        if isinstance(self.grid, Design):
+            point = {**point, **checked(self.variables, {name: one for name, one in point.items() if name in self.variables})}
+        return start_values(self.parameters, point)
 
 
 def variator(

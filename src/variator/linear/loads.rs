@@ -45,7 +45,7 @@ impl Load {
         match (self, &mut boundary.sheave[j], &mut boundary.shaft[j]) {
             (Self::ClampingForce(_), SheaveMode::Force(force), _) => *force += by,
             (Self::Pressure(_), SheaveMode::Force(force), _) => {
-                *force += system.pulleys.parameters(j).cylinder.area * by
+                *force += system.parameters.pulley(j).cylinder.area * by
             }
             (Self::Torque(_) | Self::SpeedSetpoint(_), _, ShaftMode::Torque(load) | ShaftMode::Setpoint(load)) => {
                 *load += by;
@@ -97,11 +97,11 @@ pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize)
     for (l, load) in loads.iter().enumerate() {
         let (row, factor) = match *load {
             Load::ClampingForce(j) => (system.belt.layout.sheave(j), 1.0),
-            Load::Pressure(j) => (system.belt.layout.sheave(j), system.pulleys.parameters(j).cylinder.area),
+            Load::Pressure(j) => (system.belt.layout.sheave(j), system.parameters.pulley(j).cylinder.area),
             Load::Torque(j) => (system.belt.layout.shaft_speed(j), 1.0),
             Load::SpeedSetpoint(j) => (
                 system.belt.layout.shaft_speed(j),
-                system.pulleys.parameters(j).inertia / SPEED_LAG,
+                system.parameters.pulley(j).inertia / SPEED_LAG,
             ),
         };
         b[(row, l)] = factor;
@@ -129,7 +129,7 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
         let (given, held) = (*load.field(&mut given), *load.field(&mut held));
         let (unit, small) = match load {
             Load::ClampingForce(_) => ("N", SMALL_FORCE),
-            Load::Pressure(j) => ("Pa", SMALL_FORCE / point.system.pulleys.parameters(*j).cylinder.area),
+            Load::Pressure(j) => ("Pa", SMALL_FORCE / point.system.parameters.pulley(*j).cylinder.area),
             Load::Torque(_) => ("N.m", SMALL_TORQUE),
             // The set point is the speed of the point.
             Load::SpeedSetpoint(_) => continue,

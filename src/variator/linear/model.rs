@@ -236,14 +236,14 @@ fn derivatives_along(
             state.q[i] += step * direction.q[i];
         }
         let survey = Survey::of(system, state.view());
-        let mut boundary = system.loads.at(TIME);
+        let mut boundary = system.boundary(TIME);
         if let Some(load) = direction.load {
             load.change(step, system, &mut boundary);
         }
         let BeltSums {
             shaft_torque, axial, ..
         } = survey.sums;
-        let external = system.pulleys.external(&boundary, state.view(), shaft_torque, axial);
+        let external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
         let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();
         Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);

@@ -118,13 +118,13 @@ fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<I
     let mut held = *inputs;
     let parameters = system.parameters.clone();
     let sums = Survey::of(system, state.view()).sums;
-    let mut boundary = system.loads.at(TIME);
+    let mut boundary = system.boundary(TIME);
     for (j, pulley, values) in [
         (Pulley::Primary, &parameters.primary, &mut held.primary),
         (Pulley::Secondary, &parameters.secondary, &mut held.secondary),
     ] {
         if pulley.axial == Axial::Force {
-            let force = system.pulleys.holding_force(j, state.view(), sums.axial[j]);
+            let force = system.pulleys().holding_force(j, state.view(), sums.axial[j]);
             let area = pulley.cylinder.area;
             if area > 0.0 {
                 values.pressure = (force - values.clamping_force) / area;
@@ -165,5 +165,5 @@ fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, Li
 /// Sets constant loads.
 fn load(system: &mut VariatorSystem, boundary: Boundary) {
     let mut rates = vec![0.0; system.belt.layout.len()];
-    system.change_loads(Loads::constant(boundary), TIME, &mut rates);
+    system.change_loads(Loads::Constant(boundary), TIME, &mut rates);
 }

@@ -1,7 +1,9 @@
 //! Loads and set points at the pulleys, as functions of time.
 
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::PerPulley;
 use crate::tape::Tape;
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::signals::Inputs;
 
 /// Condition that determines a sheave's axial position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,90 +77,115 @@ impl Boundary {
             SheaveMode::Held | SheaveMode::Ratio { .. } => 0.0,
         })
     }
+}
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        for sheave in self.sheave.each_mut() {
-            if let SheaveMode::Force(force) = sheave {
-                tape.real(force);
-            }
+/// Inputs that change in proportion to time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearInputs {
+    /// Time from which they change, s.
+    pub from: f64,
+    /// Time at which others follow, s.
+    pub until: f64,
+    /// Inputs at `from`.
+    pub inputs: Inputs,
+    /// Their time derivatives.
+    pub rates: Inputs,
+}
+
+impl LinearInputs {
+    /// No inputs at all.
+    pub const NONE: Self = Self {
+        from: 0.0,
+        until: f64::INFINITY,
+        inputs: Inputs::ZERO,
+        rates: Inputs::ZERO,
+    };
+
+    /// Inputs that do not change.
+    #[must_use]
+    pub fn constant(from: f64, inputs: &Inputs) -> Self {
+        Self {
+            from,
+            inputs: *inputs,
+            ..Self::NONE
         }
-        for shaft in self.shaft.each_mut() {
-            if let ShaftMode::Torque(load) | ShaftMode::Setpoint(load) = shaft {
-                tape.real(load);
-            }
+    }
+
+    /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Inputs {
+        let mut inputs = self.inputs.after(time - self.from, &self.rates);
+        for pulley in [&mut inputs.primary, &mut inputs.secondary] {
+            pulley.clamping_force = pulley.clamping_force.max(0.0);
+        }
+        inputs
+    }
+
+    /// Writes to a tape, or reads from it.
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.from);
+        tape.within(&mut self.until, f64::MIN, f64::INFINITY);
+        for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
+            tape.real(value);
         }
     }
 }
 
-/// Rates of the loads of a [`Boundary`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LoadRates {
-    /// Rates of clamping forces, N/s.
-    pub force: PerPulley<f64>,
-    /// Rates of the forces of pressures, N/s.
-    pub oil: PerPulley<f64>,
-    /// Rates of external torques, N·m/s, or of speed set points, rad/s².
-    pub shaft: PerPulley<f64>,
-}
-
-/// Loads that change in proportion to time.
+/// What acts on the pulleys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Loads {
-    /// Time at which the loads are those of `start`, s.
-    from: f64,
-    start: Boundary,
-    /// Forces of pressures beside the forces of `start`, N.
-    oil: PerPulley<f64>,
-    rates: LoadRates,
+pub enum Loads {
+    /// Inputs of a run. Of torques, forces and pressures a share acts, which grows in a soft start.
+    Inputs(LinearInputs, f64),
+    /// The same conditions at all times.
+    Constant(Boundary),
 }
 
 impl Loads {
-    /// Loads that do not change.
-    #[must_use]
-    pub fn constant(start: Boundary) -> Self {
-        Self::changing(0.0, (start, PerPulley::default()), LoadRates::default())
-    }
-
-    /// Loads that are `start`, and forces of pressures, N, in addition to its clamping forces, at the time `from`, s. They change at
-    /// `rates`.
-    #[must_use]
-    pub fn changing(from: f64, (start, oil): (Boundary, PerPulley<f64>), rates: LoadRates) -> Self {
-        Self {
-            from,
-            start,
-            oil,
-            rates,
-        }
-    }
-
-    /// The boundary conditions at a time, s. A falling clamping force stops at zero: an actuator can't pull its sheave.
-    #[must_use]
-    pub fn at(&self, time: f64) -> Boundary {
-        let mut boundary = self.start;
-        let after = time - self.from;
-        for pulley in Pulley::BOTH {
-            if let SheaveMode::Force(force) = &mut boundary.sheave[pulley] {
-                if self.rates.force[pulley] != 0.0 {
-                    *force = (*force + after * self.rates.force[pulley]).max(0.0);
+    /// The boundary conditions at a time, s.
+    pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
+        let (given, share) = match self {
+            Self::Inputs(given, share) => (given, *share),
+            Self::Constant(boundary) => return *boundary,
+        };
+        let after = time - given.from;
+        let linear = |start: f64, rate: f64| start + after * rate;
+        Boundary {
+            sheave: PerPulley::from_fn(|pulley| {
+                let of = parameters.pulley(pulley);
+                let (inputs, rates) = (given.inputs.pulley(pulley), given.rates.pulley(pulley));
+                let [oil, oil_rate] = [inputs, rates].map(|inputs| share * (of.cylinder.area * inputs.pressure));
+                let clamp = linear(share * inputs.clamping_force, share * rates.clamping_force).max(0.0);
+                match of.axial {
+                    Axial::Force => SheaveMode::Force(clamp + linear(oil, oil_rate)),
+                    Axial::Held => SheaveMode::Held,
                 }
-                *force += self.oil[pulley] + after * self.rates.oil[pulley];
-            }
-            if let ShaftMode::Torque(load) | ShaftMode::Setpoint(load) = &mut boundary.shaft[pulley] {
-                *load += after * self.rates.shaft[pulley];
-            }
+            }),
+            shaft: PerPulley::from_fn(|pulley| {
+                let (inputs, rates) = (given.inputs.pulley(pulley), given.rates.pulley(pulley));
+                match parameters.pulley(pulley).drive {
+                    Drive::Torque => ShaftMode::Torque(linear(share * inputs.torque, share * rates.torque)),
+                    Drive::Speed => ShaftMode::Setpoint(linear(inputs.speed_setpoint, rates.speed_setpoint)),
+                }
+            }),
         }
-        boundary
     }
 
-    /// Writes the loads to a tape, or reads them. Before reading, boundary conditions of the same kinds must be set.
-    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.from);
-        self.start.serialize(tape);
-        let LoadRates { force, oil, shaft } = &mut self.rates;
-        for values in [&mut self.oil, force, oil, shaft] {
-            for value in values.each_mut() {
-                tape.real(value);
-            }
+    /// Inputs at a time, s; none of a steady solution.
+    pub(crate) fn inputs(&self, time: f64) -> Inputs {
+        match self {
+            Self::Inputs(given, _) => given.at(time),
+            Self::Constant(_) => Inputs::ZERO,
         }
+    }
+
+    /// Writes the loads of a run to a tape, or reads them.
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
+        let (mut given, mut share) = match *self {
+            Self::Inputs(given, share) => (given, share),
+            Self::Constant(_) => (LinearInputs::NONE, 1.0),
+        };
+        given.serialize(tape);
+        tape.within(&mut share, 0.0, 1.0);
+        *self = Self::Inputs(given, share);
     }
 }

@@ -14,19 +14,14 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
-use crate::variator::settings::parameters::{Parameters, PulleyParameters, SPEED_LAG};
+use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
-#[derive(Clone, Debug)]
-pub struct Pulleys {
-    layout: Layout,
-    parameters: PerPulley<PulleyParameters>,
-    /// Axial travel of the movable sheaves between their stops.
-    travel: PerPulley<Travel>,
-    /// Regularisation velocity of the seals' friction, m/s.
-    seal_velocity: f64,
-    /// Factor on the inertias, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
-    pub inertia_factor: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct Pulleys<'a> {
+    parameters: &'a Parameters,
+    belt: &'a Belt,
+    inertia_factor: f64,
 }
 
 /// What acts on a pulley from outside.
@@ -58,34 +53,44 @@ impl Stop {
     }
 }
 
-impl Pulleys {
-    /// The pulleys of a belt.
+impl<'a> Pulleys<'a> {
+    /// The pulleys of a belt, with their inertias times a factor.
     #[must_use]
-    pub fn new(parameters: &Parameters, belt: &Belt) -> Self {
-        let [.., tan_beta] = belt.law.wedge;
-        let travel = |pulley| {
-            let of: &PulleyParameters = parameters.pulley(pulley);
-            Travel::new((of.min_radius, of.max_radius), belt.law.r0, tan_beta)
-        };
+    pub(crate) fn new(parameters: &'a Parameters, belt: &'a Belt, inertia_factor: f64) -> Self {
         Self {
-            layout: belt.layout,
-            parameters: PerPulley::from_fn(|pulley| parameters.pulley(pulley).clone()),
-            travel: PerPulley::from_fn(travel),
-            seal_velocity: parameters.friction.velocity,
-            inertia_factor: 1.0,
+            parameters,
+            belt,
+            inertia_factor,
         }
+    }
+
+    fn layout(&self) -> &Layout {
+        &self.belt.layout
+    }
+
+    /// Axial travel of a sheave between its stops.
+    fn travel(&self, pulley: Pulley) -> Travel {
+        let [.., tan_beta] = self.belt.law.wedge;
+        let of = self.parameters.pulley(pulley);
+        Travel::new((of.min_radius, of.max_radius), self.belt.law.r0, tan_beta)
+    }
+
+    /// Friction of the seals of a cylinder at the speed `z_dot` of its sheave, m/s; N.
+    fn rubbing(&self, pulley: Pulley, z_dot: f64) -> f64 {
+        let velocity = self.parameters.friction.velocity;
+        self.parameters.pulley(pulley).cylinder.drag(z_dot, velocity)
     }
 
     /// Force of the end stops on a sheave, and its damping part.
     fn stop(&self, pulley: Pulley, view: View<'_>) -> StopForce<f64> {
-        let z = self.layout.sheave(pulley);
-        self.travel[pulley].stop_force(view.q[z], view.y[z])
+        let z = self.layout().sheave(pulley);
+        self.travel(pulley).stop_force(view.q[z], view.y[z])
     }
 
     /// The end stop that a sheave has reached, if any: it counts from the start of its compression.
     #[must_use]
     pub fn stop_reached(&self, pulley: Pulley, view: View<'_>) -> Option<Stop> {
-        let (z, travel) = (view.q[self.layout.sheave(pulley)], self.travel[pulley]);
+        let (z, travel) = (view.q[self.layout().sheave(pulley)], self.travel(pulley));
         let closed = (z >= travel.closed).then_some(Stop::Closing);
         closed.or_else(|| (z <= travel.open).then_some(Stop::Opening))
     }
@@ -107,33 +112,33 @@ impl Pulleys {
     #[must_use]
     pub fn push(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let [z, omega] = [
-            view.q[self.layout.sheave(pulley)],
-            view.y[self.layout.shaft_speed(pulley)],
+            view.q[self.layout().sheave(pulley)],
+            view.y[self.layout().shaft_speed(pulley)],
         ];
-        self.parameters[pulley].cylinder.push(z, omega)
+        self.parameters.pulley(pulley).cylinder.push(z, omega)
     }
 
     /// Force of a cylinder on its sheave beside that of its pressure, N.
     fn cylinder(&self, pulley: Pulley, view: View<'_>) -> f64 {
-        let z_dot = view.y[self.layout.sheave(pulley)];
-        self.push(pulley, view) - self.parameters[pulley].cylinder.drag(z_dot, self.seal_velocity)
+        let z_dot = view.y[self.layout().sheave(pulley)];
+        self.push(pulley, view) - self.rubbing(pulley, z_dot)
     }
 
     /// Loss by the friction of a pulley's seals at the speed `z_dot` of its sheave, m/s; W.
     #[must_use]
     pub fn seal_loss(&self, pulley: Pulley, z_dot: f64) -> f64 {
-        self.parameters[pulley].cylinder.drag(z_dot, self.seal_velocity) * z_dot
+        self.rubbing(pulley, z_dot) * z_dot
     }
 
     /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the
     /// pulleys' own inertia alone. The integrator's error estimate needs them.
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
-            let of = &self.parameters[pulley];
+            let of = self.parameters.pulley(pulley);
             if let (SheaveMode::Force(old), SheaveMode::Force(new)) = (before.sheave[pulley], after.sheave[pulley]) {
-                y_dot[self.layout.sheave(pulley)] += (new - old) / of.sheave_mass;
+                y_dot[self.layout().sheave(pulley)] += (new - old) / of.sheave_mass;
             }
-            let omega = self.layout.shaft_speed(pulley);
+            let omega = self.layout().shaft_speed(pulley);
             match (before.shaft[pulley], after.shaft[pulley]) {
                 (ShaftMode::Torque(old), ShaftMode::Torque(new)) => y_dot[omega] += (new - old) / of.inertia,
                 (ShaftMode::Setpoint(old), ShaftMode::Setpoint(new)) => y_dot[omega] += (new - old) / SPEED_LAG,
@@ -145,7 +150,7 @@ impl Pulleys {
     /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both speeds change in
     /// proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
-        let omega = |pulley| view.y[self.layout.shaft_speed(pulley)];
+        let omega = |pulley| view.y[self.layout().shaft_speed(pulley)];
         let primary = self.parameters.primary.inertia * omega(Pulley::Primary);
         if primary == 0.0 {
             0.0
@@ -156,8 +161,8 @@ impl Pulleys {
 
     /// Drag of a shaft, where the contact forces on the belt have the resultant `[x, y]`, N.
     fn drag(&self, pulley: Pulley, view: View<'_>, resultant: [f64; 2]) -> Drag {
-        let omega = view.y[self.layout.shaft_speed(pulley)];
-        self.parameters[pulley].drag.at(omega, resultant)
+        let omega = view.y[self.layout().shaft_speed(pulley)];
+        self.parameters.pulley(pulley).drag.at(omega, resultant)
     }
 
     /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
@@ -176,18 +181,18 @@ impl Pulleys {
     pub(crate) fn residual(&self, boundary: &Boundary, loads: &PerPulley<PulleyLoad>, view: View<'_>, out: &mut [f64]) {
         let torques = self.shaft_torques(loads, view);
         for pulley in Pulley::BOTH {
-            let z = self.layout.sheave(pulley);
+            let z = self.layout().sheave(pulley);
             out[z] = self.sheave_row(pulley, boundary.sheave[pulley], loads[pulley].axial, view);
             self.tilt_rows(pulley, &loads[pulley], view, out);
-            let i = self.layout.shaft_speed(pulley);
+            let i = self.layout().shaft_speed(pulley);
             let mode = boundary.shaft[pulley];
             out[i] = self.shaft_row((pulley, mode), torques, loads.primary.torque, view);
         }
     }
 
     fn sheave_row(&self, pulley: Pulley, mode: SheaveMode, axial: f64, view: View<'_>) -> f64 {
-        let of = &self.parameters[pulley];
-        let z = self.layout.sheave(pulley);
+        let of = self.parameters.pulley(pulley);
+        let z = self.layout().sheave(pulley);
         let cylinder = self.cylinder(pulley, view);
         match mode {
             SheaveMode::Force(force) => {
@@ -196,7 +201,7 @@ impl Pulleys {
             }
             SheaveMode::Held => HOLD * view.y[z],
             SheaveMode::Ratio { theta, force } => {
-                let off = theta - view.q[self.layout.theta()];
+                let off = theta - view.q[self.layout().theta()];
                 of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
                     - (force + cylinder)
                     - closing_sign(pulley) * RATIO_STIFFNESS * off
@@ -206,11 +211,11 @@ impl Pulleys {
     }
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
-        let law = &self.parameters[pulley].tilt;
+        let law = &self.parameters.pulley(pulley).tilt;
         let [psi, rate] = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
-            let i = self.layout.tilt(pulley, axis);
+            let i = self.layout().tilt(pulley, axis);
             out[i] = if law.is_rigid() {
                 HOLD * psi[axis]
             } else {
@@ -228,8 +233,8 @@ impl Pulleys {
         on_primary: f64,
         view: View<'_>,
     ) -> f64 {
-        let of = &self.parameters[pulley];
-        let i = self.layout.shaft_speed(pulley);
+        let of = self.parameters.pulley(pulley);
+        let i = self.layout().shaft_speed(pulley);
         let inertia = self.inertia_factor * of.inertia * view.y_dot[i];
         match mode {
             ShaftMode::Torque(torque) => inertia - torque - torques[pulley],
@@ -257,7 +262,7 @@ impl Pulleys {
             self.tilt_jacobian(pulley, view, factors[0], out);
         }
         // The secondary comes first: its row may use the primary's before that is overwritten.
-        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
+        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout().shaft_speed(pulley));
         if let ShaftMode::Transmit(_) = boundary.shaft.secondary {
             out.set_unit_row(s, 0.0);
             out.add_row(s, p, -1.0);
@@ -270,8 +275,8 @@ impl Pulleys {
             self.balance_secondary(torque, view, out);
         }
         for pulley in Pulley::BOTH {
-            let i = self.layout.shaft_speed(pulley);
-            let inertia = self.inertia_factor * self.parameters[pulley].inertia;
+            let i = self.layout().shaft_speed(pulley);
+            let inertia = self.inertia_factor * self.parameters.pulley(pulley).inertia;
             let alpha = factors[0];
             match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
@@ -283,13 +288,13 @@ impl Pulleys {
 
     /// Tilt of a pulley's sheaves, rad, and its rate, rad/s.
     fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
-        let at = [0, 1].map(|axis| self.layout.tilt(pulley, axis));
+        let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
         [at.map(|i| view.y[i]), at.map(|i| view.y_dot[i])]
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
-        let law = &self.parameters[pulley].tilt;
-        let at = [0, 1].map(|axis| self.layout.tilt(pulley, axis));
+        let law = &self.parameters.pulley(pulley).tilt;
+        let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
         if law.is_rigid() {
             at.into_iter().for_each(|i| out.set_unit_row(i, HOLD));
             return;
@@ -311,7 +316,7 @@ impl Pulleys {
         view: View<'_>,
         out: &mut Arrow,
     ) {
-        let row = self.layout.shaft_speed(pulley);
+        let row = self.layout().shaft_speed(pulley);
         let drag = self.drag(pulley, view, loads[pulley].resultant);
         out.add(row, row, drag.by_speed);
         if drag.by_resultant != [0.0; 2] {
@@ -328,21 +333,21 @@ impl Pulleys {
         out: &mut Arrow,
     ) {
         use num_dual::Dual64;
-        let of = &self.parameters[pulley];
-        let z = self.layout.sheave(pulley);
+        let of = self.parameters.pulley(pulley);
+        let z = self.layout().sheave(pulley);
         match mode {
             SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
                 let (q, y) = (Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0));
-                let stop = self.travel[pulley].stop_force(q, y).force.eps;
-                let speed = self.layout.shaft_speed(pulley);
+                let stop = self.travel(pulley).stop_force(q, y).force.eps;
+                let speed = self.layout().shaft_speed(pulley);
                 let [q, y, omega] = [(view.q[z], 0, beta), (view.y[z], 0, 1.0), (view.y[speed], 1, 1.0)]
                     .map(|(value, direction, slope)| Tangent::<2, f64>::seed(value, direction, slope));
-                let cylinder = of.cylinder.push(q, omega) - of.cylinder.drag(y, self.seal_velocity);
+                let cylinder = of.cylinder.push(q, omega) - of.cylinder.drag(y, self.parameters.friction.velocity);
                 let [by_sheave, by_speed] = cylinder.eps;
                 out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - (stop + by_sheave));
                 out.add(z, speed, -by_speed);
                 if let SheaveMode::Ratio { .. } = mode {
-                    let theta = self.layout.theta();
+                    let theta = self.layout().theta();
                     out.add(z, theta, closing_sign(pulley) * RATIO_STIFFNESS * beta);
                 }
             }
@@ -353,7 +358,7 @@ impl Pulleys {
     /// Derivatives of the row of a secondary shaft that is balanced against the primary one; `unbalanced` is the total torque
     /// on the latter, N·m.
     fn balance_secondary(&self, unbalanced: f64, view: View<'_>, out: &mut Arrow) {
-        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
+        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout().shaft_speed(pulley));
         out.add_row(s, p, -self.balanced_factor(view));
         let omega = view.y[p];
         if omega != 0.0 {
@@ -367,8 +372,8 @@ impl Pulleys {
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
         for pulley in Pulley::BOTH {
-            let of = &self.parameters[pulley];
-            let rate = view.y[self.layout.sheave(pulley)];
+            let of = self.parameters.pulley(pulley);
+            let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
                 let [psi, rate] = self.tilt(pulley, view);
@@ -382,7 +387,7 @@ impl Pulleys {
     /// within a step. The work of the moment follows from the change of the tilt; the part that is not stored is lost.
     #[must_use]
     pub fn tilt_loss_beyond_trapezoid(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64) -> f64 {
-        let law = &self.parameters[pulley].tilt;
+        let law = &self.parameters.pulley(pulley).tilt;
         if law.is_rigid() {
             return 0.0;
         }
@@ -402,12 +407,12 @@ impl Pulleys {
     pub fn energy(&self, view: View<'_>) -> f64 {
         let mut energy = 0.0;
         for pulley in Pulley::BOTH {
-            let of = &self.parameters[pulley];
-            let z = self.layout.sheave(pulley);
-            let omega = view.y[self.layout.shaft_speed(pulley)];
+            let of = self.parameters.pulley(pulley);
+            let z = self.layout().sheave(pulley);
+            let omega = view.y[self.layout().shaft_speed(pulley)];
             energy += 0.5 * of.inertia * omega * omega
                 + 0.5 * of.sheave_mass * view.y[z] * view.y[z]
-                + self.travel[pulley].energy(view.q[z])
+                + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
                 let [psi, _] = self.tilt(pulley, view);
@@ -435,9 +440,9 @@ impl Pulleys {
         axial: PerPulley<f64>,
     ) -> PerPulley<External> {
         PerPulley::from_fn(|pulley| {
-            let omega = view.y[self.layout.shaft_speed(pulley)];
+            let omega = view.y[self.layout().shaft_speed(pulley)];
             let accelerating = match boundary.shaft[pulley] {
-                ShaftMode::Setpoint(set) => self.parameters[pulley].inertia * (set - omega) / SPEED_LAG,
+                ShaftMode::Setpoint(set) => self.parameters.pulley(pulley).inertia * (set - omega) / SPEED_LAG,
                 _ => 0.0,
             };
             External {
@@ -456,17 +461,11 @@ impl Pulleys {
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
         PerPulley::from_fn(|pulley| {
             let torque = Self::torque_supplied(boundary.shaft[pulley], torques[pulley]);
-            torque * view.y[self.layout.shaft_speed(pulley)]
+            torque * view.y[self.layout().shaft_speed(pulley)]
         })
         .into_array()
         .iter()
         .sum()
-    }
-
-    /// Parameters of a pulley.
-    #[must_use]
-    pub fn parameters(&self, pulley: Pulley) -> &PulleyParameters {
-        &self.parameters[pulley]
     }
 }
 

@@ -70,9 +70,9 @@ impl Plant {
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
     pub fn let_hang(&mut self) -> Result<(), Unsettled> {
-        self.settle_before(SHARPENING, self.settling_tolerance(), &Inputs::ZERO, |from| SoftStart {
-            from,
-        })?;
+        let mut before = self.before(SHARPENING, self.settling_tolerance());
+        before.soft_start = SoftStart { from: before.time };
+        self.settle(before, &Inputs::ZERO)?;
         self.soft_start = SoftStart { from: self.time };
         Ok(())
     }
@@ -96,15 +96,17 @@ impl Plant {
             self.state.y[belt.layout.shaft_speed(pulley)] = 0.0;
         }
         self.state.y_dot.fill(0.0);
-        let own = self.system.parameters.clone();
         let mut still = *inputs;
         (still.primary.speed_setpoint, still.secondary.speed_setpoint) = (0.0, 0.0);
-        let p = &mut self.system.parameters;
+        let span = if self.system.parameters.holds_a_sheave() {
+            STANDING
+        } else {
+            CLAMPING
+        };
+        let mut before = self.before(span, self.settling_tolerance());
+        let p = &mut before.system.parameters;
         (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
-        let span = if p.holds_a_sheave() { STANDING } else { CLAMPING };
-        let outcome = self.settle_before(span, self.settling_tolerance(), &still, |_| SoftStart::NONE);
-        self.system.parameters = own;
-        outcome
+        self.settle(before, &still)
     }
 
     fn settling_tolerance(&self) -> f64 {
@@ -115,35 +117,42 @@ impl Plant {
     fn clamp_before(&mut self, span: f64, tolerance: f64, inputs: &Inputs) -> Result<(), Unsettled> {
         let mut quiet = *inputs;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
-        self.settle_before(span, tolerance, &quiet, |from| SoftStart { from })
+        let mut before = self.before(span, tolerance);
+        before.soft_start = SoftStart { from: before.time };
+        self.settle(before, &quiet)
     }
 
-    /// Advances the belt through the `span` before the start, s, under constant inputs; `soft_start` gets the time at which it begins.
-    fn settle_before(
-        &mut self,
-        span: f64,
-        tolerance: f64,
-        inputs: &Inputs,
-        soft_start: impl FnOnce(f64) -> SoftStart,
-    ) -> Result<(), Unsettled> {
-        let start = self.time;
-        self.time = start - span;
-        self.soft_start = soft_start(self.time);
-        let own = std::mem::replace(&mut self.system.parameters.solver.tolerance, tolerance);
-        let mut accurate = Accurate::new(&self.system, COLD_STEP);
-        let profile = InputProfile::constant(self.time, inputs);
+    /// A copy at a time `span` before the start, s, for steps of another tolerance.
+    fn before(&self, span: f64, tolerance: f64) -> Self {
+        let mut before = self.clone();
+        before.time -= span;
+        before.soft_start = SoftStart::NONE;
+        before.system.parameters.solver.tolerance = tolerance;
+        before
+    }
+
+    /// Advances a copy to the start under constant inputs, and takes over its state.
+    fn settle(&mut self, mut before: Self, inputs: &Inputs) -> Result<(), Unsettled> {
+        let mut accurate = Accurate::new(&before.system, COLD_STEP);
+        let profile = InputProfile::constant(before.time, inputs);
         let outcome = loop {
-            match accurate.step(self, &profile, start) {
+            match accurate.step(&mut before, &profile, self.time) {
                 Ok(false) if accurate.counts().residuals > MOST_RESIDUALS => break Err(Unsettled::Exhausted),
                 Ok(false) => {}
                 Ok(true) => break Ok(()),
                 Err(stalled) => break Err(stalled.into()),
             }
         };
-        self.start_work += accurate.counts();
-        self.system.parameters.solver.tolerance = own;
-        self.time = start;
-        self.end_soft_start();
+        before.start_work += accurate.counts();
+        self.take_start(before);
         outcome
+    }
+
+    /// Takes over the state that another plant of the same belt has found, with its loads and work.
+    pub fn take_start(&mut self, found: Self) {
+        self.state = found.state;
+        self.system.loads = found.system.loads;
+        self.start_work = found.start_work;
+        self.end_soft_start();
     }
 }

@@ -5,7 +5,6 @@ use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::pulleys::rows::External;
-use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::plant::Plant;
 
 /// A plant's state, loads and energies, and the loads as held over the last step. Its memory is allocated once.
@@ -13,7 +12,6 @@ use crate::variator::run::plant::Plant;
 pub(super) struct Checkpoint {
     state: State,
     time: f64,
-    inputs: InputSegment,
     loads: Loads,
     friction: Friction,
     friction_velocity: f64,
@@ -31,7 +29,6 @@ impl Checkpoint {
         Self {
             state: State::zero(state.y.len()),
             time: plant.time,
-            inputs: plant.inputs,
             loads: system.loads,
             friction: system.parameters.friction.clone(),
             friction_velocity: system.friction_velocity,
@@ -47,7 +44,6 @@ impl Checkpoint {
         } = plant;
         self.state.copy_from(state);
         self.time = plant.time;
-        self.inputs = plant.inputs;
         self.loads = system.loads;
         self.friction.clone_from(&system.parameters.friction);
         self.friction_velocity = system.friction_velocity;
@@ -69,7 +65,6 @@ impl Checkpoint {
         [energy.supplied, energy.lost, energy.moved] = self.energies;
         energy.last.update(system, state.view());
         plant.time = self.time;
-        plant.inputs = self.inputs;
         self.external
     }
 }

@@ -103,7 +103,7 @@ impl CommunicationStep {
         let plant = &variator.plant;
         let from = plant.time;
         let ramp = plant.system.parameters.solver.input_ramp;
-        let profile = InputProfile::new(ramp, [from, to], &plant.inputs.at(from), inputs, rates);
+        let profile = InputProfile::new(ramp, [from, to], &plant.inputs(), inputs, rates);
         let stops = plant.stops();
         variator.stepper.begin([from, to]);
         Ok(Self {

@@ -49,7 +49,7 @@ impl Hints {
     /// A force or torque that has seemed to be in another unit for some time.
     fn wrong_unit(&mut self, plant: &Plant) -> Option<String> {
         let parameters = &plant.system.parameters;
-        let inputs = plant.inputs.at(plant.time);
+        let inputs = plant.inputs();
         let small = |pulley| Demand::may_be_another_unit(&inputs, pulley);
         let found = clamped(parameters).filter(|pulley| small(*pulley)).find_map(|pulley| {
             let view = plant.state.view();
@@ -83,7 +83,7 @@ fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
     if speed <= FASTEST {
         return None;
     }
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
         let (name, value) = given_speed(parameters, &inputs);
@@ -103,10 +103,10 @@ fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
 
 /// A cylinder that opens its pulley.
 fn opening(plant: &Plant) -> Option<String> {
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
     clamped(parameters).find_map(|pulley| {
         let given = inputs.pulley(pulley);
-        let push = plant.system.pulleys.push(pulley, plant.state.view());
+        let push = plant.system.pulleys().push(pulley, plant.state.view());
         let total = given.force(&parameters.pulley(pulley).cylinder) + push;
         (total <= 0.0 && total < given.clamping_force).then(|| {
             format!(
@@ -120,7 +120,7 @@ fn opening(plant: &Plant) -> Option<String> {
 
 /// Torques of a steady start that would balance if one of them had the other sign.
 fn same_sign(plant: &Plant) -> Option<String> {
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs.at(plant.time));
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
     let steady = parameters.initial.steady && plant.system.belt.shaft_speeds(plant.state.view()).primary.abs() > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;

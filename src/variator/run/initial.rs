@@ -235,17 +235,18 @@ impl StartSearch<'_> {
             primary_speed: creep_speed(start),
             ..*start
         };
-        self.plant.state = self.kinematic_state(&creep)?;
+        let mut creeping = self.plant.clone();
+        creeping.state = self.kinematic_state(&creep)?;
+        creeping.system.parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
         let before = self.messages.len();
-        let parameters = &mut self.plant.system.parameters;
-        let own = parameters.clone();
-        parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
-        let found = self.solve_steady();
-        let belt = Survey::of(&self.plant.system, self.plant.state.view())
-            .sums
-            .shaft_torque;
-        self.plant.system.parameters = own;
-        self.plant.end_soft_start();
+        let found = StartSearch {
+            plant: &mut creeping,
+            messages: self.messages,
+            inputs: self.inputs,
+        }
+        .solve_steady();
+        let belt = Survey::of(&creeping.system, creeping.state.view()).sums.shaft_torque;
+        self.plant.take_start(creeping);
         let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;
         if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {
             self.messages.truncate(before);
@@ -424,7 +425,7 @@ impl StartSearch<'_> {
         if free {
             let Plant { system, state, .. } = &*self.plant;
             let axial = Survey::of(system, state.view()).sums.axial.primary;
-            let closing = task.clamping.primary + system.pulleys.push(Pulley::Primary, state.view());
+            let closing = task.clamping.primary + system.pulleys().push(Pulley::Primary, state.view());
             self.log(
                 false,
                 format!(
@@ -529,8 +530,8 @@ impl StartSearch<'_> {
     fn balance_forces(&mut self, newton: &mut Newton, found: StartState) -> StartState {
         let task = self.steady_task(1.0);
         let Plant { system, state, .. } = &*self.plant;
-        let holding =
-            solve::reaction(system, state.view(), Pulley::Primary) + system.pulleys.push(Pulley::Primary, state.view());
+        let holding = solve::reaction(system, state.view(), Pulley::Primary)
+            + system.pulleys().push(Pulley::Primary, state.view());
         let at_ratio = self.plant.state.clone();
         let range = self.plant.system.parameters.ratio_range();
         match solve_equilibrium(&mut self.plant.system, newton, &mut self.plant.state, &task, range) {

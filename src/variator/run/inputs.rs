@@ -1,78 +1,23 @@
 //! Inputs as functions of time: they come into force at once, over a ramp, or change at given rates.
 
-use crate::tape::Tape;
+use crate::variator::pulleys::loads::LinearInputs;
 use crate::variator::settings::signals::Inputs;
 
 /// Shortest time to advance by, s: rates over less are rounding errors.
 pub(super) const SHORTEST_STEP: f64 = 1.0e-9;
 
-/// Inputs that change in proportion to time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct InputSegment {
-    /// Time from which they change, s.
-    pub from: f64,
-    /// Time at which another segment follows, s.
-    pub until: f64,
-    /// Inputs at `from`.
-    pub inputs: Inputs,
-    /// Their time derivatives.
-    pub rates: Inputs,
-}
-
-impl InputSegment {
-    /// No inputs at all.
-    pub const NONE: Self = Self {
-        from: 0.0,
-        until: f64::INFINITY,
-        inputs: Inputs::ZERO,
-        rates: Inputs::ZERO,
-    };
-
-    /// Inputs that do not change.
-    pub fn constant(from: f64, inputs: &Inputs) -> Self {
-        Self {
-            from,
-            inputs: *inputs,
-            ..Self::NONE
-        }
-    }
-
-    /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
-    pub fn at(&self, time: f64) -> Inputs {
-        let mut inputs = self.inputs.after(time - self.from, &self.rates);
-        for pulley in [&mut inputs.primary, &mut inputs.secondary] {
-            pulley.clamping_force = pulley.clamping_force.max(0.0);
-        }
-        inputs
-    }
-
-    /// The part of it that lies between two times, s.
-    pub fn part(&self, [from, to]: [f64; 2]) -> [f64; 2] {
-        [self.from.max(from), self.until.min(to)]
-    }
-
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.from);
-        tape.within(&mut self.until, f64::MIN, f64::INFINITY);
-        for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
-            tape.real(value);
-        }
-    }
-}
-
 /// Inputs over a communication step: a ramp, which may have no length, and what follows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct InputProfile {
-    ramp: InputSegment,
-    rest: InputSegment,
+pub struct InputProfile {
+    ramp: LinearInputs,
+    rest: LinearInputs,
 }
 
 impl InputProfile {
     /// Inputs that stay as they are.
     pub fn constant(from: f64, inputs: &Inputs) -> Self {
-        let rest = InputSegment::constant(from, inputs);
-        let ramp = InputSegment { until: from, ..rest };
+        let rest = LinearInputs::constant(from, inputs);
+        let ramp = LinearInputs { until: from, ..rest };
         Self { ramp, rest }
     }
 
@@ -82,11 +27,11 @@ impl InputProfile {
         let step = to - from;
         let whole = time < 0.0 || time >= step - SHORTEST_STEP;
         let time = if whole { step } else { time };
-        let rest = InputSegment {
+        let rest = LinearInputs {
             rates: *rates,
-            ..InputSegment::constant(from, given)
+            ..LinearInputs::constant(from, given)
         };
-        let mut ramp = InputSegment { until: from, ..rest };
+        let mut ramp = LinearInputs { until: from, ..rest };
         let slopes = ramp.inputs.each_mut().into_iter().zip(ramp.rates.each_mut());
         for ((start, rate), present) in slopes.zip(present.values()) {
             if *rate == 0.0 && time > 0.0 {
@@ -98,7 +43,7 @@ impl InputProfile {
             return Self { ramp, rest };
         }
         ramp.until = if whole { to } else { from + time };
-        let rest = InputSegment {
+        let rest = LinearInputs {
             from: ramp.until,
             inputs: rest.at(ramp.until),
             ..rest
@@ -109,8 +54,8 @@ impl InputProfile {
     /// The same from `now` on, s, but for the inputs that have changed from `before` to `given`: these have their new values at once, and no
     /// rate.
     pub fn changed(&self, now: f64, before: &Inputs, given: &Inputs) -> Self {
-        let changed = |segment: &InputSegment, from: f64| {
-            let mut segment = InputSegment {
+        let changed = |segment: &LinearInputs, from: f64| {
+            let mut segment = LinearInputs {
                 from,
                 inputs: segment.inputs.after(from - segment.from, &segment.rates),
                 ..*segment
@@ -129,8 +74,14 @@ impl InputProfile {
         }
     }
 
+    /// Both parts in their order.
+    #[must_use]
+    pub fn segments(&self) -> [LinearInputs; 2] {
+        [self.ramp, self.rest]
+    }
+
     /// The segment in force from a time on, s.
-    pub fn segment(&self, time: f64) -> InputSegment {
+    pub fn segment(&self, time: f64) -> LinearInputs {
         if time < self.ramp.until { self.ramp } else { self.rest }
     }
 }
@@ -189,7 +140,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_force_that_falls_ends_at_zero() {
-        let mut segment = InputSegment::constant(0.0, &Inputs::ZERO);
+        let mut segment = LinearInputs::constant(0.0, &Inputs::ZERO);
         (
             segment.inputs.primary.clamping_force,
             segment.rates.primary.clamping_force,

@@ -2,7 +2,8 @@
 //! lost.
 
 use crate::tape::Tape;
-use crate::variator::run::inputs::{InputProfile, InputSegment, SHORTEST_STEP};
+use crate::variator::pulleys::loads::LinearInputs;
+use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
 use crate::variator::settings::signals::Inputs;
 
 /// Most segments: 20 ms in communication steps of 1 ms, each a ramp and a rest. In shorter steps, inputs are replaced by their mean once
@@ -12,7 +13,7 @@ const SEGMENTS: usize = 48;
 /// Segments, the oldest first.
 #[derive(Debug)]
 pub(super) struct PendingInputs {
-    segments: Vec<InputSegment>,
+    segments: Vec<LinearInputs>,
 }
 
 impl Clone for PendingInputs {
@@ -41,7 +42,7 @@ impl PendingInputs {
                 }
                 let segment = profile.segment(from);
                 let inputs = segment.at(from);
-                self.segments.push(InputSegment {
+                self.segments.push(LinearInputs {
                     from,
                     until,
                     inputs,
@@ -61,9 +62,9 @@ impl PendingInputs {
         let Some(last) = self.segments.last() else { return };
         let until = last.until;
         if until - from > SHORTEST_STEP {
-            let mean = InputSegment::constant(from, &self.mean([from, until]));
+            let mean = LinearInputs::constant(from, &self.mean([from, until]));
             self.segments.clear();
-            self.segments.push(InputSegment { until, ..mean });
+            self.segments.push(LinearInputs { until, ..mean });
         }
     }
 
@@ -72,7 +73,7 @@ impl PendingInputs {
         let length = span[1] - span[0];
         let mut mean = Inputs::ZERO;
         for segment in &self.segments {
-            let [from, to] = segment.part(span);
+            let [from, to] = part(segment, span);
             if to > from {
                 mean = mean.after((to - from) / length, &segment.at(0.5 * (from + to)));
             }
@@ -81,12 +82,12 @@ impl PendingInputs {
     }
 
     /// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
-    pub fn line(&self, span: [f64; 2]) -> InputSegment {
+    pub fn line(&self, span: [f64; 2]) -> LinearInputs {
         let [from, to] = span;
         let length = to - from;
         let mean = self.mean(span);
-        let within = |segment: &&InputSegment| {
-            let [from, to] = segment.part(span);
+        let within = |segment: &&LinearInputs| {
+            let [from, to] = part(segment, span);
             to - from > SHORTEST_STEP
         };
         let ends = self
@@ -95,10 +96,10 @@ impl PendingInputs {
             .find(within)
             .zip(self.segments.iter().rfind(within));
         let Some((first, last)) = ends else {
-            return InputSegment::constant(from, &mean);
+            return LinearInputs::constant(from, &mean);
         };
         let rates = Inputs::blend([(1.0 / length, last.at(to)), (-1.0 / length, first.at(from))]);
-        InputSegment {
+        LinearInputs {
             from,
             until: to,
             inputs: mean.after(-0.5 * length, &rates),
@@ -114,11 +115,16 @@ impl PendingInputs {
             tape.reject();
             return;
         }
-        self.segments.resize(count as usize, InputSegment::NONE);
+        self.segments.resize(count as usize, LinearInputs::NONE);
         for segment in &mut self.segments {
             segment.serialize(tape);
         }
     }
+}
+
+/// The part of a segment that lies between two times, s.
+fn part(segment: &LinearInputs, [from, to]: [f64; 2]) -> [f64; 2] {
+    [segment.from.max(from), segment.until.min(to)]
 }
 
 #[cfg(test)]

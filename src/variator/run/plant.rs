@@ -4,18 +4,17 @@ use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{LinearInputs, Loads};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::soft_start::SoftStart;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::{Inputs, PulleyInputs};
+use crate::variator::settings::parameters::Parameters;
+use crate::variator::settings::signals::Inputs;
 use crate::variator::survey::energy_balance::{EnergyBalance, Running};
 use crate::variator::survey::observe::macro_slip;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
-/// Equations, energy balance, state and time, and the inputs in force.
+/// Equations with the inputs in force, energy balance, state and time.
 #[derive(Clone, Debug)]
 pub(super) struct Plant {
     pub system: VariatorSystem,
@@ -24,8 +23,6 @@ pub(super) struct Plant {
     /// s.
     pub time: f64,
     pub soft_start: SoftStart,
-    /// Inputs in force.
-    pub inputs: InputSegment,
     /// Work of the search for the state to start from.
     pub start_work: Counts,
 }
@@ -40,7 +37,6 @@ impl Plant {
             system,
             time: 0.0,
             soft_start: SoftStart::NONE,
-            inputs: InputSegment::NONE,
             start_work: Counts::default(),
         }
     }
@@ -72,49 +68,25 @@ impl Plant {
         self.system.forget_derivatives();
     }
 
-    /// Brings inputs into force: boundary conditions and friction of the present time. The rates jump with the loads.
-    pub fn apply(&mut self, segment: InputSegment) {
-        let loads = self.bring(segment);
+    /// Brings inputs into force, with the friction of the present time. The rates jump with the loads.
+    pub fn apply(&mut self, inputs: LinearInputs) {
+        let loads = self.loads(inputs);
         self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
     /// The same where they were in force before at this state, or for outputs alone: the rates stay.
-    pub fn restore(&mut self, segment: InputSegment) {
-        self.system.loads = self.bring(segment);
+    pub fn restore(&mut self, inputs: LinearInputs) {
+        self.system.loads = self.loads(inputs);
     }
 
-    fn bring(&mut self, segment: InputSegment) -> Loads {
-        self.inputs = segment;
+    fn loads(&mut self, inputs: LinearInputs) -> Loads {
         self.soften();
-        let share = self.soft_start.load_share(self.time);
-        let p = &self.system.parameters;
-        let InputSegment {
-            from, inputs, rates, ..
-        } = &segment;
-        let shaft = |drive: Drive, input: &PulleyInputs| match drive {
-            Drive::Torque => ShaftMode::Torque(share * input.torque),
-            Drive::Speed => ShaftMode::Setpoint(input.speed_setpoint),
-        };
-        let sheave = |axial: Axial, input: &PulleyInputs| match axial {
-            Axial::Force => SheaveMode::Force(share * input.clamping_force),
-            Axial::Held => SheaveMode::Held,
-        };
-        let shaft_rate = |drive: Drive, rate: &PulleyInputs| match drive {
-            Drive::Torque => share * rate.torque,
-            Drive::Speed => rate.speed_setpoint,
-        };
-        let boundary = Boundary {
-            sheave: PerPulley::from_fn(|j| sheave(p.pulley(j).axial, inputs.pulley(j))),
-            shaft: PerPulley::from_fn(|j| shaft(p.pulley(j).drive, inputs.pulley(j))),
-        };
-        let oil =
-            |inputs: &Inputs| PerPulley::from_fn(|j| share * (p.pulley(j).cylinder.area * inputs.pulley(j).pressure));
-        let rates_of_loads = LoadRates {
-            force: PerPulley::from_fn(|j| share * rates.pulley(j).clamping_force),
-            oil: oil(rates),
-            shaft: PerPulley::from_fn(|j| shaft_rate(p.pulley(j).drive, rates.pulley(j))),
-        };
-        Loads::changing(*from, (boundary, oil(inputs)), rates_of_loads)
+        Loads::Inputs(inputs, self.soft_start.load_share(self.time))
+    }
+
+    /// Inputs at the present time.
+    pub fn inputs(&self) -> Inputs {
+        self.system.loads.inputs(self.time)
     }
 
     /// Whether the belt slips through, where it `slipped` before or not.
@@ -124,6 +96,6 @@ impl Plant {
 
     /// End stops that the sheaves are at.
     pub fn stops(&self) -> PerPulley<Option<Stop>> {
-        PerPulley::from_fn(|pulley| self.system.pulleys.stop_reached(pulley, self.state.view()))
+        PerPulley::from_fn(|pulley| self.system.pulleys().stop_reached(pulley, self.state.view()))
     }
 }

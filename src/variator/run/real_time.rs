@@ -6,7 +6,8 @@
 use crate::solver::newton::{Counts, Unsolved, WorkBound};
 use crate::solver::sdirk::{Sdirk, Stalled};
 use crate::tape::Tape;
-use crate::variator::run::inputs::{InputProfile, InputSegment, SHORTEST_STEP};
+use crate::variator::pulleys::loads::LinearInputs;
+use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::pending_inputs::PendingInputs;
 use crate::variator::run::plant::Plant;
 use crate::variator::run::stepper::{Stepper, work};
@@ -69,7 +70,7 @@ pub(super) struct RealTime {
     share: f64,
     open: Option<f64>,
     /// Inputs of the present step.
-    inputs: InputSegment,
+    inputs: LinearInputs,
 }
 
 impl RealTime {
@@ -93,7 +94,7 @@ impl RealTime {
             pending: PendingInputs::new(),
             share: 1.0,
             open: None,
-            inputs: plant.inputs,
+            inputs: LinearInputs::constant(plant.time, &plant.inputs()),
         }
     }
 

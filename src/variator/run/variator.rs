@@ -5,11 +5,11 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::pulleys::loads::LinearInputs;
 use crate::variator::pulleys::rows::External;
 use crate::variator::run::checkpoint::Checkpoint;
 use crate::variator::run::hints::Hints;
 use crate::variator::run::initial::find_start;
-use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::outcome::{InitialisationError, Message, Moment};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::plant::Plant;
@@ -141,10 +141,10 @@ impl Variator {
         self.stepper = stepper(plant, first_step);
         self.work = Work::default();
         self.pace = Pace::new(inputs);
-        plant.apply(InputSegment::constant(time, inputs));
+        plant.apply(LinearInputs::constant(time, inputs));
         plant.energy = EnergyBalance::open(&plant.system, plant.state.view());
         self.initial_energy =
-            plant.energy.last.belt_energy(&plant.system.belt) + plant.system.pulleys.energy(plant.state.view());
+            plant.energy.last.belt_energy(&plant.system.belt) + plant.system.pulleys().energy(plant.state.view());
         self.macro_slip = plant.slips(false);
         self.warn_of_layers();
         self.warn_of_slip();
@@ -158,11 +158,11 @@ impl Variator {
         let Plant {
             system, energy, state, ..
         } = &self.plant;
-        let boundary = system.loads.at(self.plant.time);
+        let boundary = system.boundary(self.plant.time);
         let BeltSums {
             shaft_torque, axial, ..
         } = energy.last.sums;
-        self.external = system.pulleys.external(&boundary, state.view(), shaft_torque, axial);
+        self.external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
         self.stale = true;
     }
 
@@ -259,12 +259,12 @@ impl Variator {
                 state.y[i] += after * state.y_dot[i];
                 state.y_dot[i] += after * self.stepper.slope_rate(i);
             }
-            let boundary = system.loads.at(time + after);
+            let boundary = system.boundary(time + after);
             let survey = Survey::of(system, state.view());
             let BeltSums {
                 shaft_torque, axial, ..
             } = survey.sums;
-            let context = self.context(system.pulleys.external(&boundary, state.view(), shaft_torque, axial));
+            let context = self.context(system.pulleys().external(&boundary, state.view(), shaft_torque, axial));
             let mut outputs = Box::<Outputs>::default();
             self.observer
                 .observe(system, state.view(), &survey, &context, &mut outputs);
@@ -281,10 +281,6 @@ impl Variator {
     /// parameters.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         let plant = &mut self.plant;
-        if tape.is_reading() {
-            // For the kinds of boundary conditions: the loads themselves are on the tape.
-            plant.apply(plant.inputs);
-        }
         plant.state.serialize(tape);
         self.stepper.serialize(tape);
         plant.system.serialize(tape);
@@ -309,14 +305,6 @@ impl Variator {
         // Times that may lie at −∞.
         for time in [&mut plant.soft_start.from, &mut self.buckled, &mut self.slipped] {
             tape.within(time, f64::NEG_INFINITY, f64::MAX);
-        }
-        // Where the next ramp starts.
-        let mut present = plant.inputs.at(plant.time);
-        for value in present.each_mut() {
-            tape.real(value);
-        }
-        if tape.is_reading() {
-            plant.inputs = InputSegment::constant(plant.time, &present);
         }
         let Work {
             steps,

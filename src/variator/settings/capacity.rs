@@ -4,7 +4,7 @@ use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
-use crate::variator::settings::validation::range_of;
+use crate::variator::settings::table::range_of;
 
 /// Torque over that of full slip that a belt may carry: friction along the flanks may raise the capacity by some percent.
 const BEYOND: f64 = 1.15;

@@ -1,10 +1,13 @@
 //! Parameters with their ranges, inputs, outputs.
 
 pub(crate) mod capacity;
+pub(crate) mod choices;
 pub(crate) mod parameters;
 pub(crate) mod signals;
+pub(crate) mod table;
 pub(crate) mod validation;
 
 pub use parameters::*;
 pub use signals::*;
-pub use validation::{ParameterError, Value, range_of};
+pub use table::{InputRows, ParameterRows, Row, RowField, RowValue, range_of};
+pub use validation::{ParameterError, Value};

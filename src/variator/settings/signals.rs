@@ -2,6 +2,7 @@
 
 use crate::cylinder::Cylinder;
 use crate::pulley::{PerPulley, Pulley};
+pub use crate::variator::settings::choices::StartState;
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
@@ -52,7 +53,7 @@ impl Inputs {
     };
 
     /// The values, the primary pulley's first.
-    pub(crate) fn each_mut(&mut self) -> [&mut f64; 8] {
+    pub fn each_mut(&mut self) -> [&mut f64; 8] {
         let [primary, secondary] = [&mut self.primary, &mut self.secondary];
         [
             &mut primary.torque,
@@ -96,21 +97,6 @@ impl Inputs {
         match pulley {
             Pulley::Secondary => &self.secondary,
             Pulley::Primary => &self.primary,
-        }
-    }
-}
-
-impl Default for Inputs {
-    fn default() -> Self {
-        let pulley = |torque, clamping_force| PulleyInputs {
-            torque,
-            clamping_force,
-            speed_setpoint: 209.44,
-            pressure: 0.0,
-        };
-        Self {
-            primary: pulley(50.0, 13_000.0),
-            secondary: pulley(-49.0, 10_000.0),
         }
     }
 }
@@ -215,42 +201,6 @@ impl Default for Profile {
     }
 }
 
-/// State that a run started from. The numbers are those of the FMU.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StartState {
-    /// The unloaded kinematic state, as requested: `initial.steady` is false, or the primary pulley stands still and nothing clamps
-    /// the belt.
-    #[default]
-    Unloaded = 1,
-    /// The steady state, as requested; with `initial.equilibrium` its ratio was solved for too, or it is at an end stop.
-    Steady = 2,
-    /// A steady state under part of the torques: the belt can't transmit them all.
-    ReducedTorque = 3,
-    /// A steady state at `initial.ratio`: the equilibrium of the clamping forces was not found.
-    NoEquilibrium = 4,
-    /// The unloaded kinematic state: no steady state was found.
-    NotFound = 5,
-    /// The belt at a standstill under its clamping forces.
-    Clamped = 6,
-}
-
-impl StartState {
-    /// The item with this number.
-    #[must_use]
-    pub fn from_number(number: i32) -> Option<Self> {
-        [
-            Self::Unloaded,
-            Self::Steady,
-            Self::ReducedTorque,
-            Self::NoEquilibrium,
-            Self::NotFound,
-            Self::Clamped,
-        ]
-        .into_iter()
-        .find(|item| *item as i32 == number)
-    }
-}
-
 /// Work of a run since its start, and the remaining error of its last communication step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
@@ -342,6 +292,12 @@ pub struct Readings {
     pub outputs: Outputs,
     /// Fields along the belt.
     pub profile: Profile,
+}
+
+impl AsRef<Outputs> for Readings {
+    fn as_ref(&self) -> &Outputs {
+        &self.outputs
+    }
 }
 
 /// Readings without a profile.

@@ -1,12 +1,13 @@
-//! Ranges of parameters and inputs, and the error that names the value out of its range.
+//! Checks of parameters and inputs, and the error that names the value out of its range.
 //!
-//! There are two kinds of rule. Each value has a range of its own, which [`range_of`] returns too; and values must fit
-//! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges are wide: they
-//! exclude only values that can't be intended, and limit cases of theory are admissible.
+//! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table); and values must fit each other (the belt
+//! around the pulleys, the stops, the wedge above the friction angle).
 
+use crate::fmi::table::Causality;
 use crate::reference_curve::TwoPulley;
-use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingModel};
-use crate::variator::settings::signals::{Inputs, PulleyInputs};
+use crate::variator::settings::parameters::{Parameters, RingModel};
+use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::table::{InputRows, ParameterRows};
 use std::f64::consts::PI;
 
 /// Factor by which an initial ratio may exceed an end stop: a loaded belt rests there, and a run may continue from it.
@@ -66,155 +67,14 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// A value of `T` that has a range: its names (one, or one for each pulley), its getter, smallest and largest value.
-struct Limit<T, const NAMES: usize> {
-    names: [&'static str; NAMES],
-    get: fn(&T) -> f64,
-    min: f64,
-    max: f64,
-}
-
-impl<T, const NAMES: usize> Limit<T, NAMES> {
-    fn check(&self, name: usize, of: &T) -> Result<(), ParameterError> {
-        let value = (self.get)(of);
-        if value.is_finite() && value >= self.min && value <= self.max {
-            return Ok(());
-        }
-        let range = if self.max == f64::INFINITY {
-            format!("a finite number, at least {}", self.min)
-        } else {
-            format!("{} to {}", self.min, self.max)
-        };
-        Err(ParameterError::new(self.names[name], value, range))
-    }
-
-    fn range(&self, name: &str) -> Option<(f64, f64)> {
-        self.names.contains(&name).then_some((self.min, self.max))
-    }
-}
-
-macro_rules! limit {
-    ($name:literal, $($field:ident).+, $min:literal, $max:expr) => {
-        Limit { names: [$name], get: |of| of.$($field).+.into(), min: $min, max: $max }
-    };
-}
-
-macro_rules! pulley_limit {
-    ($name:literal, $($field:ident).+, $min:literal, $max:expr) => {
-        Limit {
-            names: [concat!("primary.", $name), concat!("secondary.", $name)],
-            get: |of| of.$($field).+,
-            min: $min,
-            max: $max,
-        }
-    };
-}
-
-/// In the units of the interface.
-const PARAMETERS: &[Limit<Parameters, 1>] = &[
-    limit!("geometry.centerDistance", geometry.center_distance, 1e-2, 10.0),
-    limit!("geometry.beltLength", geometry.belt_length, 2e-2, 100.0),
-    limit!("geometry.wedgeAngle", geometry.wedge_angle, 1e-2, 0.785),
-    limit!("geometry.pulleyOffset", geometry.pulley_offset, -0.1, 0.1),
-    limit!("belt.pitchOffset", belt.pitch_offset, 0.0, 0.1),
-    limit!("belt.play", belt.play, 0.0, 10.0),
-    limit!("belt.massPerLength", belt.mass_per_length, 1e-3, 1e3),
-    limit!("belt.pushStiffness", belt.push_stiffness, 1e3, 1e13),
-    limit!("belt.roughness", belt.roughness, 1e-10, 1e-5),
-    limit!("belt.elementThickness", belt.element_thickness, 1e-4, 0.1),
-    limit!("belt.elementInertia", belt.element_inertia, 0.0, 1e-4),
-    limit!("belt.filmThickness", belt.film_thickness, 1e-8, 1e-4),
-    limit!("belt.filmDamping", belt.film_damping, 0.0, 1e3),
-    limit!("belt.squeezeDamping", belt.squeeze_damping, 0.0, 1e5),
-    limit!("belt.suction", belt.suction, 1e-3, 1e3),
-    limit!("belt.damping", belt.damping, 0.0, 1e-2),
-    limit!("belt.jointRadius", joints.radius, 0.0, 1e-2),
-    limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
-    limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
-    limit!("ring.bendingStiffness", ring.bending_stiffness, 1e-6, 1e6),
-    limit!(
-        "ring.lateralBendingStiffness",
-        ring.lateral_bending_stiffness,
-        1e-6,
-        1e9
-    ),
-    limit!("ring.damping", ring.damping, 0.0, 1e-2),
-    limit!("ring.layers", layers.count, 1.0, 100.0),
-    limit!("ring.layerThickness", layers.thickness, 0.0, 0.01),
-    limit!("ring.layerWidth", layers.width, 1e-4, 1.0),
-    limit!("ring.residualCurvature", layers.residual_curvature, -1e3, 1e3),
-    limit!("friction.pulley", friction.pulley, 0.0, 1.0),
-    limit!("friction.ring", friction.ring, 0.0, 1.0),
-    limit!("friction.fall", friction.fall, 0.0, 0.9),
-    limit!("friction.fallSpeed", friction.fall_speed, 1e-3, 1e3),
-    limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
-    limit!("friction.ringVelocity", friction.ring_velocity, 1e-6, 0.1),
-    limit!("friction.layers", layers.friction, 0.0, 1.0),
-    limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
-    limit!("contact.roughness", contact.roughness, 1e-10, 1e-5),
-    limit!("contact.damping", contact.damping, 0.0, 1e-2),
-    limit!("mesh.primaryArc", mesh.primary_arc, 2.0, 200.0),
-    limit!("mesh.secondaryArc", mesh.secondary_arc, 2.0, 200.0),
-    limit!("mesh.strand", mesh.strand, 1.0, 200.0),
-    limit!("mesh.cellsPerElement", mesh.cells_per_element, 1.0, 16.0),
-    limit!("solver.effort", solver.effort, 1.0, 16.0),
-    limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
-    limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
-    limit!("inputs.ramp", solver.input_ramp, -1.0, 10.0),
-    limit!("initial.ratio", initial.ratio, 1e-2, 100.0),
-    limit!("initial.primarySpeed", initial.primary_speed, -1e4, 1e4),
-];
-
-const PULLEY: &[Limit<PulleyParameters, 2>] = &[
-    pulley_limit!("inertia", inertia, 1e-6, 1e6),
-    pulley_limit!("sheaveMass", sheave_mass, 1e-3, 1e6),
-    pulley_limit!("sheaveDamping", sheave_damping, 0.0, 1e9),
-    pulley_limit!("tiltStiffness", tilt.stiffness, 1e3, f64::INFINITY),
-    pulley_limit!("tiltClearance", tilt.clearance, 0.0, 0.1),
-    pulley_limit!("tiltTime", tilt.time, 1e-6, 10.0),
-    pulley_limit!("minRadius", min_radius, 1e-3, 10.0),
-    pulley_limit!("maxRadius", max_radius, 1e-3, 10.0),
-    pulley_limit!("drag.constant", drag.constant, 0.0, 1e3),
-    pulley_limit!("drag.viscous", drag.viscous, 0.0, 10.0),
-    pulley_limit!("bearing.friction", drag.bearing_friction, 0.0, 1.0),
-    pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
-    pulley_limit!("cylinder.area", cylinder.area, 0.0, 1.0),
-    pulley_limit!("cylinder.springForce", cylinder.spring_force, -1e5, 1e5),
-    pulley_limit!("cylinder.springStiffness", cylinder.spring_stiffness, 0.0, 1e7),
-    pulley_limit!("cylinder.centrifugal", cylinder.centrifugal, -10.0, 10.0),
-    pulley_limit!("cylinder.seal", cylinder.seal, 0.0, 1e4),
-];
-
-/// More than ten times what belts for cars transmit and are clamped with.
-const INPUTS: &[Limit<PulleyInputs, 2>] = &[
-    pulley_limit!("torque", torque, -1e4, 1e4),
-    pulley_limit!("clampingForce", clamping_force, 0.0, 5e5),
-    pulley_limit!("speedSetpoint", speed_setpoint, -1e4, 1e4),
-    pulley_limit!("pressure", pressure, -1e5, 2e7),
-];
-
-/// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
-/// there is no limit.
-#[must_use]
-pub fn range_of(name: &str) -> Option<(f64, f64)> {
-    let parameter = PARAMETERS.iter().find_map(|limit| limit.range(name));
-    let pulley = || PULLEY.iter().find_map(|limit| limit.range(name));
-    let input = || INPUTS.iter().find_map(|limit| limit.range(name));
-    parameter.or_else(pulley).or_else(input)
-}
-
 impl Parameters {
     /// Checks every parameter against its range, and all against each other.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        for limit in PARAMETERS {
-            limit.check(0, self)?;
-        }
-        for limit in PULLEY {
-            limit.check(0, &self.primary)?;
-            limit.check(1, &self.secondary)?;
+        for row in ParameterRows::all() {
+            row.check(self)?;
         }
         self.validate_wedge()?;
         self.validate_mesh()?;
@@ -229,9 +89,8 @@ impl Parameters {
     /// # Errors
     /// The one that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
-        let tunable = |limit: &&Limit<_, 1>| matches!(limit.names[0], "friction.pulley" | "friction.ring");
-        for limit in PARAMETERS.iter().filter(tunable) {
-            limit.check(0, self)?;
+        for row in ParameterRows::all().filter(|row| row.causality == Causality::Tunable) {
+            row.check(self)?;
         }
         self.validate_wedge().map_err(|_| {
             let highest = self.geometry.wedge_angle.tan();
@@ -304,8 +163,11 @@ impl Parameters {
         Ok(())
     }
 
-    /// At ratio 1 the belt must reach around both pulleys, and the pulleys must not touch.
-    fn validate_belt(&self) -> Result<(), ParameterError> {
+    /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
+    ///
+    /// # Errors
+    /// The parameter that does not fit.
+    pub fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;
         let offset = self.pitch_offset();
@@ -369,7 +231,8 @@ impl Parameters {
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.
-    pub(crate) fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
+    #[must_use]
+    pub fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
         let offset = self.pitch_offset();
@@ -412,11 +275,7 @@ impl Inputs {
     /// # Errors
     /// The first input that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        for limit in INPUTS {
-            limit.check(0, &self.primary)?;
-            limit.check(1, &self.secondary)?;
-        }
-        Ok(())
+        InputRows::all().try_for_each(|row| row.check(self))
     }
 }
 

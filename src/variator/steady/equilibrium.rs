@@ -50,7 +50,7 @@ fn rest_at_stop(
         last_step: LAST_STEP,
         max_solves: EQUILIBRIUM_SOLVES,
     };
-    let push = system.pulleys.push(task.reaction, state.view());
+    let push = system.pulleys().push(task.reaction, state.view());
     let holding = (solve::reaction(system, state.view(), task.reaction) + push).max(1.0);
     let before = state.clone();
     let mut outcome = Err(Settled::default());
@@ -61,7 +61,7 @@ fn rest_at_stop(
             let force = &mut clamping[task.reaction];
             let share = ((*force + push).max(0.0) / holding).powf(f64::from(stage) / f64::from(stages));
             *force = holding * share - push;
-            system.loads = Loads::constant(Boundary {
+            system.loads = Loads::Constant(Boundary {
                 sheave: clamping.map(SheaveMode::Force),
                 shaft: task.shaft,
             });
@@ -87,7 +87,7 @@ pub struct Equilibrium {
 
 impl Equilibrium {
     fn at(system: &VariatorSystem, view: View<'_>) -> Self {
-        let carries = |pulley| system.pulleys.stop_force(pulley, view).abs();
+        let carries = |pulley| system.pulleys().stop_force(pulley, view).abs();
         Self {
             ratio: geometric_ratio(system, view),
             at_stop: carries(Pulley::Secondary).max(carries(Pulley::Primary)) > STOP_FORCE,
@@ -121,7 +121,7 @@ pub fn solve_equilibrium(
 ) -> Result<Equilibrium, Settled> {
     let reaction = task.reaction;
     let defect = |system: &VariatorSystem, state: &State| {
-        let push = system.pulleys.push(reaction, state.view());
+        let push = system.pulleys().push(reaction, state.view());
         let [wanted, holding] = [task.clamping[reaction], solve::reaction(system, state.view(), reaction)];
         ((wanted + push).max(1.0) / (holding + push).max(1.0)).ln()
     };

@@ -6,12 +6,10 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
-use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
-use crate::solver::{State, System, View};
+use crate::solver::{State, View};
 use crate::variator::belt::Belt;
-use crate::variator::belt::sums::PulleyLoad;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
@@ -188,7 +186,7 @@ fn solve_from(
     velocity: f64,
 ) -> Result<Settled, Settled> {
     let mut control = Control::new(system, state, task);
-    system.loads = Loads::constant(control.boundary());
+    system.loads = Loads::Constant(control.boundary());
     let settings = Settling {
         time: 0.0,
         first_step: if task.warm { WARM_STEP } else { COLD_STEP },
@@ -196,61 +194,18 @@ fn solve_from(
         max_solves,
     };
     soften(system, velocity);
-    system.pulleys.inertia_factor = PSEUDO_INERTIA;
-    let mut loaded = Loaded::new(system);
-    let outcome = settle(&mut loaded, newton, state, &settings, |loaded, trial| {
-        control.correct(loaded, trial)
+    system.inertia_factor = PSEUDO_INERTIA;
+    let outcome = settle(system, newton, state, &settings, |system, trial| {
+        control.correct(system, trial)
     });
-    let system = loaded.system;
     soften(system, system.parameters.friction.velocity);
-    system.pulleys.inertia_factor = 1.0;
+    system.inertia_factor = 1.0;
     outcome
 }
 
 /// Sets the friction velocity in force, m/s.
 fn soften(system: &mut VariatorSystem, velocity: f64) {
     system.friction_velocity = velocity;
-}
-
-/// A system, and the loads of the belt on the pulleys as of the last residual.
-struct Loaded<'a> {
-    system: &'a mut VariatorSystem,
-    loads: PerPulley<PulleyLoad>,
-}
-
-impl<'a> Loaded<'a> {
-    fn new(system: &'a mut VariatorSystem) -> Self {
-        Self {
-            system,
-            loads: PerPulley::default(),
-        }
-    }
-}
-
-impl System for Loaded<'_> {
-    fn shape(&self) -> Shape {
-        self.system.shape()
-    }
-
-    fn has_position(&self) -> &[bool] {
-        self.system.has_position()
-    }
-
-    fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
-        self.loads = self.system.evaluate(time, view, out);
-    }
-
-    fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.system.jacobian(time, view, alpha, beta, out);
-    }
-
-    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
-        self.system.renew_jacobian(time, view, alpha, beta, out)
-    }
-
-    fn newton_scale(&self, beta: f64, out: &mut [f64]) {
-        self.system.newton_scale(beta, out);
-    }
 }
 
 /// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of the shafts, the friction
@@ -307,8 +262,7 @@ impl<'a> Control<'a> {
     }
 
     /// Corrects the system after a solved step. Returns the largest next step; `None` rejects the step.
-    fn correct(&mut self, loaded: &mut Loaded<'_>, trial: &Trial<'_>) -> Option<f64> {
-        let Loaded { system, loads } = loaded;
+    fn correct(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
         if leaps(&system.belt, trial) {
             return None;
         }
@@ -321,14 +275,14 @@ impl<'a> Control<'a> {
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
-            .pulleys
-            .holding_force(reaction, trial.after, loads[reaction].axial);
+            .pulleys()
+            .holding_force(reaction, trial.after, system.of_belt[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = self.gripping;
         self.gripping |= soft;
-        system.loads = Loads::constant(self.boundary());
+        system.loads = Loads::Constant(self.boundary());
         let velocity = system.friction_velocity;
         if velocity <= self.sharp {
             return Some(LAST_STEP);
@@ -364,7 +318,7 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
 /// Force of clamp and pressure on a pulley that would hold its sheave where it is, N.
 pub(crate) fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
     let axial = Survey::of(system, view).sums.axial[pulley];
-    system.pulleys.holding_force(pulley, view, axial)
+    system.pulleys().holding_force(pulley, view, axial)
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.

@@ -195,10 +195,10 @@ impl Survey {
         let (energy, loss) = system.ring_energy(view);
         self.sums.losses.other += loss;
         let speeds = system.belt.shaft_speeds(view);
-        let drags = system.pulleys.drag_torques(view, self.sums.resultant);
+        let drags = system.pulleys().drag_torques(view, self.sums.resultant);
         for j in Pulley::BOTH {
             self.sums.losses.shafts += drags[j] * speeds[j];
-            self.sums.losses.seals += system.pulleys.seal_loss(j, view.y[system.belt.layout.sheave(j)]);
+            self.sums.losses.seals += system.pulleys().seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
         self.ring_energy = energy.total();

@@ -104,8 +104,7 @@ impl Evolution for Running<'_> {
 
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
         let Interval { end, length: h } = interval;
-        let loads = self.system.loads;
-        let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| loads.at(time));
+        let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| self.system.boundary(time));
         let first = Powers::of(self.system, &at_start, before, &self.energy.last.sums);
         self.energy.last.update(self.system, after);
         let second = Powers::of(self.system, &at_end, after, &self.energy.last.sums);
@@ -118,7 +117,11 @@ impl Evolution for Running<'_> {
             let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
             supplied += of_sheave.work;
             moved += of_sheave.work.abs();
-            lost += of_sheave.damped + self.system.pulleys.tilt_loss_beyond_trapezoid(pulley, before, after, h);
+            lost += of_sheave.damped
+                + self
+                    .system
+                    .pulleys()
+                    .tilt_loss_beyond_trapezoid(pulley, before, after, h);
             supplied += self.work_on_set_point(pulley, &at_end, before, after);
         }
         self.energy.supplied += supplied;
@@ -142,7 +145,7 @@ impl Running<'_> {
         };
         let omega = self.system.belt.layout.shaft_speed(pulley);
         let change = after.y[omega].powi(2) - before.y[omega].powi(2);
-        0.5 * self.system.pulleys.parameters(pulley).inertia * change
+        0.5 * self.system.parameters.pulley(pulley).inertia * change
     }
 
     /// A sheave's step response is shorter than a step, so its force's work and the loss of its damper and seals follow from Simpson's
@@ -154,8 +157,8 @@ impl Running<'_> {
         let (start, end) = (before.y[z], after.y[z]);
         let middle = 1.5 * (after.q[z] - before.q[z]) / h - 0.25 * (start + end);
         let square = simpson([start * start, middle * middle, end * end]);
-        let pulleys = &self.system.pulleys;
-        let of = pulleys.parameters(pulley);
+        let pulleys = self.system.pulleys();
+        let of = self.system.parameters.pulley(pulley);
         let omega = self.system.belt.layout.shaft_speed(pulley);
         let speeds = [
             before.y[omega],
@@ -188,8 +191,8 @@ impl Powers {
             moved += (sums.torque[pulley] * speeds[pulley]).abs();
         }
         Self {
-            supplied: system.pulleys.shaft_power(boundary, view, sums.shaft_torque),
-            lost: sums.losses.total() + system.pulleys.losses(view),
+            supplied: system.pulleys().shaft_power(boundary, view, sums.shaft_torque),
+            lost: sums.losses.total() + system.pulleys().losses(view),
             moved,
         }
     }

@@ -99,7 +99,7 @@ impl Observer {
             external_torque: context.external[j].torque,
             clamping_force_total: context.external[j].closing,
             sheave_velocity: view.y[belt.layout.sheave(j)],
-            flow: system.pulleys.parameters(j).cylinder.area * view.y[belt.layout.sheave(j)],
+            flow: system.parameters.pulley(j).cylinder.area * view.y[belt.layout.sheave(j)],
             power: -sums.torque[j] * view.y[belt.layout.shaft_speed(j)],
             spiral: spiral(&belt.mesh, stations, j),
             idle_arc: idle[j],
@@ -109,7 +109,7 @@ impl Observer {
         out.thrust_ratio = thrust_ratio(sums);
         motion(belt, view, sums, radii, out);
         out.losses = Losses {
-            other: sums.losses.other + system.pulleys.losses(view),
+            other: sums.losses.other + system.pulleys().losses(view),
             ..sums.losses
         };
         let speeds = belt.shaft_speeds(view);
@@ -125,7 +125,7 @@ impl Observer {
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
         out.ring_stress = self.ring_stress(belt, view, radii);
         lateral(belt, view, &self.stations, out);
-        out.stored_energy = survey.belt_energy(belt) + system.pulleys.energy(view);
+        out.stored_energy = survey.belt_energy(belt) + system.pulleys().energy(view);
         out.start_state = context.start_state;
         out.work = context.work;
         out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);

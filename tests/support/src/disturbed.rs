@@ -45,7 +45,7 @@ pub fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State)
 /// [`disturbed`] with a ring other than that of the parameters.
 pub fn disturbed_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, speed: f64) -> (VariatorSystem, State) {
     let mut system = VariatorSystem::with_ring(parameters, ring);
-    system.loads = Loads::constant(Boundary {
+    system.loads = Loads::Constant(Boundary {
         sheave: CLAMPING.map(SheaveMode::Force),
         shaft: PerPulley {
             secondary: ShaftMode::Torque(-40.0),
@@ -119,7 +119,7 @@ pub type DerivativeError = fn(InForce<'_>, View<'_>, f64) -> f64;
 pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, error: DerivativeError) {
     for speed in [200.0, -200.0, 0.0] {
         let (system, state) = disturbed_with(parameters, Arc::clone(ring), speed);
-        let (belt, law, friction) = (&*system.belt, &system.law, &system.friction());
+        let (belt, law, friction) = (&*system.belt, &system.belt.law, &system.friction());
         let worst = error(InForce { belt, law, friction }, state.view(), 1.0e4);
         assert!(worst < 1e-9, "{ring:?}, {speed} rad/s: {worst:e}");
     }
@@ -176,7 +176,7 @@ pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>
     state.y.fill(0.0);
     state.y_dot.fill(0.0);
     let of_rates = |system: &mut VariatorSystem| {
-        let law = &mut system.law;
+        let law = &mut Arc::make_mut(&mut system.belt).law;
         law.chain.damping *= 3.0;
         law.chain.film_damping *= 3.0;
         law.contact.damping *= 3.0;

@@ -54,8 +54,8 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
 /// The belt alone: shafts without drag, layers of the ring without friction, no loss by turning elements, Coulomb
 /// friction on the sheaves. For comparison with theories that have no other losses.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
-    parameters.primary.drag = ShaftDrag::NONE;
-    parameters.secondary.drag = ShaftDrag::NONE;
+    parameters.primary.drag = ShaftDrag::default();
+    parameters.secondary.drag = ShaftDrag::default();
     parameters.layers.friction = 0.0;
     parameters.belt.element_inertia = 0.0;
     parameters.joints.radius = 0.0;

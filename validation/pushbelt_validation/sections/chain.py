@@ -6,16 +6,15 @@ friction with speed. Torques are shares r of that of full slip of the secondary 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel
 from pushbelt.fmu.data import curve_of
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad
 from ..limit import EFFECTS, QUICK, Deviation, compare, wraps

@@ -24,11 +24,11 @@ from pushbelt.fmu.fields import EDGE
 from pushbelt.fmu.geometry import ratio_of
 from pushbelt.fmu.results import BeltState
 from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.tilt import tilt_under
 
 from ..bench import Bench, Plan
 from ..measured import OWN
 from ..outcome import PERCENT, Check, Column, Part, Section, Table, Unit, share, table, within
+from ..tilt import tilt_under
 
 TOLERANCE = 0.05
 """Relative tolerance of the predicted spread. The normal forces at the points do not represent the whole axial force."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel
 from pushbelt.fmu.starts import driven_at_speed, driven_by_torque
+from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad
 from ..measured import ESTIMATE, MapPoint, bound, data, source, transmission_map

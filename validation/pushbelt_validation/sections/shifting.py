@@ -15,15 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.charts import Chart, Panel, Series
-from pushbelt.fmu import shift
-from pushbelt.fmu.shift import ShiftRun
 from pushbelt.fmu.starts import driven_at_speed
+from pushbelt.report.charts import Chart, Panel, Series
 
+from .. import shift
 from ..bench import Bench, Plan, rad
 from ..limit import belt_of
 from ..measured import Source, opening, source
 from ..outcome import PERCENT, PLAIN, Check, Column, Part, Section, Table, curve, reported, share, table, within
+from ..shift import ShiftRun
 from ..theory.shifting import ShiftLaw
 
 PLACES = (0.6, 0.8, 1.0, 1.25, 1.5, 1.8)

@@ -10,14 +10,23 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pushbelt.charts import Chart, Panel
 from pushbelt.fmu.starts import StartValues, driven_at_speed, driven_by_torque
-from pushbelt.fmu.tilt import moment_of
+from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan
 from ..limit import EFFECTS, PULLEYS, QUICK, belt_of, deviation
 from ..outcome import Column, Part, Section, Unit, curve, table
-from .continuum import IDLE_SPEED, SHIFT_FORCE, SHIFT_PLACES, SHIFT_SPEED, SLOPE_FORCE, shift_gain, slope, slope_of_theory
+from ..tilt import moment_of
+from .continuum import (
+    IDLE_SPEED,
+    SHIFT_FORCE,
+    SHIFT_PLACES,
+    SHIFT_SPEED,
+    SLOPE_FORCE,
+    shift_gain,
+    slope,
+    slope_of_theory,
+)
 
 THEORY, LIMIT = "theory", "limit"
 STAGES = (THEORY, LIMIT, *(f"+ {name}" for name in EFFECTS))

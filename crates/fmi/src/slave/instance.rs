@@ -13,7 +13,7 @@ use crate::log::{Category, Log, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
-use crate::unit::{CommunicationStep, Remark, Unit};
+use crate::unit::{Remark, Unit};
 
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +51,9 @@ pub struct Master {
 
 /// A communication step that has begun.
 pub(super) struct StepInProgress<U: Unit> {
-    pub step: CommunicationStep<U>,
+    pub step: U::Step,
+    /// Time derivatives of the inputs, which a step that can't be done leaves.
+    pub rates: Option<U::Settings>,
     /// The communication point at which it ends.
     pub end: Clock,
     /// Whether it ends early.

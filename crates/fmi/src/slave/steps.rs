@@ -5,7 +5,7 @@ use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
 use crate::log::{Category, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
-use crate::unit::{CommunicationStep, StepFailure, Unit};
+use crate::unit::{StepFailure, Unit};
 
 /// What comes next in a communication step.
 #[derive(Clone, Copy, Debug)]
@@ -93,19 +93,16 @@ impl<U: Unit> Slave<U> {
                 time: end.point,
             }));
         }
-        let mut step = CommunicationStep {
-            from: unit.time(),
-            // A longer previous step may have ended on a coarser grid, just ahead of this time.
-            to: end.on_grid(step).max(unit.time()),
-            rates: rates.take(),
-            progress: U::Progress::default(),
+        // A longer previous step may have ended on a coarser grid, just ahead of this time.
+        let to = end.on_grid(step).max(unit.time());
+        let step = match unit.begin(to, settings, rates.as_ref()) {
+            Ok(step) => step,
+            Err(failure) => return self.fail_step(failure),
         };
-        if let Err(failure) = unit.begin(&mut step, settings) {
-            return self.fail_step(step, failure);
-        }
         let over = unit.is_over(&step);
         let step = StepInProgress {
             step,
+            rates: rates.take(),
             end,
             shortened: false,
         };
@@ -126,7 +123,8 @@ impl<U: Unit> Slave<U> {
         let advanced = unit.advance(&mut step.step, &self.now.settings, &mut remarks);
         self.log_remarks(&remarks);
         if let Err(failure) = advanced {
-            return self.fail_step(step.step, failure);
+            self.now.rates = step.rates;
+            return self.fail_step(failure);
         }
         let Some((function, environment)) = self.master.update else {
             return self.after_internal_step(step);
@@ -213,8 +211,7 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Ends a communication step that was not completed: all is as before, and the next step begins where this one did.
-    fn fail_step(&mut self, step: CommunicationStep<U>, failure: StepFailure) -> Result<Next, CallError> {
-        self.now.rates = step.rates;
+    fn fail_step(&mut self, failure: StepFailure) -> Result<Next, CallError> {
         self.now.state = State::StepFailed;
         Err(CallError::Discarded(self.with_start(&failure.to_string()).into_owned()))
     }

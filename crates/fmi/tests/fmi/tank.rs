@@ -3,7 +3,7 @@
 use pushbelt_fmi::table::{
     Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
 };
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure};
+use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure};
 use pushbelt_fmi::{Tape, Unit, setting};
 
 /// An importer of it.
@@ -68,9 +68,11 @@ pub struct Gauges {
     depths: [f64; DEPTHS],
 }
 
-/// The tank where the communication step began, and the mark.
-#[derive(Default)]
-pub struct Progress {
+/// A communication step: its span and the growth of the inflow, the tank where it began, and the mark.
+pub struct Step {
+    from: f64,
+    to: f64,
+    growth: f64,
     level: f64,
     flow: [f64; 2],
     mark: f64,
@@ -96,7 +98,7 @@ static SHAPES: Enumeration = Enumeration {
 impl Unit for Tank {
     type Settings = Valves;
     type Readings = Gauges;
-    type Progress = Progress;
+    type Step = Step;
 
     const INTERPOLATES_INPUTS: bool = true;
     const OUTPUT_DERIVATIVES: bool = true;
@@ -208,32 +210,28 @@ impl Unit for Tank {
         &self.gauges
     }
 
-    fn begin(&mut self, step: &mut CommunicationStep<Self>, valves: &Valves) -> Result<(), StepFailure> {
+    fn begin(&mut self, to: f64, valves: &Valves, rates: Option<&Valves>) -> Result<Step, StepFailure> {
         if valves.mark < 0.0 {
             return Err(StepFailure::Setting("mark is below 0".into()));
         }
-        step.progress = Progress {
+        Ok(Step {
+            from: self.time,
+            to,
+            growth: rates.map_or(0.0, |rates| rates.inflow),
             level: self.level,
             flow: self.flow,
             mark: valves.mark,
-        };
-        Ok(())
+        })
     }
 
-    fn advance(
-        &mut self,
-        step: &mut CommunicationStep<Self>,
-        valves: &Valves,
-        _: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
+    fn advance(&mut self, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
         assert!(valves.inflow != BURST, "the tank burst");
-        let growth = step.rates.as_ref().map_or(0.0, |rates| rates.inflow);
         let to = step.to.min(self.time + LONGEST);
-        let [before, after] = [self.time, to].map(|time| valves.inflow + growth * (time - step.from));
-        self.flow = [valves.gain * after, valves.gain * growth];
+        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.from));
+        self.flow = [valves.gain * after, valves.gain * step.growth];
         let rate = valves.gain * 0.5 * (before + after);
         if self.level + rate * (to - self.time) > valves.brim {
-            (self.time, self.level, self.flow) = (step.from, step.progress.level, step.progress.flow);
+            (self.time, self.level, self.flow) = (step.from, step.level, step.flow);
             return Err(StepFailure::Discarded("full".into()));
         }
         self.level += rate * (to - self.time);
@@ -241,10 +239,18 @@ impl Unit for Tank {
         Ok(())
     }
 
-    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
-        let Progress {
+    fn is_over(&self, step: &Step) -> bool {
+        self.time >= step.to
+    }
+
+    fn end_at(&mut self, step: &mut Step, time: f64) {
+        step.to = step.to.min(time.max(self.time));
+    }
+
+    fn event(&self, step: &Step) -> Option<String> {
+        let Step {
             level: before, mark, ..
-        } = step.progress;
+        } = *step;
         (before < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 

@@ -187,19 +187,19 @@ fn controlled<E: Solved<N>, const N: usize>(equations: E, to: f64, what: &str) -
 
 #[test]
 fn error_falls_with_the_tolerance() {
-    assert_work(controlled(Decay, 2.0, "decay"), [285, 0, 0, 1483, 45], "decay");
+    assert_work(controlled(Decay, 2.0, "decay"), [303, 0, 0, 1451, 42], "decay");
     assert_work(
         controlled(Oscillator { frequency: 3.0 }, 5.0, "oscillator"),
-        [3178, 0, 0, 18047, 525],
+        [3131, 8, 0, 11012, 189],
         "oscillator",
     );
-    assert_work(controlled(Forced, 5.0, "forced"), [2222, 0, 0, 12435, 364], "forced");
+    assert_work(controlled(Forced, 5.0, "forced"), [2235, 6, 0, 8331, 155], "forced");
     assert_work(
         controlled(Constrained, 2.0, "constrained"),
-        [285, 0, 0, 1483, 45],
+        [303, 0, 0, 1481, 43],
         "constrained",
     );
-    assert_work(controlled(Wave, 5.0, "waves"), [689, 0, 0, 3726, 109], "waves");
+    assert_work(controlled(Wave, 5.0, "waves"), [700, 2, 0, 2707, 59], "waves");
 }
 
 /// A limit cycle with jumps in it: steps grow and fall by a factor of some thousand.
@@ -209,7 +209,7 @@ fn relaxation_oscillation() {
     let exact = equations.reference(30.0, 600_000);
     let mut system = Test::new(equations);
     let mut errors = Vec::new();
-    for (tolerance, pinned) in [(1e-4, [118, 4, 0, 797, 56]), (1e-6, [447, 2, 0, 2636, 100])] {
+    for (tolerance, pinned) in [(1e-4, [110, 24, 0, 863, 56]), (1e-6, [442, 36, 0, 2791, 96])] {
         let mut state = resting(&system);
         system.accepted.clear();
         let counts = run(&mut system, &mut state, 30.0, tolerance).unwrap().newton.counts;
@@ -230,7 +230,7 @@ fn relaxation_oscillation() {
 fn robertson() {
     let mut system = Test::new(Robertson);
     let mut errors = Vec::new();
-    for (tolerance, pinned) in [(1e-4, [62, 0, 0, 518, 32]), (1e-6, [394, 1, 0, 2987, 115])] {
+    for (tolerance, pinned) in [(1e-4, [68, 0, 0, 558, 29]), (1e-6, [428, 2, 0, 3186, 99])] {
         let mut state = State::zero(system.shape().len());
         state.y = system.unknowns([1.0, 0.0, 0.0]);
         state.y_dot = system.unknowns([-0.04, 0.04e5, 0.04]);
@@ -257,9 +257,11 @@ fn work_is_bounded_in_the_stiffness() {
         assert!(system.error(&state, 10.0)[0] < 1e-3);
         work(counts)
     });
-    assert_work(soft, [113, 3, 0, 620, 33], "soft");
-    assert_work(stiff, [573, 4, 0, 2722, 77], "stiff");
-    assert!(stiffer[0] <= stiff[0] + stiff[0] / 50, "{stiff:?} {stiffer:?}");
+    assert_work(soft, [105, 9, 0, 526, 30], "soft");
+    assert_work(stiff, [508, 15, 0, 1710, 44], "stiff");
+    // The number of steps depends on where a step is rejected; the work is what it takes together, a Jacobian as twelve residuals.
+    let [most, found] = [stiff, stiffer].map(|[.., residuals, jacobians]| residuals + 12 * jacobians);
+    assert!(found <= most + most / 50, "{stiff:?} {stiffer:?}");
 }
 
 /// A body that falls on a wall of 1e8 times its weight a metre. q is the gap.
@@ -285,7 +287,7 @@ fn a_stiff_contact_is_met_in_shorter_steps() {
     // At rest it weighs 10 N.
     assert!((system.values(&state.q)[0] + 1e-7).abs() < 1e-9, "{state:?}");
     assert!(system.values(&state.y)[0].abs() < 1e-6);
-    assert_work(work(counts), [256, 89, 33, 2796, 465], "");
+    assert_work(work(counts), [243, 84, 18, 1798, 308], "");
 }
 
 /// Accepted steps fill the time without a gap, the last ends exactly at the given time, and each was no longer than the

@@ -105,11 +105,11 @@ fn a_stiff_wall_is_met_and_left() {
         stiffness: 5.0,
         force: 5.0,
     };
-    assert_solves(soft, -1.0, 5.0 / 6.0, [6, 2]);
+    assert_solves(soft, -1.0, 5.0 / 6.0, [7, 2]);
     // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter step, must do.
     let (found, done) = fresh(wall(5.0), [-1.0]);
     assert_eq!(found, Err(Unsolved::NoSolution));
-    assert_work(done, [17, 3], "");
+    assert_work(done, [13, 2], "");
 }
 
 #[test]
@@ -120,9 +120,9 @@ fn friction_that_saturates() {
         force,
     };
     for (force, guess, pinned) in [
-        (0.5, 10.0, [18, 3]),
-        (0.5, -10.0, [45, 5]),
-        (0.5, 1.0, [23, 4]),
+        (0.5, 10.0, [34, 5]),
+        (0.5, -10.0, [31, 5]),
+        (0.5, 1.0, [21, 4]),
         (-0.5, 1e-4, [6, 1]),
     ] {
         let equations = friction(1.0, force);
@@ -135,16 +135,16 @@ fn friction_that_saturates() {
     // Beyond what it carries the body slides, held back by its mass.
     let (found, done) = fresh(friction(1.0, 1.5), [0.0]);
     assert!((found.unwrap()[0] - 0.5).abs() < 1e-5);
-    assert_work(done, [21, 4], "sliding");
+    assert_work(done, [10, 4], "sliding");
     // With next to no mass every step overshoots where it sticks: a shorter time step must give it weight.
     let (found, done) = fresh(friction(1e-3, 0.5), [10.0]);
     assert_eq!(found, Err(Unsolved::NoSolution));
-    assert_work(done, [5, 1], "without mass");
+    assert_work(done, [7, 1], "without mass");
 }
 
 #[test]
 fn arctan_from_far() {
-    for (guess, work) in [(1.3, [6, 2]), (20.0, [12, 3]), (-20.0, [12, 3])] {
+    for (guess, work) in [(1.3, [6, 1]), (20.0, [12, 2]), (-20.0, [12, 2])] {
         assert_solves(Arctan {}, guess, 0.0, work);
     }
 }
@@ -154,12 +154,12 @@ fn an_exponential_that_overflows() {
     let (found, work) = fresh(Diode { voltage: 20.0 }, [0.0]);
     let [found] = found.unwrap();
     assert!((found + 1e-12 * (40.0 * found).exp_m1() - 20.0).abs() < 1e-8, "{found}");
-    assert_work(work, [14, 3], "");
+    assert_work(work, [19, 3], "");
 }
 
 #[test]
 fn a_step_into_what_is_not_a_number_is_shortened() {
-    assert_solves(Logarithm {}, 10.0, 1.0, [12, 2]);
+    assert_solves(Logarithm {}, 10.0, 1.0, [11, 2]);
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn solves_after_a_failure() {
 fn a_double_root() {
     let (found, work) = fresh(Parabola { constant: 0.0 }, [1.0]);
     assert!(found.unwrap()[0].abs() < 1e-9);
-    assert_work(work, [62, 3], "");
+    assert_work(work, [61, 3], "");
 }
 
 /// Two unknowns that differ by 1e18 in size, coupled.
@@ -235,7 +235,7 @@ fn a_curved_valley() {
     let (found, work) = fresh(Valley, [-1.2, 1.0]);
     let [a, b] = found.unwrap();
     assert!((a - 1.0).abs() < 1e-11 && (b - 1.0).abs() < 1e-11);
-    assert_work(work, [6, 2], "");
+    assert_work(work, [3, 1], "");
 }
 
 /// Springs that harden, each by itself, under one force.
@@ -312,5 +312,5 @@ fn iterations_add_up_to_a_new_jacobian() {
     }
     let total = made[made.len() - 1];
     assert!((2..=20).contains(&total), "{total} for 40 stages");
-    assert_work([newton.counts.residuals, newton.counts.factorizations], [240, 10], "");
+    assert_work([newton.counts.residuals, newton.counts.factorizations], [240, 7], "");
 }

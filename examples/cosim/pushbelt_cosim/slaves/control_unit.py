@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pushbelt.drive.car import demo_car
 from pushbelt.drive.control import Friction, Measured
-from pushbelt_cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
 from pushbelt.drive.thrust_map import ThrustMap
-from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
+from pushbelt.drive.transmission import RATIO_LIMITS, START_PRESSURE, TransmissionControl
+from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.data import parameter_set
 from pushbelt.maps.data import Maps
+from pushbelt_cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
+
+OUTPUTS = {
+    "primary.pressure": (START_PRESSURE, "Mean over the last step, Pa"),
+    "secondary.pressure": (START_PRESSURE, "Mean over the last step, Pa"),
+    "ratio.target": (RATIO_LIMITS[1], "1"),
+    "intervening": (False, "Whether the slip controller intervenes against macro-slip"),
+}
 
 
 class ControlUnit(Unit):
@@ -42,7 +49,7 @@ class ControlUnit(Unit):
                 "power.demand": (0.0, "Power demanded by the driver, W"),
             },
         )
-        self.declare(OUTPUT, _outputs(ClampingSignals(START_PRESSURE, START_PRESSURE, RATIO_LIMITS[1], False)))
+        self.declare(OUTPUT, OUTPUTS)
         self._control: TransmissionControl | None = None
 
     def exit_initialization_mode(self) -> None:
@@ -58,14 +65,4 @@ class ControlUnit(Unit):
         """Computes the demands and advances the hydraulics by a communication step."""
         values = self.values
         measured = Measured.from_signals(values, values["torque.estimated"])
-        signals = self._control.advance(values["power.demand"], values["secondary.speed"], measured, step)
-        values.update({name: value for name, (value, _) in _outputs(signals).items()})
-
-
-def _outputs(signals: ClampingSignals) -> dict[str, tuple[float | bool, str]]:
-    return {
-        "primary.pressure": (signals.primary_pressure, "Mean over the last step, Pa"),
-        "secondary.pressure": (signals.secondary_pressure, "Mean over the last step, Pa"),
-        "ratio.target": (signals.target_ratio, "1"),
-        "intervening": (signals.intervening, "Whether the slip controller intervenes against macro-slip"),
-    }
+        values.update(self._control.advance(values["power.demand"], values["secondary.speed"], measured, step))

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from pushbelt.drive.car import demo_car
-from pushbelt_cosim.unit import INPUT, OUTPUT, PARAMETER, Unit
 from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.transmission import RATIO_LIMITS
-from pushbelt.drive.vehicle import Vehicle, VehicleSignals
+from pushbelt.drive.vehicle import Vehicle, demo_car
+from pushbelt_cosim.unit import INPUT, OUTPUT, PARAMETER, Unit
+
+OUTPUTS = {
+    "primary.torque": ("clutch.torque", "Mean clutch torque over the last step, N.m"),
+    "secondary.torque": ("secondary.torque", "Torque of road load and brakes, N.m"),
+    "torque.estimated": ("torque.estimated", "Primary torque as the engine control estimates it, N.m"),
+    "power.demand": ("power.demand", "Power demanded by the driver, W"),
+    "car.speed": ("speed.car", "m/s"),
+    "cycle.speed": ("speed.target", "m/s"),
+    "engine.speed": ("engine.speed", "rad/s"),
+    "clutch.locked": ("clutch.locked", "Whether the launch clutch is locked"),
+}
+"""Signals of the vehicle, and descriptions."""
 
 
 class VehicleUnit(Unit):
@@ -31,7 +42,7 @@ class VehicleUnit(Unit):
                 "ratio.geometric": (RATIO_LIMITS[1], "Ratio of the variator, r_S/r_P"),
             },
         )
-        self.declare(OUTPUT, _outputs(VehicleSignals()))
+        self.declare(OUTPUT, {name: (False if name == "clutch.locked" else 0.0, text) for name, (_, text) in OUTPUTS.items()})
         self._vehicle: Vehicle | None = None
 
     def exit_initialization_mode(self) -> None:
@@ -45,17 +56,4 @@ class VehicleUnit(Unit):
         signals = self._vehicle.advance(
             time, values["primary.speed"], values["secondary.speed"], values["ratio.geometric"], step
         )
-        values.update({name: value for name, (value, _) in _outputs(signals).items()})
-
-
-def _outputs(signals: VehicleSignals) -> dict[str, tuple[float | bool, str]]:
-    return {
-        "primary.torque": (signals.primary_torque, "Mean clutch torque over the last step, N.m"),
-        "secondary.torque": (signals.secondary_torque, "Torque of road load and brakes, N.m"),
-        "torque.estimated": (signals.estimated_torque, "Primary torque as the engine control estimates it, N.m"),
-        "power.demand": (signals.power_demand, "Power demanded by the driver, W"),
-        "car.speed": (signals.speed, "m/s"),
-        "cycle.speed": (signals.target_speed, "m/s"),
-        "engine.speed": (signals.engine_speed, "rad/s"),
-        "clutch.locked": (signals.clutch_locked, "Whether the launch clutch is locked"),
-    }
+        values.update({name: signals[signal] for name, (signal, _) in OUTPUTS.items()})

@@ -1,13 +1,15 @@
-"""Files of FMI-LS-REF 1.0.0-alpha.1 in the FMU: a smoke test with its result, and the parameter sets.
+"""Writes files that the build packs into the FMU: those of FMI-LS-REF 1.0.0-alpha.1, and the published parameter sets as SSV.
 
-FMI-LS-REF is the layered standard of the Modelica Association for related files in an FMU; this version is an alpha. `python -m
-pushbelt.fmu.reference` writes the files to `resources/reference/`; the build packs them into `extra/org.fmi-standard.fmi-ls-ref/`.
+FMI-LS-REF is the layered standard of the Modelica Association for related files in an FMU; this version is an alpha. Its files, a smoke
+test with its result, are in `resources/reference/`, and in the FMU in `extra/org.fmi-standard.fmi-ls-ref/`.
 """
 
 from __future__ import annotations
 
 import csv
 import io
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +17,14 @@ import fmpy
 import numpy as np
 from lxml import etree
 
-from . import ssv
-from .files import RESOURCES, default_fmu
-from .geometry import Array
+from pushbelt.fmu import ssv
+from pushbelt.fmu.files import RESOURCES, default_fmu
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.start_values import checked
 
 NAME = "org.fmi-standard.fmi-ls-ref"
 VERSION = "1.0.0-alpha.1"
+SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 ABOUT = "Layered Standard providing information on related files included in an FMU."
 """The description that the standard requires."""
@@ -117,13 +121,68 @@ def experiments() -> bytes:
 def parameters(description: Any) -> bytes:
     """Every parameter with its start value, so that the smoke test also holds in copies of the FMU with other start values."""
     values = {one.name: _start(one) for one in description.modelVariables if one.causality == "parameter"}
-    return ssv.text_of(values, description, "smoke-test")
+    return set_of(values, description, "smoke-test")
 
 
 def _start(variable: Any) -> Any:
     if variable.type == "Boolean":
         return variable.start == "true"
     return float(variable.start) if variable.type == "Real" else int(variable.start)
+
+
+def set_of(values: Mapping[str, Any], description: Any, name: str) -> bytes:
+    """The content of an SSV file with these values, whose units, types and enumerations are those of a model description.
+
+    Raises StartValueError for an unknown name, a wrong type, or a number out of range.
+    """
+    variables = {variable.name: variable for variable in description.modelVariables}
+    root = etree.Element(f"{{{ssv.SSV}}}ParameterSet", nsmap={"ssv": ssv.SSV, "ssc": SSC}, version="1.0", name=name)
+    parameters = etree.SubElement(root, f"{{{ssv.SSV}}}Parameters")
+    units, enumerations = {}, {}
+    for parameter, value in checked(variables, values).items():
+        variable = variables[parameter]
+        element = etree.SubElement(parameters, f"{{{ssv.SSV}}}Parameter", name=parameter)
+        kind = etree.SubElement(element, f"{{{ssv.SSV}}}{variable.type}")
+        if variable.type == "Real":
+            kind.set("value", repr(float(value)))
+            kind.set("unit", variable.unit)
+            units[variable.unit] = next(unit for unit in description.unitDefinitions if unit.name == variable.unit)
+        elif variable.type == "Enumeration":
+            items = variable.declaredType.items
+            kind.set("value", next(item.name for item in items if int(item.value) == value))
+            kind.set("name", variable.declaredType.name)
+            enumerations[variable.declaredType.name] = items
+        else:
+            kind.set("value", str(value).lower())
+    _define(root, units, enumerations)
+    text = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    ssv.check(etree.fromstring(text))
+    return text
+
+
+def _define(root: etree._Element, units: Mapping[str, Any], enumerations: Mapping[str, Any]) -> None:
+    """Adds the definitions of enumerations and units."""
+    if enumerations:
+        group = etree.SubElement(root, f"{{{ssv.SSV}}}Enumerations")
+        for name, items in enumerations.items():
+            enumeration = etree.SubElement(group, f"{{{SSC}}}Enumeration", name=name)
+            for item in items:
+                etree.SubElement(enumeration, f"{{{SSC}}}Item", name=item.name, value=str(item.value))
+    if units:
+        group = etree.SubElement(root, f"{{{ssv.SSV}}}Units")
+        for name, unit in units.items():
+            element = etree.SubElement(group, f"{{{SSC}}}Unit", name=name)
+            base = etree.SubElement(element, f"{{{SSC}}}BaseUnit")
+            for exponent in ("kg", "m", "s", "rad"):
+                if power := int(getattr(unit.baseUnit, exponent, 0) or 0) if unit.baseUnit is not None else 0:
+                    base.set(exponent, str(power))
+
+
+def published(path: Path, description: Any) -> bytes:
+    """The SSV file of a published variator."""
+    document = json.loads(path.read_text(encoding="utf-8"))
+    values = {name: entry["value"] for name, entry in document["parameters"].items()}
+    return set_of(values, description, document["id"])
 
 
 def result(fmu: Path) -> dict[str, Array]:
@@ -157,6 +216,9 @@ def _text(root: etree._Element) -> bytes:
 
 def main() -> None:
     """Writes the files."""
+    description = fmpy.read_model_description(str(RESOURCES.parent))
+    for path in sorted((RESOURCES / "parameters").glob("*.json")):
+        path.with_suffix(".ssv").write_bytes(published(path, description))
     folder = RESOURCES / "reference"
     folder.mkdir(exist_ok=True)
     for name, content in files(default_fmu()).items():

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
+from ..fmu.data import curve_of, is_chain
+from ..fmu.geometry import Array, TwoPulleyCurve
+from ..fmu.results import BeltState
 from .charts import encoded
-from .fmu.data import curve_of, is_chain
-from .fmu.geometry import Array, TwoPulleyCurve
-from .fmu.results import BeltState
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3
@@ -85,11 +85,21 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
     )
 
 
+SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
+
+
+def over_time(
+    time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]
+) -> Motion:
+    """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
+    moments = np.array(sorted(states))
+    return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
+
+
 def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
     """A steady state, in which only the pulleys and the belt move."""
-    names = ("primary.speed", "secondary.speed", "belt.speed")
     ends = np.array([0.0, STEADY_TIME])
-    return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in names])
+    return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in SPEEDS])
 
 
 def integrated(time: Array, values: Array, moments: Array) -> Array:

@@ -1,27 +1,13 @@
-//! What a stranger hands to the map unit: files of tables, times, stored states.
+//! Files of tables that a stranger hands over.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pushbelt_fmi::log::Log;
-use pushbelt_fmi::slave::{CallError, Master, Type, Version};
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, StepFailure, Unit};
-use pushbelt_fmi::{Slave, Tape};
+use pushbelt_fmi::unit::Unit;
 use pushbelt_map_unit::file::FILE;
-use pushbelt_map_unit::settings::{Drive, Settings};
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 use serde_json::{Value, json};
-
-fn maps() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps")
-}
-
-fn settings() -> Settings {
-    MapUnit::load(Some(&maps())).expect("the checked-in tables")
-}
-
-// Files
 
 /// A folder of its own for a file of tables; removed at the end.
 struct Folder(PathBuf);
@@ -86,15 +72,15 @@ fn a_pipe_and_a_device_are_refused_unread() {
 #[test]
 fn a_byte_order_mark_is_no_part_of_the_tables() {
     let folder = Folder::new("mark");
-    let text = fs::read(maps().join(FILE)).expect("the tables");
+    let text = fs::read(crate::folder().join(FILE)).expect("the tables");
     fs::write(folder.file(), [b"\xef\xbb\xbf", &*text].concat()).expect("a file");
     let found = Tables::read(&folder.0).expect("the same tables");
-    assert_eq!(found.hash, Tables::read(&maps()).expect("the tables").hash);
+    assert_eq!(found.hash, Tables::read(&crate::folder()).expect("the tables").hash);
 }
 
 /// Why the checked-in document is refused after a change.
 fn refused(change: impl FnOnce(&mut Value)) -> String {
-    let text = fs::read(maps().join(FILE)).expect("the tables");
+    let text = fs::read(crate::folder().join(FILE)).expect("the tables");
     let mut document: Value = serde_json::from_slice(&text).expect("JSON");
     change(&mut document);
     let text = serde_json::to_vec(&document).expect("JSON");
@@ -197,126 +183,36 @@ fn deeply_nested_lists_are_refused() {
     assert!(why.contains("not JSON"), "{why}");
 }
 
-// Times
-
-fn running(settings: &Settings, start: f64) -> Result<Slave<MapUnit>, CallError> {
-    let mut slave = Slave::with(Master::default(), Log::new(Version::Two, None, false), settings.clone());
-    slave.initialize(Experiment {
-        start,
-        ..Experiment::default()
-    })?;
-    slave.exit_initialization_mode()?;
-    Ok(slave)
-}
-
-/// Value references of the primary torque, and of both speeds and the ratio.
-const TORQUE: u32 = 101;
-const MOTION: [u32; 3] = [111, 211, 5];
-
-/// Motions after steps of 0.1 ms under a torque that jumps.
-fn motions(settings: &Settings, start: f64, sums: bool) -> Vec<[f64; 3]> {
-    let mut slave = running(settings, start).expect("a run");
-    let mut time = start;
-    let step = |k: u32| {
-        let torque = if (k / 500).is_multiple_of(2) { 80.0 } else { 20.0 };
-        slave.set(Type::Real, &[TORQUE], &[torque]).expect("a torque");
-        slave.do_step(time, 1e-4).expect("a step");
-        time = if sums {
-            time + 1e-4
-        } else {
-            start + 1e-4 * f64::from(k + 1)
-        };
-        let mut found = [0.0; 3];
-        slave.get(Type::Real, &MOTION, &mut found).expect("values");
-        found
+#[test]
+fn damaged_tables_are_refused() {
+    let text = fs::read_to_string(crate::folder().join(FILE)).expect("the tables");
+    let tables = Tables::of_bytes(text.as_bytes()).expect("tables");
+    let damaged = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        Tables::of_bytes(text.replacen(from, to, 1).as_bytes())
+            .map(drop)
+            .unwrap_err()
     };
-    (0..2000).map(step).collect()
-}
-
-#[test]
-fn a_late_run_equals_one_from_zero() {
-    let settings = settings();
-    let expected = motions(&settings, 0.0, true);
-    for sums in [true, false] {
-        for (found, expected) in motions(&settings, 1.7e9, sums).iter().zip(&expected) {
-            for (a, b) in found.iter().zip(expected) {
-                assert!((a - b).abs() < 1e-7 * b.abs(), "{found:?} {expected:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_start_without_room_for_steps_is_refused() {
-    assert!(running(&settings(), 1e14).is_err());
-}
-
-/// A late time by way of the unit itself: the steps end.
-#[test]
-fn steps_at_a_late_time_end() {
-    let settings = settings();
-    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
-    let mut bytes = written(&mut unit);
-    let time = 3 * 8;
-    bytes[time..time + 8].copy_from_slice(&1e14_f64.to_le_bytes());
-    let mut unit = read(&settings, &bytes).expect("a finite time, which the FMI layer compares with its own");
-    let mut step = CommunicationStep {
-        from: 1e14,
-        to: 1e14 + 1.0,
-        rates: None,
-        progress: (),
-    };
-    unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
-    assert_eq!(unit.time(), 1e14 + 1.0);
-}
-
-/// Loads without a solution end in an error after a number of steps that is bounded.
-#[test]
-fn a_step_without_a_solution_ends() {
-    let mut settings = settings();
-    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
-    settings.inputs.primary.torque = f64::NAN;
-    let mut step = CommunicationStep {
-        from: 0.0,
-        to: 1e3,
-        rates: None,
-        progress: (),
-    };
-    let failed = unit.advance(&mut step, &settings, &mut Vec::new());
-    assert!(matches!(failed, Err(StepFailure::Discarded(_))), "{failed:?}");
-    assert_eq!(unit.time(), 0.0);
-}
-
-// Stored states
-
-fn written(unit: &mut MapUnit) -> Vec<u8> {
-    let mut tape = Tape::writer();
-    unit.serialize(&mut tape);
-    tape.into_bytes()
-}
-
-fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
-    let mut unit = MapUnit::blank(settings, &Experiment::default()).expect("a blank unit");
-    let mut tape = Tape::reader(bytes);
-    unit.serialize(&mut tape);
-    tape.finish().ok().map(|()| unit)
-}
-
-#[test]
-fn each_number_of_a_stored_state_is_checked() {
-    let mut settings = settings();
-    settings.primary.drive = Drive::Speed;
-    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
-    let bytes = written(&mut unit);
-    assert!(read(&settings, &bytes).is_some());
-    // Speeds, ln i, time, thrust ratio and six inputs.
-    for number in 0..11 {
-        for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308] {
-            let mut bytes = bytes.clone();
-            bytes[8 * number..8 * number + 8].copy_from_slice(&wild.to_le_bytes());
-            // Which time fits is checked by the FMI layer.
-            let fits = number == 3 && wild == 1e308;
-            assert_eq!(read(&settings, &bytes).is_some(), fits, "{number}: {wild}");
-        }
-    }
+    assert!(damaged("{", "[").contains("not JSON"));
+    assert!(damaged("pushbelt map unit", "maps").contains("format"));
+    assert!(damaged("\"version\":1", "\"version\":2").contains("version"));
+    assert!(damaged("\"thrustRatio\":", "\"other\":").contains("thrustRatio"));
+    assert!(damaged("\"geometry.beltLength\":0.703", "\"geometry.beltLength\":0.3").contains("geometry"));
+    assert!(
+        damaged(
+            "\"force\":{\"unit\":\"N\",\"values\":[2500.0",
+            "\"force\":{\"unit\":\"N\",\"values\":[9500.0"
+        )
+        .contains("ascend")
+    );
+    let shorter = Tables::of_bytes(&text.as_bytes()[..text.len() / 2]).map(drop);
+    assert!(shorter.unwrap_err().contains("not JSON"));
+    let other = text.replacen("\"pushbelt map unit\"", " \"pushbelt map unit\"", 1);
+    assert_ne!(
+        Tables::of_bytes(other.as_bytes()).expect("the same tables").hash,
+        tables.hash
+    );
+    let missing = Tables::read(Path::new("/no/such/folder")).map(drop).unwrap_err();
+    assert!(missing.contains("maps.json"), "{missing}");
+    assert!(MapUnit::load(None).map(drop).unwrap_err().contains("resources"));
 }

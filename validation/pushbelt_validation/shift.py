@@ -11,15 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .geometry import Array
-from .unit import Instance
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.unit import Instance
+from pushbelt.fmu.working_points import TIME_STEP, WINDOW
 
 LOG_STEP = 0.3
 """Step of ln F_P."""
-WINDOW = (0.06, 0.12)
-"""Start and end of the window for the mean of ds/dt, s after the step."""
-TIME_STEP = 0.01
-"""Communication step, s."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import Any
 import pushbelt
 from pushbelt import cli
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 WRITTEN = "<!-- Written by `cargo fmu describe`: don't edit. -->\n\n"
 
 
@@ -92,7 +92,9 @@ def signature(name: str, function: Any) -> str:
 def members(kind: type) -> Iterator[str]:
     """A line for each public field, property and method of a class."""
     if dataclasses.is_dataclass(kind):
-        yield from (f"- `{field.name}`: `{field.type}`" for field in dataclasses.fields(kind) if not field.name.startswith("_"))
+        yield from (
+            f"- `{field.name}`: `{field.type}`" for field in dataclasses.fields(kind) if not field.name.startswith("_")
+        )
     own = [base for base in kind.__mro__ if base.__module__.startswith("pushbelt")]
     for name in dict.fromkeys(name for base in own for name in vars(base) if not name.startswith("_")):
         member = inspect.getattr_static(kind, name)

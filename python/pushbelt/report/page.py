@@ -8,15 +8,25 @@ import gzip
 import platform
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from . import provenance
+from .. import provenance
 
 MINUS = "\N{MINUS SIGN}"
+
+
+@dataclass(frozen=True)
+class Check:
+    """A statement about results, and whether they confirm it."""
+
+    statement: str
+    passed: bool
+    found: str
 
 
 def number(value: float, digits: int = 0) -> str:
@@ -32,9 +42,9 @@ def percent(value: float, digits: int = 1) -> str:
 
 
 def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environment:
-    own = jinja2.PackageLoader(__package__, ".")
+    here = Path(__file__).parent
     environment = jinja2.Environment(
-        loader=own if folder is None else jinja2.ChoiceLoader([jinja2.FileSystemLoader(folder), own]),
+        loader=jinja2.FileSystemLoader([*([folder] if folder else []), here.parent, here]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

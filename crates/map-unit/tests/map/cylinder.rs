@@ -1,10 +1,14 @@
 //! Cylinders of the variator from maps: pressure in, flow out.
 
-use std::path::Path;
-
-use pushbelt_fmi::unit::{CommunicationStep, Experiment, Remark, Unit};
-use pushbelt_map_unit::settings::{Cylinder, PulleyOutputs, Settings};
+use pushbelt::variator::settings::{Cylinder, PulleyOutputs};
+use pushbelt_fmi::unit::{Remark, Unit};
+use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::unit::MapUnit;
+
+use crate::{outputs, start};
+
+/// friction.velocity, m/s.
+const VELOCITY: f64 = 5e-4;
 
 const CYLINDER: Cylinder = Cylinder {
     area: 0.012,
@@ -15,36 +19,28 @@ const CYLINDER: Cylinder = Cylinder {
 };
 
 fn settings(cylinder: Cylinder) -> Settings {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps");
-    let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
-    (settings.primary.cylinder, settings.secondary.cylinder) = (cylinder, cylinder);
+    let mut settings = crate::settings();
+    (
+        settings.parameters.primary.cylinder,
+        settings.parameters.secondary.cylinder,
+    ) = (cylinder, cylinder);
     settings
+}
+
+fn step(unit: &mut MapUnit, settings: &Settings, length: f64) -> Vec<Remark> {
+    let to = unit.time() + length;
+    crate::step(unit, settings, to)
 }
 
 fn by_pressure(mut settings: Settings) -> Settings {
     for (inputs, of) in [
-        (&mut settings.inputs.primary, settings.primary.cylinder),
-        (&mut settings.inputs.secondary, settings.secondary.cylinder),
+        (&mut settings.inputs.primary, settings.parameters.primary.cylinder),
+        (&mut settings.inputs.secondary, settings.parameters.secondary.cylinder),
     ] {
         inputs.pressure = inputs.clamping_force / of.area;
         inputs.clamping_force = 0.0;
     }
     settings
-}
-
-fn start(settings: &Settings) -> MapUnit {
-    MapUnit::start(settings, &Experiment::default(), &mut Vec::new()).expect("a start")
-}
-
-fn step(unit: &mut MapUnit, settings: &Settings, length: f64, remarks: &mut Vec<Remark>) {
-    let mut step = CommunicationStep {
-        from: unit.time(),
-        to: unit.time() + length,
-        rates: None,
-        progress: (),
-    };
-    unit.begin(&mut step, settings).expect("a step");
-    unit.advance(&mut step, settings, remarks).expect("a step");
 }
 
 #[test]
@@ -61,8 +57,8 @@ fn pressures_and_forces_give_the_same_bits() {
     };
     let (mut force, mut pressure) = (start(&of(0)), start(&by_pressure(of(0))));
     for k in 1..40 {
-        step(&mut force, &of(k), 5e-3, &mut Vec::new());
-        step(&mut pressure, &by_pressure(of(k)), 5e-3, &mut Vec::new());
+        step(&mut force, &of(k), 5e-3);
+        step(&mut pressure, &by_pressure(of(k)), 5e-3);
         assert_eq!(force.readings(false), pressure.readings(false));
     }
 }
@@ -74,21 +70,21 @@ fn cylinders_do_the_work_on_the_sheaves() {
     for seal in [0.0, 150.0] {
         let cylinder = Cylinder { seal, ..CYLINDER };
         let mut settings = by_pressure(settings(cylinder));
-        settings.equilibrium = true;
+        settings.parameters.initial.equilibrium = true;
         let mut unit = start(&settings);
-        let at = *unit.readings(false);
+        let at = outputs(&mut unit);
         let mut plain = self::settings(Cylinder::default());
-        plain.equilibrium = true;
+        plain.parameters.initial.equilibrium = true;
         plain.inputs.primary.clamping_force = at.primary.axial_force;
         plain.inputs.secondary.clamping_force = at.secondary.axial_force;
-        let expected = *start(&plain).readings(false);
+        let expected = outputs(&mut start(&plain));
         assert!((at.ratio_geometric / expected.ratio_geometric - 1.0).abs() < 1e-9);
         settings.inputs.primary.pressure += 1e5;
-        let tangent = settings.tables.clone().expect("tables").geometry.wedge_angle.tan();
+        let tangent = settings.parameters.geometry.wedge_angle.tan();
         let mut before = at;
         for count in 0..200 {
-            step(&mut unit, &settings, 1e-3, &mut Vec::new());
-            let now = *unit.readings(false);
+            step(&mut unit, &settings, 1e-3);
+            let now = outputs(&mut unit);
             let mut rubbed = 0.0;
             let pulleys: [(&PulleyOutputs, &PulleyOutputs, f64); 2] = [
                 (&now.primary, &before.primary, settings.inputs.primary.pressure),
@@ -99,7 +95,7 @@ fn cylinders_do_the_work_on_the_sheaves() {
                 let position = 2.0 * tangent * (of.radius - RADIUS_AT_ONE);
                 let others = cylinder.spring_force - cylinder.spring_stiffness * position
                     + cylinder.centrifugal * of.speed * of.speed
-                    - cylinder.drag(of.sheave_velocity);
+                    - cylinder.drag(of.sheave_velocity, VELOCITY);
                 let mechanical = (of.axial_force - others) * of.sheave_velocity;
                 let power = pressure * of.flow;
                 assert!((power - mechanical).abs() <= 1e-9 * power.abs(), "{power} {mechanical}");
@@ -109,13 +105,13 @@ fn cylinders_do_the_work_on_the_sheaves() {
                     count < 5 || (moved - mean).abs() <= 0.05 * mean.abs() + 1e-9,
                     "{moved} {mean}"
                 );
-                rubbed += cylinder.drag(of.sheave_velocity) * of.sheave_velocity;
+                rubbed += cylinder.drag(of.sheave_velocity, VELOCITY) * of.sheave_velocity;
             }
-            assert!((now.seal_loss - rubbed).abs() <= 1e-12 * rubbed, "step {count}");
+            assert!((now.losses.seals - rubbed).abs() <= 1e-12 * rubbed, "step {count}");
             before = now;
         }
         assert!(before.primary.flow > 0.0 && before.secondary.flow < 0.0);
-        assert_eq!(before.seal_loss > 0.0, seal > 0.0);
+        assert_eq!(before.losses.seals > 0.0, seal > 0.0);
     }
 }
 
@@ -131,12 +127,12 @@ fn seals_hold_the_ratio_but_for_creep() {
             seal,
             ..Cylinder::default()
         }));
-        settings.secondary.cylinder.seal = 0.0;
-        settings.equilibrium = true;
+        settings.parameters.secondary.cylinder.seal = 0.0;
+        settings.parameters.initial.equilibrium = true;
         let mut unit = start(&settings);
         settings.inputs.primary.pressure += 0.5 * 400.0 / 0.01;
-        step(&mut unit, &settings, 0.01, &mut Vec::new());
-        unit.readings(false).primary.sheave_velocity
+        step(&mut unit, &settings, 0.01);
+        unit.readings(false).outputs.primary.sheave_velocity
     };
     let (rubbing, free) = (velocity(400.0), velocity(0.0));
     println!("{rubbing:.2e} m/s, {free:.2e} m/s without seals");
@@ -150,8 +146,8 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
     let mut remarks = Vec::new();
     for pressure in [-1e5, 1e6, -1e5] {
         settings.inputs.primary.pressure = pressure;
-        step(&mut unit, &settings, 2e-3, &mut remarks);
-        assert!(unit.readings(false).secondary.speed.is_finite());
+        remarks.extend(step(&mut unit, &settings, 2e-3));
+        assert!(unit.readings(false).outputs.secondary.speed.is_finite());
     }
     let opens = remarks
         .iter()

@@ -16,7 +16,7 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
-from .fmu.geometry import Array
+from ..fmu.geometry import Array
 from .style import GRID, INK, MUTED, colour_stops
 
 BUCKETS = 900
@@ -157,6 +157,15 @@ class Chart:
         return str(html(self))
 
 
+def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label: str, **common: Any) -> list[Panel]:
+    """Panels above each other over the same x, whose label the last one has. A row has a title, lines, and further settings of its panel."""
+    last = len(rows) - 1
+    return [
+        Panel(title, series, x_label if k == last else "", **{**common, **more})
+        for k, (title, series, more) in enumerate(rows)
+    ]
+
+
 def html(chart: Chart) -> Markup:
     """The chart as an HTML fragment."""
     specification = {
@@ -294,12 +303,7 @@ def _hover(one: Series) -> dict[str, Any]:
 
 def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
     lying = one.kind == "rows"
-    trace: dict[str, Any] = {
-        "type": "bar",
-        "x": encoded(x),
-        "y": encoded(y),
-        "marker": {"color": one.colour},
-    }
+    trace: dict[str, Any] = {"type": "bar", "x": encoded(x), "y": encoded(y), "marker": {"color": one.colour}}
     if one.bar_width is not None:
         trace["width"] = one.bar_width
     if lying:

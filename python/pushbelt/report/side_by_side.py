@@ -1,4 +1,4 @@
-"""Simulations in parallel processes with a common progress bar."""
+"""Progress bars, and simulations in parallel processes with a common one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from contextlib import contextmanager
 from typing import Any
 
-from .console import interrupts_ignored
-from .progress import progress_bar
+from ..console import interrupts_ignored
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 """A module-level function and its arguments."""
@@ -23,6 +22,15 @@ _ticks: Any = None
 """In a worker: queue for reports of progress."""
 _pending = 0.0
 """In a worker: progress that is not yet reported."""
+
+
+def progress_bar(total: float, description: str, done: int = 0) -> Any:
+    """A bar with the remaining time, on a terminal only. `done` of `total` were finished before."""
+    # Only what shows a bar needs the package.
+    from tqdm import tqdm
+
+    layout = "  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}{postfix}]"
+    return tqdm(total=total, initial=done, disable=None, desc=description, bar_format=layout)
 
 
 def _prepare_worker(ticks: Any) -> None:

@@ -1,0 +1,336 @@
+//! Equations and runs.
+
+use std::sync::Arc;
+
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
+use pushbelt_fmi::table::{Causality, Value};
+use pushbelt_fmi::unit::{Experiment, Unit};
+use pushbelt_map_unit::law::{Law, Radii, State};
+use pushbelt_map_unit::settings::Settings;
+use pushbelt_map_unit::tables::Tables;
+use pushbelt_map_unit::unit::MapUnit;
+
+use crate::{outputs, run, settings, start, step, try_step};
+
+/// Each name of the lists is a variable of the detailed unit.
+#[test]
+fn the_variables_are_there() {
+    let table = MapUnit::table();
+    let outputs = table
+        .variables()
+        .iter()
+        .filter(|one| one.causality == Causality::Output);
+    assert_eq!((table.variables().len(), outputs.count()), (74, 31));
+    assert_eq!(table.units.len(), 16);
+}
+
+/// The laws of settings.
+struct Bench {
+    settings: Settings,
+    tables: Arc<Tables>,
+    radii: Radii,
+}
+
+impl Bench {
+    fn new(settings: Settings) -> Self {
+        let tables = settings.own.clone().expect("tables");
+        let radii = Radii::new(&settings.parameters).expect("radii");
+        Self {
+            settings,
+            tables,
+            radii,
+        }
+    }
+
+    /// T_P, T_S and ℓ' of a state.
+    fn torques(&self, state: State) -> ([f64; 2], f64) {
+        let Self {
+            settings,
+            tables,
+            radii,
+        } = self;
+        let law = Law {
+            tables,
+            radii,
+            parameters: &settings.parameters,
+        };
+        let frame = law.frame(&state, settings.inputs.secondary.clamping_force);
+        let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
+        let point = law.point(&frame, sliding);
+        let torque = frame.torque * point.traction.value;
+        let lost = (state.primary / 2.0).tanh() * point.torque_loss();
+        let (shift, _) = law.shift(&frame, &point, &state, &settings.inputs);
+        ([torque, frame.ratio * (torque - lost)], shift)
+    }
+
+    /// T_P at two speeds and ln i.
+    fn torque(&self, primary: f64, secondary: f64, log_ratio: f64) -> f64 {
+        self.torques(State {
+            primary,
+            secondary,
+            log_ratio,
+        })
+        .0[0]
+    }
+}
+
+#[test]
+fn signs_are_those_of_the_detailed_unit() {
+    let mut bench = Bench::new(settings());
+    let ahead = State {
+        primary: 200.0,
+        secondary: 198.0,
+        log_ratio: 0.0,
+    };
+    let ([into, out], _) = bench.torques(ahead);
+    // The faster primary shaft drives the belt, and the belt drives the secondary shaft.
+    assert!(into > 40.0 && out > 30.0 && out < into);
+    let behind = State {
+        secondary: 202.0,
+        ..ahead
+    };
+    let ([into, out], _) = bench.torques(behind);
+    assert!(into < -30.0 && out < into);
+    // A larger primary force closes the primary pulley: overdrive, a smaller ratio.
+    let force = bench.settings.inputs.secondary.clamping_force;
+    bench.settings.inputs.primary.clamping_force = 2.0 * force;
+    assert!(bench.torques(ahead).1 < 0.0);
+    bench.settings.inputs.primary.clamping_force = 0.5 * force;
+    assert!(bench.torques(ahead).1 > 0.0);
+    let still = State {
+        primary: 0.0,
+        secondary: 0.0,
+        log_ratio: 0.0,
+    };
+    assert_eq!(bench.torques(still).1, 0.0);
+}
+
+#[test]
+fn reverse_running_is_the_mirror_image() {
+    let bench = Bench::new(settings());
+    for (primary, secondary) in [(200.0, 150.0), (30.0, 31.0), (0.5, 0.2), (0.0, 0.3), (-3.0, 1.0)] {
+        let state = |sign: f64| State {
+            primary: sign * primary,
+            secondary: sign * secondary,
+            log_ratio: 0.25,
+        };
+        let ([into, out], shift) = bench.torques(state(1.0));
+        let ([back_in, back_out], back) = bench.torques(state(-1.0));
+        assert!((into + back_in).abs() < 1e-12 * into.abs().max(1.0), "{primary}");
+        assert!((out + back_out).abs() < 1e-12 * out.abs().max(1.0), "{primary}");
+        assert!((shift - back).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn torque_is_continuous_through_standstill_and_at_capacity() {
+    let bench = Bench::new(settings());
+    let largest_jump = |torque: &dyn Fn(f64) -> f64| {
+        let values: Vec<f64> = (0..=20_000).map(|k| torque(f64::from(k) / 20_000.0)).collect();
+        let size = values.iter().copied().fold(0.0, f64::max);
+        let jumps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        jumps.fold(0.0, f64::max) / size
+    };
+    // Near standstill the torque grows by its capacity within 0.02 rad/s.
+    let still = largest_jump(&|t| bench.torque(2.0 * t - 1.0, 0.4, 0.1));
+    assert!(still < 0.01, "{still}");
+    let capacity = largest_jump(&|t| bench.torque(200.0, 185.0 - 60.0 * t, 0.1));
+    assert!(capacity < 0.01, "{capacity}");
+}
+
+#[test]
+fn a_belt_that_slips_through_carries_less_in_fast_sliding() {
+    let bench = Bench::new(settings());
+    let most = (0..8000).map(|k| bench.torque(200.0, 200.0 - 0.01 * f64::from(k), 0.0));
+    let most = most.fold(0.0, f64::max);
+    let share = bench.torque(200.0, 0.0, 0.0) / most;
+    assert!(
+        (share - (1.0 - bench.settings.parameters.friction.fall)).abs() < 1e-3,
+        "{share}"
+    );
+}
+
+#[test]
+fn friction_scales_the_torque() {
+    let mut bench = Bench::new(settings());
+    let torque = bench.torque(200.0, 198.5, 0.0);
+    bench.settings.parameters.friction.pulley *= 0.7;
+    assert!((bench.torque(200.0, 198.5, 0.0) - 0.7 * torque).abs() < 1e-12 * torque);
+}
+
+#[test]
+fn a_run_starts_steady_and_stays_there() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 13.5e3;
+    settings.parameters.secondary.drive = Drive::Speed;
+    settings.parameters.secondary.axial = Axial::Force;
+    settings.parameters.primary.axial = Axial::Held;
+    let mut unit = start(&settings);
+    let before = outputs(&mut unit);
+    assert!((before.secondary.speed - 209.44).abs() < 1e-9);
+    let after = run(&mut unit, &settings, 1e-2, 1.0);
+    assert!(
+        (after.slip - before.slip).abs() < 1e-9,
+        "{} {}",
+        before.slip,
+        after.slip
+    );
+    assert_eq!(after.ratio_geometric, 1.0);
+    assert!(before.slip > 1e-3);
+    // Equilibrium of torques at both shafts, and power.
+    let into = after.primary.external_torque * after.primary.speed;
+    let out = after.secondary.external_torque * after.secondary.speed;
+    assert!(
+        (into + out - after.losses.total()).abs() < 1e-6 * into,
+        "{into} {out} {}",
+        after.losses.total()
+    );
+    assert!((after.efficiency + out / into).abs() < 1e-9);
+}
+
+#[test]
+fn the_belt_slips_through_and_recovers() {
+    let mut settings = settings();
+    settings.parameters.secondary.drive = Drive::Speed;
+    let mut unit = start(&settings);
+    settings.inputs.primary.torque = 150.0;
+    let slipping = run(&mut unit, &settings, 1e-2, 0.2);
+    assert!(slipping.macro_slip && slipping.slip > 0.2, "{}", slipping.slip);
+    settings.inputs.primary.torque = 20.0;
+    let caught = run(&mut unit, &settings, 1e-2, 2.0);
+    assert!(!caught.macro_slip && caught.slip < 0.01, "{}", caught.slip);
+}
+
+#[test]
+fn a_shift_ends_at_the_equilibrium_or_at_a_stop() {
+    let mut settings = settings();
+    settings.parameters.primary.drive = Drive::Speed;
+    settings.inputs.primary.clamping_force = 14e3;
+    let mut unit = start(&settings);
+    let found = run(&mut unit, &settings, 1e-2, 20.0);
+    settings.parameters.initial.equilibrium = true;
+    settings.inputs.secondary.torque = -49.0;
+    let mut other = start(&settings);
+    let direct = outputs(&mut other);
+    // The shafts also accelerate: the secondary speed is not yet constant at the start of the second run.
+    assert!(
+        (found.ratio_geometric - direct.ratio_geometric).abs() < 0.02,
+        "{} {}",
+        found.ratio_geometric,
+        direct.ratio_geometric
+    );
+    settings.inputs.primary.clamping_force = 60e3;
+    settings.parameters.initial.equilibrium = false;
+    let stop = run(&mut unit, &settings, 1e-2, 5.0);
+    let [least, _] = Radii::new(&settings.parameters).expect("radii").stops;
+    assert!((stop.ratio_geometric.ln() - least).abs() < 1e-12);
+    assert!(unit.readings(false).outside);
+}
+
+#[test]
+fn long_steps_are_accurate() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 16e3;
+    settings.parameters.solver.input_ramp = 0.0;
+    let at = |time: f64| {
+        let mut unit = start(&settings);
+        let mut changed = settings.clone();
+        changed.inputs.primary.torque = 65.0;
+        let found = run(&mut unit, &changed, time, 0.32);
+        [found.primary.speed, found.secondary.speed, found.ratio_geometric]
+    };
+    let exact = at(1.25e-4);
+    let error = |time: f64| {
+        at(time)
+            .iter()
+            .zip(&exact)
+            .map(|(a, b)| ((a - b) / b).abs())
+            .fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (error(1e-2), error(2.5e-3));
+    // The tables are pieces of lines, whose kinks limit the order.
+    assert!(coarse < 1e-5, "{coarse}");
+    assert!(fine < 0.5 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn energy_is_balanced() {
+    let mut settings = settings();
+    settings.inputs.primary.clamping_force = 15e3;
+    settings.inputs.primary.torque = 70.0;
+    let mut unit = start(&settings);
+    let begin = unit.readings(false).outputs.stored_energy;
+    let (mut supplied, mut lost) = (0.0, 0.0);
+    let mut before = outputs(&mut unit);
+    for k in 1..=1000 {
+        step(&mut unit, &settings, 1e-3 * f64::from(k));
+        let now = outputs(&mut unit);
+        let power = |one: &Outputs| {
+            one.primary.external_torque * one.primary.speed + one.secondary.external_torque * one.secondary.speed
+        };
+        supplied += 0.5e-3 * (power(&before) + power(&now));
+        lost += 0.5e-3 * (before.losses.total() + now.losses.total());
+        before = now;
+    }
+    let residual = supplied - lost - (before.stored_energy - begin);
+    assert!(lost > 100.0);
+    assert!(residual.abs() < 1e-4 * lost, "{residual} of {lost}");
+}
+
+#[test]
+fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
+    let mut settings = settings();
+    settings.parameters.secondary.axial = Axial::Held;
+    let mut unit = start(&settings);
+    let found = run(&mut unit, &settings, 1e-2, 0.5);
+    assert_eq!(found.ratio_geometric, 1.0);
+    assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);
+    assert!((found.thrust_ratio - 1.35).abs() < 0.05, "{}", found.thrust_ratio);
+    settings.parameters.primary.axial = Axial::Held;
+    let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
+    assert!(refused.unwrap_err().contains("both Held"));
+}
+
+#[test]
+fn beyond_the_tables_is_logged_once() {
+    let mut settings = settings();
+    settings.inputs.secondary.clamping_force = 2e5;
+    settings.inputs.primary.clamping_force = 2.7e5;
+    let mut remarks = Vec::new();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut remarks).expect("a start");
+    for k in 1..=3 {
+        remarks.extend(step(&mut unit, &settings, 0.01 * f64::from(k)));
+    }
+    assert_eq!(remarks.len(), 1, "{remarks:?}");
+    assert!(remarks[0].warning && remarks[0].text.contains("200000 N"));
+    assert!(unit.readings(false).outside);
+}
+
+#[test]
+fn settings_are_checked() {
+    let mut settings = settings();
+    let table = MapUnit::table();
+    let friction = table.by_name("friction.pulley").expect("a variable");
+    friction.set(&mut settings, Value::Real(0.3)).expect("within 0 to 1");
+    assert!(MapUnit::check(&settings).unwrap_err().contains("friction.pulley = 0.3"));
+    settings.parameters.friction.pulley = 0.09;
+    settings.parameters.primary.min_radius = 0.08;
+    settings.parameters.secondary.min_radius = 0.08;
+    let refused = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).map(drop);
+    assert!(refused.unwrap_err().contains("end stops"));
+}
+
+#[test]
+fn an_input_ramps_over_the_whole_step_or_follows_its_derivative() {
+    let speed = |torque: f64, rates: Option<Inputs>| {
+        let mut settings = settings();
+        settings.parameters.solver.input_ramp = -1.0;
+        let mut unit = start(&settings);
+        settings.inputs.primary.torque = torque;
+        try_step(&mut unit, &settings, 0.1, rates).expect("a step");
+        outputs(&mut unit).primary.speed
+    };
+    let mut rates = Inputs::ZERO;
+    rates.primary.torque = 200.0;
+    assert!((speed(70.0, None) - speed(50.0, Some(rates))).abs() < 1e-9);
+}

@@ -1,0 +1,333 @@
+//! Every parameter and input once: name, value reference, type with start value and range, field, description. The interface, the
+//! defaults and the checks of ranges follow.
+//!
+//! Rows of a pulley are written once: its name comes before theirs and replaces `{}` in the text, and 100 or 200 is added to the reference.
+//! The ranges are wide: they exclude only values that can't be intended, and limit cases of theory are admissible.
+
+use crate::fmi::table::{Causality, Enumeration};
+use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode};
+use crate::variator::settings::parameters::Parameters;
+use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::validation::ParameterError;
+use std::marker::PhantomData;
+
+/// A parameter or input, whose value is in `S`.
+pub struct Row<S> {
+    /// Name in the interface.
+    pub name: &'static str,
+    /// Value reference.
+    pub reference: u32,
+    /// Who sets it, and when.
+    pub causality: Causality,
+    /// Type and value.
+    pub value: RowValue<S>,
+    /// Description; `{}` stands for the pulley.
+    pub text: &'static str,
+}
+
+/// Start value and range of a row, and its field.
+pub enum RowValue<S> {
+    /// A number in a unit.
+    Real(&'static str, f64, [f64; 2], RowField<S, f64>),
+    /// A whole number.
+    Count(i32, [i32; 2], RowField<S, i32>),
+    /// True or false.
+    Switch(bool, RowField<S, bool>),
+    /// An item of an enumeration, by its number.
+    Choice(&'static Enumeration, i32, RowField<S, i32>),
+}
+
+/// A field of `S`: how it is read and written.
+pub struct RowField<S, T> {
+    /// Reads it.
+    pub get: fn(&S) -> T,
+    /// Writes it.
+    pub set: fn(&mut S, T),
+}
+
+impl<S> Row<S> {
+    /// Sets the start value.
+    fn start(&self, of: &mut S) {
+        match &self.value {
+            RowValue::Real(_, start, _, field) => (field.set)(of, *start),
+            RowValue::Count(start, _, field) | RowValue::Choice(_, start, field) => (field.set)(of, *start),
+            RowValue::Switch(start, field) => (field.set)(of, *start),
+        }
+    }
+
+    /// Smallest and largest value of a number.
+    fn range(&self) -> Option<[f64; 2]> {
+        match self.value {
+            RowValue::Real(_, _, range, _) => Some(range),
+            RowValue::Count(_, range, _) => Some(range.map(f64::from)),
+            RowValue::Switch(..) | RowValue::Choice(..) => None,
+        }
+    }
+
+    /// Checks the value against its range.
+    ///
+    /// # Errors
+    /// It is out of its range.
+    pub(crate) fn check(&self, of: &S) -> Result<(), ParameterError> {
+        let value = match &self.value {
+            RowValue::Real(.., field) => (field.get)(of),
+            RowValue::Count(.., field) => (field.get)(of).into(),
+            RowValue::Switch(..) | RowValue::Choice(..) => return Ok(()),
+        };
+        let Some([min, max]) = self.range() else { return Ok(()) };
+        if value.is_finite() && value >= min && value <= max {
+            return Ok(());
+        }
+        let range = if max == f64::INFINITY {
+            format!("a finite number, at least {min}")
+        } else {
+            format!("{min} to {max}")
+        };
+        Err(ParameterError::new(self.name, value, range))
+    }
+}
+
+/// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
+/// there is no limit.
+#[must_use]
+pub fn range_of(name: &str) -> Option<(f64, f64)> {
+    fn find<S>(rows: [&[Row<S>]; 3], name: &str) -> Option<[f64; 2]> {
+        rows.into_iter().flatten().find(|row| row.name == name)?.range()
+    }
+    let parameter = find(
+        [
+            ParameterRows::<Parameters>::WHOLE,
+            ParameterRows::PRIMARY,
+            ParameterRows::SECONDARY,
+        ],
+        name,
+    );
+    let range = parameter.or_else(|| find([InputRows::<Inputs>::PRIMARY, InputRows::SECONDARY, &[]], name));
+    range.map(|[min, max]| (min, max))
+}
+
+impl Default for Parameters {
+    /// The start values of the interface: the laboratory variator `bench168`.
+    fn default() -> Self {
+        let mut parameters = Self::blank();
+        for row in ParameterRows::<Self>::all() {
+            row.start(&mut parameters);
+        }
+        parameters
+    }
+}
+
+impl Default for Inputs {
+    /// The start values of the interface.
+    fn default() -> Self {
+        let mut inputs = Self::ZERO;
+        for row in InputRows::<Self>::all() {
+            row.start(&mut inputs);
+        }
+        inputs
+    }
+}
+
+macro_rules! row {
+    ($pulley:ident $name:literal, $reference:literal, $($rest:tt)*) => {
+        row!(@ concat!(stringify!($pulley), ".", $name), base!($pulley) + $reference, $($rest)*)
+    };
+    ($name:literal, $($rest:tt)*) => {
+        row!(@ $name, $($rest)*)
+    };
+    (@ $name:expr, $reference:expr, $causality:ident, $kind:ident($($value:tt)*), $($field:ident).+, $text:literal) => {
+        Row {
+            name: $name,
+            reference: $reference,
+            causality: Causality::$causality,
+            value: value!($kind, [$($value)*], $($field).+),
+            text: $text,
+        }
+    };
+}
+
+macro_rules! base {
+    (primary) => {
+        100
+    };
+    (secondary) => {
+        200
+    };
+}
+
+macro_rules! value {
+    (Choice, [$of:ident::$start:ident], $($field:ident).+) => {
+        RowValue::Choice(
+            $of::TYPE,
+            $of::$start as i32,
+            RowField {
+                get: |of| of.as_ref().$($field).+ as i32,
+                set: |of, number| of.as_mut().$($field).+ = $of::from_number(number).unwrap_or_default(),
+            },
+        )
+    };
+    ($kind:ident, [$($value:tt)*], $($field:ident).+) => {
+        RowValue::$kind(
+            $($value)*,
+            RowField { get: |of| of.as_ref().$($field).+, set: |of, value| of.as_mut().$($field).+ = value },
+        )
+    };
+}
+
+#[rustfmt::skip]
+macro_rules! inputs {
+    ($pulley:ident, $torque:literal, $force:literal) => {
+        &[
+            row!($pulley "torque", 1, Input, Real("N.m", $torque, [-1e4, 1e4]), $pulley.torque, "External torque on the {} shaft, positive in the direction of positive speed; a load is negative"),
+            row!($pulley "clampingForce", 2, Input, Real("N", $force, [0.0, 5e5]), $pulley.clamping_force, "Clamping force that closes the {} sheaves"),
+            row!($pulley "speedSetpoint", 3, Input, Real("rad/s", 209.44, [-1e4, 1e4]), $pulley.speed_setpoint, "Speed set point of the {} shaft; used only with {}.drive = Speed"),
+            row!($pulley "pressure", 4, Input, Real("Pa", 0.0, [-1e5, 2e7]), $pulley.pressure, "Pressure in the cylinder of the {} pulley above ambient, which acts on {}.cylinder.area in addition to {}.clampingForce"),
+        ]
+    };
+}
+
+#[rustfmt::skip]
+macro_rules! pulley_parameters {
+    ($pulley:ident) => {
+        &[
+            row!($pulley "drive", 31, Parameter, Choice(Drive::Torque), $pulley.drive, "Boundary condition of the {} shaft: torque or speed"),
+            row!($pulley "axial", 32, Parameter, Choice(Axial::Force), $pulley.axial, "Boundary condition of the movable {} sheave: force or held"),
+            row!($pulley "inertia", 33, Parameter, Real("kg.m2", 0.03, [1e-6, 1e6]), $pulley.inertia, "Moment of inertia of the {} pulley and everything rigidly connected to it"),
+            row!($pulley "sheaveMass", 34, Parameter, Real("kg", 2.0, [1e-3, 1e6]), $pulley.sheave_mass, "Mass of the movable {} sheave"),
+            row!($pulley "sheaveDamping", 35, Parameter, Real("N.s/m", 1.2e4, [0.0, 1e9]), $pulley.sheave_damping, "Viscous damping of the axial motion of the {} sheave"),
+            row!($pulley "tiltStiffness", 36, Parameter, Real("N.m/rad", 1.79e6, [1e3, f64::INFINITY]), $pulley.tilt.stiffness, "Tilt stiffness of one {} sheave beyond its clearance, mean of both sheaves; rigid from 1e12 on"),
+            row!($pulley "tiltClearance", 40, Parameter, Real("rad", 0.624e-3, [0.0, 0.1]), $pulley.tilt.clearance, "Angle by which one {} sheave tilts as soon as it is loaded, mean of both sheaves; 0: the tilt is linear in the moment"),
+            row!($pulley "tiltTime", 37, Parameter, Real("s", 2.0e-3, [1e-6, 10.0]), $pulley.tilt.time, "Relaxation time of the tilt of the {} sheaves"),
+            row!($pulley "minRadius", 38, Parameter, Real("m", 0.030, [1e-3, 10.0]), $pulley.min_radius, "Pitch radius at the opening stop of the {} sheaves"),
+            row!($pulley "maxRadius", 39, Parameter, Real("m", 0.082, [1e-3, 10.0]), $pulley.max_radius, "Pitch radius at the closing stop of the {} sheaves"),
+            // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and bearings splash,
+            // μ_b between the catalogue values of ball bearings, 0.0015, and roller bearings, 0.002, at half the bore.
+            row!($pulley "drag.constant", 41, Parameter, Real("N.m", 0.15, [0.0, 1e3]), $pulley.drag.constant, "Drag torque of the {} shaft that does not depend on speed or load, as of seals"),
+            row!($pulley "drag.viscous", 42, Parameter, Real("N.m.s/rad", 4.0e-4, [0.0, 10.0]), $pulley.drag.viscous, "Drag torque of the {} shaft per speed, as of oil"),
+            row!($pulley "bearing.friction", 43, Parameter, Real("1", 1.8e-3, [0.0, 1.0]), $pulley.drag.bearing_friction, "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings"),
+            row!($pulley "bearing.radius", 44, Parameter, Real("m", 0.02, [0.0, 1.0]), $pulley.drag.bearing_radius, "Mean radius of the bearings of the {} shaft"),
+            row!($pulley "cylinder.area", 45, Parameter, Real("m2", 0.0, [0.0, 1.0]), $pulley.cylinder.area, "Area of the {} piston, on which {}.pressure acts; 0: no cylinder"),
+            row!($pulley "cylinder.springForce", 46, Parameter, Real("N", 0.0, [-1e5, 1e5]), $pulley.cylinder.spring_force, "Force at ratio 1 of the spring that closes the {} sheaves"),
+            row!($pulley "cylinder.springStiffness", 47, Parameter, Real("N/m", 0.0, [0.0, 1e7]), $pulley.cylinder.spring_stiffness, "Stiffness of the spring of the {} sheaves: its force falls with {}.position"),
+            row!($pulley "cylinder.centrifugal", 48, Parameter, Real("N.s2/rad2", 0.0, [-10.0, 10.0]), $pulley.cylinder.centrifugal, "Closing force of the oil that rotates with the {} pulley per square of the speed; negative with an overcompensated cylinder"),
+            row!($pulley "cylinder.seal", 49, Parameter, Real("N", 0.0, [0.0, 1e4]), $pulley.cylinder.seal, "Friction of the seals of the {} cylinder, against {}.sheaveVelocity, regularised by friction.velocity"),
+        ]
+    };
+}
+
+/// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and are clamped with.
+pub struct InputRows<S>(PhantomData<S>);
+
+impl<S: AsRef<Inputs> + AsMut<Inputs> + 'static> InputRows<S> {
+    /// Of the primary pulley.
+    pub const PRIMARY: &'static [Row<S>] = inputs!(primary, 50.0, 13e3);
+    /// Of the secondary pulley.
+    pub const SECONDARY: &'static [Row<S>] = inputs!(secondary, -49.0, 10e3);
+
+    /// All rows.
+    pub(crate) fn all() -> impl Iterator<Item = &'static Row<S>> {
+        [Self::PRIMARY, Self::SECONDARY].into_iter().flatten()
+    }
+}
+
+/// The parameters in settings `S`, but for `ring.model`.
+pub struct ParameterRows<S>(PhantomData<S>);
+
+impl<S: AsRef<Parameters> + AsMut<Parameters> + 'static> ParameterRows<S> {
+    /// Of the primary pulley.
+    pub const PRIMARY: &'static [Row<S>] = pulley_parameters!(primary);
+    /// Of the secondary pulley.
+    pub const SECONDARY: &'static [Row<S>] = pulley_parameters!(secondary);
+
+    /// All rows.
+    pub(crate) fn all() -> impl Iterator<Item = &'static Row<S>> {
+        [Self::WHOLE, Self::PRIMARY, Self::SECONDARY].into_iter().flatten()
+    }
+
+    /// Of the whole variator.
+    #[rustfmt::skip]
+    pub const WHOLE: &'static [Row<S>] = &[
+        row!("initial.ratio", 1011, Parameter, Real("1", 1.0, [1e-2, 100.0]), initial.ratio, "Geometric ratio secondary radius / primary radius at the start, between the end stops. A loaded belt rests up to some 5 % beyond them; a value up to 6 % beyond starts at the stop"),
+        row!("initial.primarySpeed", 1012, Parameter, Real("rad/s", 209.44, [-1e4, 1e4]), initial.primary_speed, "Speed of the primary pulley at the start; 0: standstill, the belt starts clamped. A shaft with drive = Speed starts at its set point instead"),
+        row!("initial.steady", 1013, Parameter, Switch(true), initial.steady, "True: start from the steady state at this ratio and speed, solved with the primary sheave held and unbalanced torque accelerating the inertias. False: start from the unloaded kinematic state"),
+        row!("initial.equilibrium", 1014, Parameter, Switch(false), initial.equilibrium, "With initial.steady: also solve for the ratio at which the two clamping forces are in equilibrium"),
+        row!("geometry.centerDistance", 1021, Parameter, Real("m", 0.168, [1e-2, 10.0]), geometry.center_distance, "Distance of the pulley axes"),
+        row!("geometry.beltLength", 1022, Parameter, Real("m", 0.703, [2e-2, 100.0]), geometry.belt_length, "Length of the unstretched ring centre line"),
+        row!("geometry.wedgeAngle", 1023, Parameter, Real("rad", 11.0_f64.to_radians(), [1e-2, 0.785]), geometry.wedge_angle, "Half wedge angle of the sheaves"),
+        row!("geometry.pulleyOffset", 1024, Parameter, Real("m", 0.0, [-0.1, 0.1]), geometry.pulley_offset, "Axial offset at ratio 1 of the primary belt plane from the secondary's, towards the movable primary sheave; used only with ring.spatial"),
+        row!("belt.kind", 1065, Parameter, Choice(BeltKind::PushBelt), kind, "Kind of the belt. A pull chain ignores the parameters of stack and ring friction, and its outputs of them are 0"),
+        // An engineering value for rocker pins, which roll on each other.
+        row!("belt.jointRadius", 1066, Parameter, Real("m", 2.0e-5, [0.0, 1e-2]), joints.radius, "Pull chain: radius at which the tension causes friction in a joint, which determines loss.joints"),
+        row!("belt.pitchOffset", 1031, Parameter, Real("m", 1.0e-3, [0.0, 0.1]), belt.pitch_offset, "Distance by which the pitch line (rocking edge) lies inside the ring centre line"),
+        row!("belt.play", 1032, Parameter, Real("m", 2.0e-4, [0.0, 10.0]), belt.play, "End play: pitch-line length less the stacked thickness of all elements"),
+        row!("belt.massPerLength", 1033, Parameter, Real("kg/m", 1.33, [1e-3, 1e3]), belt.mass_per_length, "Mass of the elements, without the ring, per pitch-line length"),
+        row!("belt.pushStiffness", 1034, Parameter, Real("N", 1.0e7, [1e3, 1e13]), belt.push_stiffness, "Push force per strain of the element stack"),
+        row!("belt.damping", 1035, Parameter, Real("s", 5.0e-6, [0.0, 1e-2]), belt.damping, "Damping time of the element stack, in contact only"),
+        row!("belt.roughness", 1037, Parameter, Real("m", 1.0e-7, [1e-10, 1e-5]), belt.roughness, "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises"),
+        row!("belt.elementThickness", 1038, Parameter, Real("m", 1.5e-3, [1e-4, 0.1]), belt.element_thickness, "Thickness of an element"),
+        // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm below the rocking edge,
+        // because the body below the saddle is heavier than the head. All energy of turning lost is an upper bound; half of it is the estimate.
+        row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss"),
+        row!("belt.filmThickness", 1040, Parameter, Real("m", 1.5e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
+        row!("belt.filmDamping", 1057, Parameter, Real("N.s", 9.0, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
+        row!("belt.squeezeDamping", 1085, Parameter, Real("N.s", 750.0, [0.0, 1e5]), belt.squeeze_damping, "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3"),
+        row!("belt.suction", 1087, Parameter, Real("N", 19.0, [1e-3, 1e3]), belt.suction, "Largest suction between two elements, at which the oil cavitates: area of their faces times the pressure of the atmosphere"),
+        row!("ring.massPerLength", 1041, Parameter, Real("kg/m", 0.24, [1e-3, 1e3]), ring.mass_per_length, "Mass of the ring sets per length"),
+        row!("ring.axialStiffness", 1042, Parameter, Real("N", 5.57e6, [1e3, 1e13]), ring.axial_stiffness, "Axial stiffness EA of the ring sets"),
+        row!("ring.bendingStiffness", 1043, Parameter, Real("N.m2", 0.0159, [1e-6, 1e6]), ring.bending_stiffness, "Bending stiffness EI of the ring sets in the plane of the drive"),
+        row!("ring.lateralBendingStiffness", 1046, Parameter, Real("N.m2", 37.6, [1e-6, 1e9]), ring.lateral_bending_stiffness, "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial"),
+        row!("ring.spatial", 1047, Parameter, Switch(false), spatial, "True: the ring also deflects out of the plane of the drive, as between misaligned pulleys. Requires ring.model = ALE"),
+        row!("ring.damping", 1044, Parameter, Real("s", 2.0e-5, [0.0, 1e-2]), ring.damping, "Kelvin-Voigt damping time of the axial strain"),
+        // Two sets of nine layers carry half the tension each, which is equivalent to one set that carries all.
+        row!("ring.layers", 1049, Parameter, Count(9, [1, 100]), layers.count, "Layers of each ring set, which slip on each other at ratios other than 1"),
+        row!("ring.layerThickness", 1050, Parameter, Real("m", 1.85e-4, [0.0, 0.01]), layers.thickness, "Thickness of a layer of the ring sets"),
+        row!("ring.layerWidth", 1060, Parameter, Real("m", 9.0e-3, [1e-4, 1.0]), layers.width, "Width of a layer of the ring sets, for its stress only"),
+        // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may leave another one.
+        row!("ring.residualCurvature", 1064, Parameter, Real("1/m", 8.94, [-1e3, 1e3]), layers.residual_curvature, "Curvature of a layer that is free of stress: it shifts the mean stress of bending, and nothing else"),
+        row!("friction.pulley", 1051, Tunable, Real("1", 0.09, [0.0, 1.0]), friction.pulley, "Friction coefficient between element and sheave; must be below tan(geometry.wedgeAngle)"),
+        row!("friction.ring", 1052, Tunable, Real("1", 0.05, [0.0, 1.0]), friction.ring, "Friction coefficient between ring and element"),
+        row!("friction.fall", 1054, Parameter, Real("1", 0.06, [0.0, 0.9]), friction.fall, "Relative decrease of friction.pulley in fast sliding: mu(v) = friction.pulley (1 - fall v^2/(v^2 + fallSpeed^2)); 0: Coulomb's law"),
+        row!("friction.fallSpeed", 1055, Parameter, Real("m/s", 0.5, [1e-3, 1e3]), friction.fall_speed, "Sliding speed at which half of friction.fall is reached"),
+        row!("friction.velocity", 1053, Parameter, Real("m/s", 5.0e-4, [1e-6, 0.1]), friction.velocity, "Regularisation velocity of the friction between element and sheave; at most 1e-3 for accurate micro-slip"),
+        row!("friction.ringVelocity", 1059, Parameter, Real("m/s", 2.0e-3, [1e-6, 0.1]), friction.ring_velocity, "Regularisation velocity of the friction between ring and element"),
+        // An engineering value, oiled steel on steel, as between ring and elements.
+        row!("friction.layers", 1056, Parameter, Real("1", 0.05, [0.0, 1.0]), layers.friction, "Friction coefficient between the layers of the ring sets"),
+        row!("contact.stiffness", 1061, Parameter, Real("N/m2", 6.0e10, [1e6, 1e15]), contact.stiffness, "Contact stiffness per flank and pitch-line length"),
+        row!("contact.roughness", 1063, Parameter, Real("m", 1.0e-7, [1e-10, 1e-5]), contact.roughness, "Roughness of flank and sheave: distance over which the contact force rises"),
+        // With 1e-6, waves of 2.6 kHz grow where the belt enters an arc on the default mesh, but not on twice the elements.
+        row!("contact.damping", 1062, Parameter, Real("s", 3.0e-6, [0.0, 1e-2]), contact.damping, "Damping time of the contact between flank and sheave"),
+        row!("mesh.primaryArc", 1071, Parameter, Count(16, [2, 200]), mesh.primary_arc, "Ring elements on the primary arc"),
+        row!("mesh.secondaryArc", 1072, Parameter, Count(16, [2, 200]), mesh.secondary_arc, "Ring elements on the secondary arc, an even number"),
+        row!("mesh.strand", 1073, Parameter, Count(10, [1, 200]), mesh.strand, "Ring elements on each strand"),
+        row!("mesh.cellsPerElement", 1074, Parameter, Count(2, [1, 16]), mesh.cells_per_element, "Cells of the element chain in each ring element; with ring.model = ALE0 always one"),
+        row!("solver.mode", 1084, Parameter, Choice(Mode::Accurate), solver.mode, "Accurate steps with error control, or bounded work in each millisecond for real time"),
+        row!("solver.effort", 1086, Parameter, Count(4, [1, 16]), solver.effort, "With solver.mode = RealTime: bound of the work of each millisecond, 15.5 times as much as a residual with its correction takes. Less takes less time; more is accurate under loads that jump"),
+        row!("solver.tolerance", 1081, Parameter, Real("1", 1.0e-4, [1e-10, 1e-1]), solver.tolerance, "Relative tolerance of the error control. At its default the tolerance of the experiment is used instead, if there is one. A coarser tolerance is faster under loads that jump, not under smooth loads, where steps are as long as the communication steps. Output derivatives of forces and losses need 1e-6"),
+        row!("solver.maxStep", 1082, Parameter, Real("s", 1.0e-2, [1e-6, 10.0]), solver.max_step, "Longest internal step; with solver.mode = RealTime steps are 0.2 ms or shorter"),
+        row!("inputs.ramp", 1083, Parameter, Real("s", 1.0e-3, [-1.0, 10.0]), solver.input_ramp, "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead"),
+    ];
+}
+
+impl AsRef<Self> for Parameters {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl AsMut<Self> for Parameters {
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
+}
+
+impl AsRef<Self> for Inputs {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl AsMut<Self> for Inputs {
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
+}
