@@ -2,7 +2,7 @@
 
 - `variator`: a variator over time (`input_table`, `recording`) and its steady states (`points`); `linear`: linear models;
   `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors.
-- `fmu`: the FMU call by call, published data, geometry, load cases, results. `rig`, `tables`: tables of rigs and of programs.
+- `fmu`: the FMU call by call, published data, geometry, load cases, results. `tables`: tables of rigs and of programs.
 - `report`: common parts of the reports.
 - `cli`: the command `pushbelt` and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """

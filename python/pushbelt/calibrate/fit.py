@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -282,4 +282,5 @@ def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> Undetermi
     correlations = spread.correlations[worst] * (np.arange(len(names)) != worst)
     nearest = int(np.argmax(np.abs(correlations)))
     near = abs(correlations[nearest]) >= PARTNER
-    return Undetermined(float(spread.halves[worst]), names[nearest] if near else None, float(correlations[nearest]) if near else 0.0)
+    half = float(spread.halves[worst])
+    return Undetermined(half, names[nearest], float(correlations[nearest])) if near else Undetermined(half, None, 0.0)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..errors import PushbeltError
 
 MOST = 0.5
-"""Share of a column's values with a fault above which the whole column has it; below, their rows are left out."""
+"""Share of a column's values with a fault from which the whole column has it; below, their rows are left out."""
 SHOWN = 12
 """Largest number of faults that an error lists in full."""
 
@@ -43,8 +43,8 @@ class TableError(PushbeltError, ValueError):
 
 
 def of_the_column(faults: Sequence[Fault], good: int, hint: str = "") -> list[Fault]:
-    """The first of the faults of a column for all of them, if most of its values have one."""
-    if len(faults) <= MOST * (len(faults) + good):
+    """The first of the faults of a column for all of them, if at least half of its values have one."""
+    if not faults or len(faults) < MOST * (len(faults) + good):
         return []
     more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
     return [faults[0]._replace(text=faults[0].text + more + hint)]

@@ -205,7 +205,7 @@ def _sheet(values: Any, formulas: Any) -> Cells | None:
     """The cells of a sheet; None without any. Empty rows and remarks are left out."""
     import pandas as pd
 
-    rows = [list(map(_cell, *pair)) for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=True)]
+    rows = [list(map(_cell, *pair)) for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)]
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in rows]
     keep = [line for line, row in enumerate(texts, 1) if row and (len(row) > 3 or not is_remark(row[0]))]
     if not keep:

@@ -251,8 +251,8 @@ class _Points:
     def _drop(self, name: str, wrong: Mapping[int, str], title: str) -> None:
         """Rows with a wrong value of a computed column: left out, or a fault of the column if most are wrong."""
         faults = [Fault(text, int(self.sheet.lines[row]), title) for row, text in wrong.items()]
-        if column_has := of_the_column(faults, int(np.isfinite(self.values[name]).sum()) - len(faults)):
-            self.sheet.faults += column_has
+        if len(faults) > MOST * np.isfinite(self.values[name]).sum():
+            self.sheet.faults += of_the_column(faults, 0)
         else:
             self.sheet.left_out += faults
             self.lost.update(wrong)
