@@ -1,7 +1,7 @@
 //! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs, linear models.
 //!
 //! Each module uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`, `assembly`, `pulleys`,
-//! `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and [`linear`].
+//! `system`, `diagnostics`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and [`linear`].
 
 #![forbid(unsafe_code)]
 
@@ -10,6 +10,8 @@ pub(crate) mod belt;
 pub mod belt_ring;
 #[doc(hidden)]
 pub mod cell;
+#[doc(hidden)]
+pub mod diagnostics;
 pub(crate) mod law;
 pub mod linear;
 #[doc(hidden)]
@@ -21,8 +23,6 @@ pub mod run;
 pub mod settings;
 #[doc(hidden)]
 pub mod steady;
-#[doc(hidden)]
-pub mod survey;
 #[doc(hidden)]
 pub mod system;
 #[cfg(test)]

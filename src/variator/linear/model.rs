@@ -4,6 +4,8 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 
 use crate::solver::{State, System};
+use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
+use crate::variator::diagnostics::observe::{Context, Observer};
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
 use crate::variator::linear::modes::{SlowModes, slow_modes};
@@ -11,8 +13,6 @@ use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
-use crate::variator::survey::belt_survey::{BeltSums, Survey};
-use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 
 /// Fraction of the cut-off at which the static gain is evaluated. It is not 0, because of the neutral modes.
@@ -235,18 +235,18 @@ fn derivatives_along(
             state.y_dot[i] += step * direction.y_dot[i];
             state.q[i] += step * direction.q[i];
         }
-        let survey = Survey::of(system, state.view());
+        let diagnostics = BeltDiagnostics::of(system, state.view());
         let mut boundary = system.boundary(TIME);
         if let Some(load) = direction.load {
             load.change(step, system, &mut boundary);
         }
         let BeltSums {
             shaft_torque, axial, ..
-        } = survey.sums;
+        } = diagnostics.sums;
         let external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
         let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();
-        Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
+        Observer::default().observe(system, state.view(), &diagnostics, &context, &mut outputs);
         outputs
     };
     let (after, before) = (beside(step), beside(-step));

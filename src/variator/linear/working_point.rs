@@ -3,12 +3,12 @@
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
+use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::run::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::settings::validation::ParameterError;
-use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// Time at which the loads are evaluated, s. They do not change.
@@ -117,7 +117,7 @@ fn refuse_change(rate: f64) -> Result<(), LinearError> {
 fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
     let parameters = system.parameters.clone();
-    let sums = Survey::of(system, state.view()).sums;
+    let sums = BeltDiagnostics::of(system, state.view()).sums;
     let mut boundary = system.boundary(TIME);
     for (j, pulley, values) in [
         (Pulley::Primary, &parameters.primary, &mut held.primary),

@@ -2,13 +2,13 @@
 
 use crate::pulley::Pulley;
 use crate::solver::sdirk::Stalled;
+use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::run::inputs::InputProfile;
 use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::{SHARPENING, SoftStart};
 use crate::variator::run::stepper::{Accurate, COLD_STEP, Stepper};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::Inputs;
-use crate::variator::survey::belt_survey::NO_FORCE;
 
 /// Time in which a belt that is clamped at a standstill settles, s, and the tolerance of the steps: only the end counts.
 const SETTLING: f64 = 0.2;

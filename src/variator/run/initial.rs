@@ -6,6 +6,8 @@ use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::solver::newton::{Counts, Newton, WorkBound};
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::diagnostics::belt::{BeltDiagnostics, NO_FORCE};
+use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::at_rest::Unsettled;
 use crate::variator::run::no_steady_state::NoSteadyState;
@@ -19,8 +21,6 @@ use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
 use crate::variator::steady::solve::{self, SteadyTask};
 use crate::variator::steady::start::{Start, kinematic_state};
-use crate::variator::survey::belt_survey::{NO_FORCE, Survey};
-use crate::variator::survey::observe::macro_slip;
 use std::sync::Arc;
 
 /// Most Newton solves for a steady state.
@@ -245,7 +245,9 @@ impl StartSearch<'_> {
             inputs: self.inputs,
         }
         .solve_steady();
-        let belt = Survey::of(&creeping.system, creeping.state.view()).sums.shaft_torque;
+        let belt = BeltDiagnostics::of(&creeping.system, creeping.state.view())
+            .sums
+            .shaft_torque;
         self.plant.take_start(creeping);
         let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;
         if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {
@@ -424,7 +426,7 @@ impl StartSearch<'_> {
         };
         if free {
             let Plant { system, state, .. } = &*self.plant;
-            let axial = Survey::of(system, state.view()).sums.axial.primary;
+            let axial = BeltDiagnostics::of(system, state.view()).sums.axial.primary;
             let closing = task.clamping.primary + system.pulleys().push(Pulley::Primary, state.view());
             self.log(
                 false,
@@ -521,7 +523,7 @@ impl StartSearch<'_> {
         macro_slip(
             &self.plant.system,
             view,
-            &Survey::of(&self.plant.system, view).sums,
+            &BeltDiagnostics::of(&self.plant.system, view).sums,
             false,
         )
     }

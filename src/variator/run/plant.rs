@@ -4,13 +4,13 @@ use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::diagnostics::energy_balance::{EnergyBalance, Running};
+use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{LinearInputs, Loads};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
-use crate::variator::survey::energy_balance::{EnergyBalance, Running};
-use crate::variator::survey::observe::macro_slip;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 

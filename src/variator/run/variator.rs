@@ -5,6 +5,9 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
+use crate::variator::diagnostics::energy_balance::EnergyBalance;
+use crate::variator::diagnostics::observe::{Context, Observer};
 use crate::variator::pulleys::loads::LinearInputs;
 use crate::variator::pulleys::rows::External;
 use crate::variator::run::checkpoint::Checkpoint;
@@ -19,9 +22,6 @@ use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::steady::solve::geometric_ratio;
-use crate::variator::survey::belt_survey::{BeltSums, Survey};
-use crate::variator::survey::energy_balance::EnergyBalance;
-use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -260,14 +260,14 @@ impl Variator {
                 state.y_dot[i] += after * self.stepper.slope_rate(i);
             }
             let boundary = system.boundary(time + after);
-            let survey = Survey::of(system, state.view());
+            let diagnostics = BeltDiagnostics::of(system, state.view());
             let BeltSums {
                 shaft_torque, axial, ..
-            } = survey.sums;
+            } = diagnostics.sums;
             let context = self.context(system.pulleys().external(&boundary, state.view(), shaft_torque, axial));
             let mut outputs = Box::<Outputs>::default();
             self.observer
-                .observe(system, state.view(), &survey, &context, &mut outputs);
+                .observe(system, state.view(), &diagnostics, &context, &mut outputs);
             outputs
         });
         Moment {
@@ -424,16 +424,18 @@ impl Variator {
         let Plant {
             system, energy, state, ..
         } = &self.plant;
-        let survey = &energy.last;
+        let diagnostics = &energy.last;
         if self.stale {
             let context = self.context(self.external);
             let outputs = &mut self.readings.outputs;
-            self.observer.observe(system, state.view(), survey, &context, outputs);
+            self.observer
+                .observe(system, state.view(), diagnostics, &context, outputs);
             (self.stale, self.profile_stale) = (false, true);
         }
         if profile && self.profile_stale {
             let profile = &mut self.readings.profile;
-            self.observer.profile(&system.belt, state.view(), &survey.sums, profile);
+            self.observer
+                .profile(&system.belt, state.view(), &diagnostics.sums, profile);
             self.profile_stale = false;
         }
         &self.readings

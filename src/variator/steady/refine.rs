@@ -8,9 +8,9 @@ use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
 use crate::variator::belt::Belt;
+use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
-use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 use nalgebra::Vector3;
 
@@ -193,11 +193,11 @@ pub fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, s
 
 /// A value for each cell from its pitch length, m, and its density.
 fn per_cell(system: &VariatorSystem, state: &State, figure: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let (mesh, survey) = (&system.belt.mesh, Survey::of(system, state.view()));
+    let (mesh, diagnostics) = (&system.belt.mesh, BeltDiagnostics::of(system, state.view()));
     mesh.cells
         .iter()
         .map(|cell| {
-            let sample = |station| survey.sample(mesh, cell, station);
+            let sample = |station| diagnostics.sample(mesh, cell, station);
             let length = (0..mesh.points).map(sample).map(|s| s.lambda * s.weight).sum();
             figure(length, sample(0).density)
         })

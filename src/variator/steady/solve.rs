@@ -10,11 +10,11 @@ use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::belt::Belt;
+use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
-use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// A steady state to find.
@@ -317,11 +317,13 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
 
 /// Force of clamp and pressure on a pulley that would hold its sheave where it is, N.
 pub(crate) fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
-    let axial = Survey::of(system, view).sums.axial[pulley];
+    let axial = BeltDiagnostics::of(system, view).sums.axial[pulley];
     system.pulleys().holding_force(pulley, view, axial)
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
 pub(crate) fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
-    Survey::of(system, view).sums.geometric_ratio(&system.belt, view)
+    BeltDiagnostics::of(system, view)
+        .sums
+        .geometric_ratio(&system.belt, view)
 }

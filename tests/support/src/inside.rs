@@ -5,10 +5,10 @@ use pushbelt::pulley::PerPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System, View};
 use pushbelt::variator::cell::sample::Sample;
+use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::mesh::layout::Layout;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Parameters;
-use pushbelt::variator::survey::belt_survey::Survey;
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::steady::Steady;
@@ -47,7 +47,7 @@ pub fn sliding(variator: &Variator) -> PerPulley<Sliding> {
 /// Axial force of the belt on the primary sheave over that on the secondary one.
 #[must_use]
 pub fn thrust_ratio(system: &VariatorSystem, state: &State) -> f64 {
-    let axial = Survey::of(system, state.view()).sums.axial;
+    let axial = BeltDiagnostics::of(system, state.view()).sums.axial;
     axial.primary / axial.secondary
 }
 
@@ -55,8 +55,11 @@ pub fn thrust_ratio(system: &VariatorSystem, state: &State) -> f64 {
 #[must_use]
 pub fn stations(variator: &Variator, state: &State) -> Vec<Sample> {
     let system = variator.system();
-    let survey = Survey::of(system, state.view());
-    survey.stations(&system.belt.mesh).map(|(_, sample)| sample).collect()
+    let diagnostics = BeltDiagnostics::of(system, state.view());
+    diagnostics
+        .stations(&system.belt.mesh)
+        .map(|(_, sample)| sample)
+        .collect()
 }
 
 /// Indices of the overlay's unknowns in the state of a planar ring, with the order of the derivative: 0 for a deflection, 1

@@ -7,11 +7,11 @@ use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::cell::sample::Sample;
+use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
+use pushbelt::variator::diagnostics::observe::{Context, Observer};
 use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
-use pushbelt::variator::survey::belt_survey::Survey;
-use pushbelt::variator::survey::observe::{Context, Observer};
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::load_cases::{LoadCase, ratio, speeds};
@@ -48,8 +48,8 @@ impl Steady {
     /// Every station around the loop.
     pub fn stations(&self) -> Vec<At> {
         let mesh = &self.system.belt.mesh;
-        let survey = Survey::of(&self.system, self.state.view());
-        survey
+        let diagnostics = BeltDiagnostics::of(&self.system, self.state.view());
+        diagnostics
             .stations(mesh)
             .map(|(cell, sample)| At {
                 segment: mesh.elements[cell.element].segment,
@@ -61,7 +61,7 @@ impl Steady {
 
     /// External torques that hold the state, N·m.
     pub fn external_torques(&self) -> PerPulley<f64> {
-        let sums = Survey::of(&self.system, self.state.view()).sums;
+        let sums = BeltDiagnostics::of(&self.system, self.state.view()).sums;
         sums.shaft_torque.map(|torque| -torque)
     }
 
@@ -115,8 +115,8 @@ pub fn steady_with(
     }
     let context = Context::of_steady_state(PerPulley::default());
     let mut outputs = Outputs::default();
-    let survey = Survey::of(&system, state.view());
-    Observer::default().observe(&system, state.view(), &survey, &context, &mut outputs);
+    let diagnostics = BeltDiagnostics::of(&system, state.view());
+    Observer::default().observe(&system, state.view(), &diagnostics, &context, &mut outputs);
     Steady {
         system,
         state,

@@ -7,13 +7,13 @@ use crate::ring::stress::{RingMotion, RingPart, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
+use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sliding};
+use crate::variator::diagnostics::idle_arc::idle_arcs;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
 use crate::variator::pulleys::rows::External;
 use crate::variator::settings::signals::{
     Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, RingStress, StartState, Work,
 };
-use crate::variator::survey::belt_survey::{BeltSums, NO_FORCE, Sliding, Survey};
-use crate::variator::survey::idle_arc::idle_arcs;
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -69,21 +69,21 @@ impl Context {
 }
 
 impl Observer {
-    /// Fills `out` from the state and the survey of the belt there.
+    /// Fills `out` from the state and the diagnostics of the belt there.
     pub fn observe(
         &mut self,
         system: &VariatorSystem,
         view: View<'_>,
-        survey: &Survey,
+        diagnostics: &BeltDiagnostics,
         context: &Context,
         out: &mut Outputs,
     ) {
-        let sums = &survey.sums;
+        let sums = &diagnostics.sums;
         let belt = &*system.belt;
         let radii = sums.mean_radii(belt, view);
         self.stations.clear();
         self.stations
-            .extend(survey.stations(&belt.mesh).map(|(_, sample)| sample));
+            .extend(diagnostics.stations(&belt.mesh).map(|(_, sample)| sample));
         let stations = &self.stations;
         let idle = if belt.law.is_chain() {
             PerPulley::default()
@@ -125,7 +125,7 @@ impl Observer {
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
         out.ring_stress = self.ring_stress(belt, view, radii);
         lateral(belt, view, &self.stations, out);
-        out.stored_energy = survey.belt_energy(belt) + system.pulleys().energy(view);
+        out.stored_energy = diagnostics.belt_energy(belt) + system.pulleys().energy(view);
         out.start_state = context.start_state;
         out.work = context.work;
         out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);

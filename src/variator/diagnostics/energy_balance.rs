@@ -4,8 +4,8 @@ use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::{Evolution, Interval};
 use crate::solver::{System, View};
+use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::system::VariatorSystem;
 
 /// Energies since the start, J, and the belt at the end of the last accepted step.
@@ -18,7 +18,7 @@ pub struct EnergyBalance {
     /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
     pub moved: f64,
     /// The belt at the end of the last step.
-    pub last: Survey,
+    pub last: BeltDiagnostics,
 }
 
 /// A system that runs, with its energy balance.
@@ -203,7 +203,7 @@ impl EnergyBalance {
     #[must_use]
     pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {
         Self {
-            last: Survey::of(system, view),
+            last: BeltDiagnostics::of(system, view),
             ..Self::default()
         }
     }

@@ -17,7 +17,7 @@ pub(crate) const NO_FORCE: f64 = 1.0;
 
 /// The belt at one state.
 #[derive(Clone, Debug, Default)]
-pub struct Survey {
+pub struct BeltDiagnostics {
     /// Samples of the stations of each [`Group`] of cells.
     samples: Vec<Sample<Lanes>>,
     /// Sums over the stations.
@@ -26,7 +26,7 @@ pub struct Survey {
     ring_energy: f64,
 }
 
-impl Survey {
+impl BeltDiagnostics {
     /// The sample of a station of a cell.
     #[inline(always)]
     #[must_use]
@@ -168,16 +168,16 @@ impl BeltSums<Lanes> {
     }
 }
 
-impl Survey {
-    /// The survey at a state. Allocates.
+impl BeltDiagnostics {
+    /// The diagnostics of a state. Allocates.
     #[must_use]
     pub fn of(system: &VariatorSystem, view: View<'_>) -> Self {
-        let mut survey = Self::default();
-        survey.update(system, view);
-        survey
+        let mut diagnostics = Self::default();
+        diagnostics.update(system, view);
+        diagnostics
     }
 
-    /// Surveys the belt at a state, in the memory of this survey.
+    /// Evaluates the belt at a state, in the memory of these diagnostics.
     pub fn update(&mut self, system: &VariatorSystem, view: View<'_>) {
         system.sample(view, &mut self.samples);
         let mut sums = BeltSums::empty();
