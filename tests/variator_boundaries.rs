@@ -396,7 +396,7 @@ fn a_push_strand_in_net_compression_gives_a_warning() {
         );
         // Not again within a second.
         run.inputs = inputs((40.0, 11e3), (-39.0, 9e3));
-        run.go(0.02, 1e-3);
+        run.go(0.025, 1e-3);
         assert!(strand_force(&run.variator) > 0.0);
         run.inputs = inputs((-150.0, 1e3), (150.0, 1e3));
         run.go(0.02, 1e-3);
