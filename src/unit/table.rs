@@ -23,7 +23,7 @@ use crate::variator::settings::{Outputs, Readings, StartState};
 
 use Causality::{Local, Output};
 
-/// Binds to a field of [`Outputs`](crate::variator::settings::Outputs).
+/// Binds to a field of [`Outputs`].
 macro_rules! read {
     ($($field:ident).+) => {
         Access::Reading(|readings| readings.as_ref().$($field).+)

@@ -24,6 +24,31 @@ fn the_variables_are_there() {
     assert_eq!(table.units.len(), 16);
 }
 
+/// The radii are pitch radii, and their quotient is the ratio. Between places of the table they err by less than a micrometre.
+#[test]
+fn radii_close_the_belt_and_meet_the_stops() {
+    let parameters = settings().parameters;
+    let radii = Radii::new(&parameters).expect("radii");
+    let [least, most] = radii.stops;
+    for (stop, [primary, secondary]) in [(least, [0.082, 0.03]), (most, [0.03, 0.082])] {
+        let found = radii.primary(stop);
+        let off = (found - primary).abs().min((stop.exp() * found - secondary).abs());
+        assert!(off < 1e-6, "{off:e}");
+    }
+    for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
+        let primary = radii.primary(ratio.ln());
+        let [p, s] = [primary, ratio * primary].map(|radius| radius + parameters.belt.pitch_offset);
+        let distance = parameters.geometry.center_distance;
+        let angle = ((p - s) / distance).acos();
+        let strand = (distance.powi(2) - (p - s).powi(2)).sqrt();
+        let length = 2.0 * (strand + p * (std::f64::consts::PI - angle) + s * angle);
+        assert!(
+            (length - parameters.geometry.belt_length).abs() < 6e-6,
+            "{ratio}: {length}"
+        );
+    }
+}
+
 /// The laws of settings.
 struct Bench {
     settings: Settings,
