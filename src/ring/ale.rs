@@ -16,9 +16,9 @@
 //! V is differentiated at fixed η, dξ = ξ_η dη included. The result contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. Two forms are implemented.
-//! They differ by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which quadrature integrates inexactly: [`add_inertia`] uses the force at each
-//! point, [`add_conservative_inertia`] conserves energy and drift momentum of the discrete ring exactly.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ, with the force at each point. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. A form that
+//! conserves energy and drift momentum of the discrete ring exactly differs by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which quadrature integrates
+//! inexactly; the paper's comparison has both.
 //!
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
 //! dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean over a cell of the mesh. Where a cubic
@@ -37,29 +37,6 @@ pub fn add_inertia<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>
     let force = point.acceleration() * T::from(ring.mass_per_length);
     load.position += force;
     load.drift += force.dot(&point.slope);
-}
-
-/// Adds inertia as d/dt ∂T/∂q̇ − ∂T/∂q with the transport w v integrated by parts onto δr':
-///
-/// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
-///
-/// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
-#[inline(always)]
-pub fn add_conservative_inertia<T: Real, const D: usize>(
-    ring: &Ring,
-    point: &RingPoint<T, D>,
-    growth: T,
-    theta_rate: T,
-    load: &mut LineLoad<T, D>,
-) {
-    let mass = ring.mass_per_length;
-    let velocity = point.velocity();
-    let local = point.r_ddot + point.slope * point.w_dot + point.slope_dot * point.w;
-    let force = (local + velocity * (growth * theta_rate)) * T::from(mass);
-    load.position += force;
-    load.drift += force.dot(&point.slope) + velocity.dot(&point.slope_dot) * mass;
-    load.slope -= velocity * (point.w * mass);
-    load.theta -= velocity.dot(&velocity) * growth * (0.5 * mass);
 }
 
 /// Bending measure κ_n, 1/m.

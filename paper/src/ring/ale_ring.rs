@@ -32,7 +32,7 @@ impl UnknownCount<14> for Deflection<3> {}
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// Conserves energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
+    /// Conserves energy and drift momentum of the discrete ring exactly (`add_conservative_inertia`).
     Conservative,
     /// The force of inertia at each point (`ale::add_inertia`).
     Pointwise,
@@ -411,7 +411,7 @@ where
                 Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
                 Inertia::Conservative => {
                     let rate = parts.reference.theta.rate;
-                    ale::add_conservative_inertia(&self.ring, &point, growth, rate, &mut load);
+                    add_conservative_inertia(&self.ring, &point, growth, rate, &mut load);
                 }
             }
             ale::add_elasticity(&self.ring, &point, growth, &mut load);
@@ -440,4 +440,27 @@ where
         });
         sum
     }
+}
+
+/// Adds inertia as d/dt ∂T/∂q̇ − ∂T/∂q with the transport w v integrated by parts onto δr':
+///
+/// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
+///
+/// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
+#[inline(always)]
+fn add_conservative_inertia<T: Real, const D: usize>(
+    ring: &Ring,
+    point: &RingPoint<T, D>,
+    growth: T,
+    theta_rate: T,
+    load: &mut LineLoad<T, D>,
+) {
+    let mass = ring.mass_per_length;
+    let velocity = point.velocity();
+    let local = point.r_ddot + point.slope * point.w_dot + point.slope_dot * point.w;
+    let force = (local + velocity * (growth * theta_rate)) * T::from(mass);
+    load.position += force;
+    load.drift += force.dot(&point.slope) + velocity.dot(&point.slope_dot) * mass;
+    load.slope -= velocity * (point.w * mass);
+    load.theta -= velocity.dot(&velocity) * growth * (0.5 * mass);
 }
