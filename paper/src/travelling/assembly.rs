@@ -9,7 +9,7 @@ use crate::solver::arrow::Arrow;
 use crate::travelling::evaluation::{
     Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
-use crate::travelling::order::Order;
+use crate::travelling::order::{Order, nodal};
 use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
@@ -63,7 +63,7 @@ impl<E: LagrangianElement> TravellingCells<E> {
         for element in 0..self.ring.elements() {
             let rows = self.ring.balance(&(), element, &values(layout, view, element));
             for (k, row) in rows[..NODAL].iter().enumerate() {
-                out[layout.nodal(element, k)] += row;
+                out[nodal(layout, element, k)] += row;
             }
         }
     }
@@ -74,7 +74,7 @@ impl<E: LagrangianElement> TravellingCells<E> {
             let seed = Tangent::<NODAL, f64>::seed;
             let motion = coordinates(layout, view, element, slopes, seed);
             let rows: [_; DIRECTIONS] = self.ring.balance(&(), element, &motion);
-            let at: [usize; NODAL] = std::array::from_fn(|k| layout.nodal(element, k));
+            let at: [usize; NODAL] = std::array::from_fn(|k| nodal(layout, element, k));
             for (&i, row) in at.iter().zip(&rows) {
                 for (&j, slope) in at.iter().zip(row.eps) {
                     out.add(i, j, slope);

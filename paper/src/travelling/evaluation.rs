@@ -7,6 +7,7 @@ use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::model::{Coordinates, NODAL, RingFormulation as _};
 use crate::scalar::{Real, Tangent};
 use crate::solver::View;
+use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
 use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Place, SLOTS, StationObserver, balance};
 use std::ops::Mul;
@@ -262,7 +263,7 @@ pub(super) fn coordinates<T: Real>(
                 acceleration: T::zero(),
             };
         }
-        let at = layout.nodal(element, k);
+        let at = nodal(layout, element, k);
         Motion {
             value: seed(view.q[at], k, beta),
             rate: seed(view.y[at], k, 1.0),

@@ -224,3 +224,10 @@ impl Order {
         self.order.extend(blocks * size..layout.len());
     }
 }
+
+/// Unknown `k` of a travelling element: those of its left node, then those of the next node.
+#[inline]
+pub(super) fn nodal(layout: &Layout, element: usize, k: usize) -> usize {
+    let block = layout.ring.per_node.max(1);
+    layout.node(element + k / block, k % block)
+}

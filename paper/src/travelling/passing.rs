@@ -21,7 +21,7 @@ use crate::ring::lagrangian::LagrangianElement;
 use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
-use crate::travelling::order::Travelling;
+use crate::travelling::order::{Travelling, nodal};
 use pushbelt::variator::belt_ring::{Action, Belt, CellBalance, CellRing, HOLD, Layout, RingDensity, SLOTS};
 use std::ops::Mul;
 
@@ -88,7 +88,7 @@ impl CellOver {
         let (layout, cell): (&Layout, usize) = (&belt.layout, self.cell);
         for (m, &element) in self.elements[..self.count].iter().enumerate() {
             for k in 0..NODAL {
-                self.at[NODAL * m + k] = layout.nodal(element, k);
+                self.at[NODAL * m + k] = nodal(layout, element, k);
             }
         }
         let pulley = belt.mesh.cells[cell].pulley;

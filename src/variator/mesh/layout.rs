@@ -132,14 +132,6 @@ impl Layout {
         2 * self.cells()
     }
 
-    /// Unknown `k` of a travelling element: those of its left node, then those of the next node.
-    #[inline]
-    #[must_use]
-    pub fn nodal(&self, element: usize, k: usize) -> usize {
-        let block = self.ring.per_node.max(1);
-        self.node(element + k / block, k % block)
-    }
-
     /// Unknowns that only fill the blocks of the matrix.
     #[must_use]
     pub fn free(&self) -> std::ops::Range<usize> {
