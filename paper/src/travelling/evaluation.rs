@@ -162,6 +162,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         );
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
+        let plane = law.planes[of_mesh.pulley];
         let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps())[of_mesh.pulley as usize];
         let place = Place {
             // Stations of the mesh have fractions of the segment.
@@ -169,7 +170,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             face: &of_mesh.face,
             stations: &of_mesh.stations,
             axis: law.axes[of_mesh.pulley],
-            plane: law.planes[of_mesh.pulley].constants(),
+            plane: [plane.side, plane.middle],
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
             layer_drag: drags.layers,
             spin: drags.spin,

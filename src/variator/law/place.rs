@@ -109,12 +109,6 @@ impl SheavePlane {
         })
     }
 
-    /// Side and middle, m, in all lanes.
-    #[must_use]
-    pub fn constants(&self) -> [f64; 2] {
-        [self.side, self.middle]
-    }
-
     /// Middle of the pulley at the closing `z` of the sheave, m.
     #[must_use]
     pub fn middle(&self, z: f64) -> f64 {
