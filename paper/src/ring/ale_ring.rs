@@ -32,7 +32,7 @@ impl UnknownCount<14> for Deflection<3> {}
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// Conserves energy and drift momentum of the discrete ring exactly ([`add_conservative_inertia`]).
+    /// Conserves energy and drift momentum of the discrete ring exactly (`add_conservative_inertia`).
     Conservative,
     /// The force of inertia at each point (`ale::add_inertia`).
     Pointwise,
