@@ -30,6 +30,7 @@ use pushbelt_support::steady::load_case_with;
 use pushbelt_support::variators::{inputs, variator};
 
 /// The ring between two nodes: that of `ALE` with the additional force of the law.
+#[derive(Clone)]
 struct StiffeningRing<'a, T: Real> {
     ale: Deflecting<'a, T>,
     /// EA c, N.

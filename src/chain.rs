@@ -49,7 +49,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::ring::kinematics::{RingPoint, RingVariation};
+use crate::ring::kinematics::RingPoint;
 use crate::scalar::{Real, smooth_plus, soft_plus_energy};
 use nalgebra::SVector;
 
@@ -198,135 +198,6 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     }
 }
 
-/// Derivatives of a [`ChainPoint`] in a direction that does not change the reference curve.
-#[derive(Clone, Copy, Debug)]
-pub struct ChainVariation<T: Real> {
-    /// δV.
-    pub speed: T,
-    /// δ(t̂·ṙ).
-    pub along: T,
-    /// δJ.
-    pub flow: T,
-    /// δ(|r'|/λ).
-    pub lead: T,
-    /// δc.
-    pub c: T,
-    /// δ(n̂·ṙ).
-    pub normal_speed: [T; 2],
-    /// δκ̂.
-    pub curvature: [T; 2],
-}
-
-impl<T: Real> ChainVariation<T> {
-    /// No variation.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let zero = T::zero();
-        Self {
-            speed: zero,
-            along: zero,
-            flow: zero,
-            lead: zero,
-            c: zero,
-            normal_speed: [zero; 2],
-            curvature: [zero; 2],
-        }
-    }
-
-    /// The variation where V alone varies, by `speed`.
-    #[inline(always)]
-    pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
-        Self {
-            speed,
-            flow: speed,
-            c: speed * chain.inverse_lambda,
-            ..Self::none()
-        }
-    }
-}
-
-/// Terms of [`ChainPoint::acceleration`] used by its variation.
-#[derive(Clone, Copy, Debug)]
-pub struct AccelerationTerms<T: Real> {
-    /// t̂·ṙ, m/s.
-    pub along: T,
-    /// n̂·(r')˙, 1/s.
-    pub slope_rate: [T; 2],
-    /// Ω, rad/s.
-    pub omega: [T; 2],
-}
-
-impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// Terms of the acceleration used by its variation.
-    #[inline(always)]
-    pub fn acceleration_terms(&self, point: &RingPoint<T, D>) -> AccelerationTerms<T> {
-        let (mut slope_rate, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
-        for k in 0..D - 1 {
-            slope_rate[k] = self.normals[k].dot(&point.slope_dot);
-            omega[k] = slope_rate[k] * point.inverse_stretch + self.c * self.curvature[k];
-        }
-        AccelerationTerms {
-            along: point.t.dot(&point.r_dot),
-            slope_rate,
-            omega,
-        }
-    }
-
-    /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
-    #[inline(always)]
-    pub fn vary(&self, point: &RingPoint<T, D>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
-        let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
-        for k in 0..D - 1 {
-            let (normal, varied) = (&self.normals[k], &by.normals[k]);
-            normal_speed[k] = varied.dot(&point.r_dot) + normal.dot(&by.r_dot);
-            curvature[k] = (varied.dot(&point.bend) + normal.dot(&by.bend) - self.curvature[k] * by.stretch)
-                * point.inverse_stretch;
-        }
-        let along = by.t.dot(&point.r_dot) + point.t.dot(&by.r_dot);
-        let flow = speed - along;
-        ChainVariation {
-            speed,
-            along,
-            flow,
-            lead: by.stretch * (-self.lead + 1.0) * self.inverse_lambda,
-            c: (flow - self.c * by.stretch) * self.inverse_lambda,
-            normal_speed,
-            curvature,
-        }
-    }
-
-    /// Variation of [`ChainPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
-    #[inline(always)]
-    pub fn vary_acceleration(
-        &self,
-        point: &RingPoint<T, D>,
-        terms: &AccelerationTerms<T>,
-        (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
-        speed_dot: T,
-        [speed_gradient, gradient]: [T; 2],
-    ) -> (T, [T; 2]) {
-        let c = self.c;
-        let mut along = speed_dot + chain.c * speed_gradient + c * gradient;
-        let mut across = [T::zero(); 2];
-        for (k, across) in across.iter_mut().enumerate().take(D - 1) {
-            let (normal, varied) = (&self.normals[k], &by.normals[k]);
-            let (slope_rate, omega) = (terms.slope_rate[k], terms.omega[k]);
-            let slope_rate_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let omega_by = (slope_rate_by - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
-                + chain.c * self.curvature[k]
-                + c * chain.curvature[k];
-            along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];
-            *across = varied.dot(&point.r_ddot)
-                + normal.dot(&by.r_ddot)
-                + chain.c * slope_rate
-                + c * slope_rate_by
-                + omega_by * (self.speed - terms.along)
-                + omega * (chain.speed - chain.along);
-        }
-        (along, across)
-    }
-}
-
 /// Push force of a cell, and its damping part.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<T> {
@@ -336,14 +207,13 @@ pub struct Push<T> {
     pub viscous: T,
 }
 
-impl<T: Real> Push<T> {
-    /// No force.
+impl<T: Copy> Push<T> {
+    /// Applies `f` to each.
     #[inline(always)]
-    pub fn none() -> Self {
-        let zero = T::zero();
-        Self {
-            force: zero,
-            viscous: zero,
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Push<U> {
+        Push {
+            force: f(self.force),
+            viscous: f(self.viscous),
         }
     }
 }

@@ -69,6 +69,23 @@ pub struct FlankMotion<T> {
 }
 
 impl<T: Real> FlankMotion<T> {
+    /// The motion with these arguments of [`flank_force`], in the order of the fields.
+    #[inline(always)]
+    pub fn of([penetration, closing, tangential, along_flank]: [T; 4]) -> Self {
+        Self {
+            penetration,
+            closing,
+            tangential,
+            along_flank,
+        }
+    }
+
+    /// The arguments of [`flank_force`].
+    #[inline(always)]
+    pub fn arguments(&self) -> [T; 4] {
+        [self.penetration, self.closing, self.tangential, self.along_flank]
+    }
+
     /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards it, and moves towards it
     /// at `speed`, m/s. For the other flank both have the opposite sign.
     #[inline(always)]
@@ -96,6 +113,32 @@ pub struct FlankForce<T> {
     pub along_flank: T,
     /// ⟨g⟩₊, m, to which the elastic part of p is proportional.
     pub depth: T,
+}
+
+impl<T: Real> FlankForce<T> {
+    /// Normal force, friction around and friction along the flank, all elastic.
+    #[inline(always)]
+    pub(crate) fn of([normal, tangential, along_flank]: [T; 3]) -> Self {
+        Self {
+            normal,
+            viscous: T::zero(),
+            tangential,
+            along_flank,
+            depth: T::zero(),
+        }
+    }
+
+    /// Applies `f` to each.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> FlankForce<U> {
+        FlankForce {
+            normal: f(self.normal),
+            viscous: f(self.viscous),
+            tangential: f(self.tangential),
+            along_flank: f(self.along_flank),
+            depth: f(self.depth),
+        }
+    }
 }
 
 /// Forces on an element whose flank has this `motion`; `cos_beta` = cos β.

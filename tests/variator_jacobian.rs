@@ -5,11 +5,11 @@ use std::sync::Arc;
 use pushbelt::reference_curve::{Displaced, TwoPulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_forward, guided_forward};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
-    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product,
+    TIME, WholeEquations, assert_derivatives_of_whole, assert_jacobian, assert_update_of_slopes, disturbed, product,
     small,
 };
 
@@ -22,17 +22,17 @@ fn spatial() -> Parameters {
 }
 
 #[test]
-fn hand_written_derivatives_are_those_of_forward_differentiation() {
-    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, error: DerivativeError| {
+fn derivatives_of_laws_and_kinematics_are_those_of_the_whole() {
+    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, whole: WholeEquations| {
         let mut parameters = parameters.clone();
         parameters.primary.tilt.stiffness = tilt;
-        assert_derivatives_by_hand(&parameters, &ring, error);
+        assert_derivatives_of_whole(&parameters, &ring, whole);
     };
-    let ale = deflecting_derivative_error::<2, TwoPulley>;
+    let ale = deflecting_forward::<2, TwoPulley>;
     of(&small(RingModel::Ale), Arc::new(Ale::<2>), 7e5, ale);
-    let in_space = deflecting_derivative_error::<3, TwoPulley>;
+    let in_space = deflecting_forward::<3, TwoPulley>;
     of(&spatial(), Arc::new(Ale::<3>), 7e5, in_space);
-    let ale0 = guided_derivative_error::<Displaced>;
+    let ale0 = guided_forward::<Displaced>;
     of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12, ale0);
 }
 

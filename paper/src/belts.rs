@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
     Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, deflecting_equations,
-    deflecting_forward, eulerian_equations, guided_equations, guided_forward,
+    deflecting_forward, forward_equations, guided_equations, guided_forward,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -134,7 +134,7 @@ impl<const D: usize> BeltRing for Rotated<D> {
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        eulerian_equations::<RotatingRing<D>, D, TwoPulley>(RotatingRing, belt)
+        forward_equations::<RotatingRing<D>, D, TwoPulley>(RotatingRing, belt)
     }
 
     fn directions(&self, belt: &Belt, frame: &TwoPulleyFrame<f64>, node: usize) -> Option<[Vector2<f64>; 2]> {

@@ -11,6 +11,7 @@ use pushbelt::variator::belt_ring::{
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
+#[derive(Clone)]
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
     ends: RotatedElement<T>,

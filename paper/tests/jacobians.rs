@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::System;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_forward, guided_forward};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_paper::belts::{Even, Rotated};
 use pushbelt_paper::reference_curve::{Displaced, TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 use pushbelt_support::disturbed::{
-    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
+    TIME, WholeEquations, assert_derivatives_of_whole, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
 };
 
 /// The small variator in the plane.
@@ -35,14 +35,14 @@ fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
 }
 
 #[test]
-fn analytic_derivatives_on_an_even_mesh_match_forward_differentiation() {
-    let errors: [DerivativeError; 2] = [
-        deflecting_derivative_error::<2, Unaligned<TwoPulley>>,
-        guided_derivative_error::<Unaligned<Displaced>>,
+fn derivatives_of_laws_and_kinematics_on_an_even_mesh_are_those_of_the_whole() {
+    let wholes: [WholeEquations; 2] = [
+        deflecting_forward::<2, Unaligned<TwoPulley>>,
+        guided_forward::<Unaligned<Displaced>>,
     ];
-    for ((mut parameters, ring), error) in even().into_iter().zip(errors) {
+    for ((mut parameters, ring), whole) in even().into_iter().zip(wholes) {
         parameters.primary.tilt.stiffness = 7e5;
-        assert_derivatives_by_hand(&parameters, &ring, error);
+        assert_derivatives_of_whole(&parameters, &ring, whole);
     }
 }
 

@@ -46,6 +46,26 @@ impl<T: Real> ReferencePoint<T> {
     }
 }
 
+impl<L: Real<Constant = L>> ReferencePoint<L> {
+    /// The point without derivatives.
+    #[inline(always)]
+    #[must_use]
+    pub fn constant<T: Real<Constant = L>>(&self) -> ReferencePoint<T> {
+        let vector = |v: &Vector2<L>| v.map(T::constant);
+        ReferencePoint {
+            r: vector(&self.r),
+            r_theta: vector(&self.r_theta),
+            r_theta2: vector(&self.r_theta2),
+            t: vector(&self.t),
+            n: vector(&self.n),
+            chi_theta: T::constant(self.chi_theta),
+            kappa: T::constant(self.kappa),
+            kappa_theta: T::constant(self.kappa_theta),
+            xi: self.xi.map(T::constant),
+        }
+    }
+}
+
 /// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentAngle<T> {

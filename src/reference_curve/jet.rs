@@ -26,6 +26,16 @@ impl<T: Real> Jet<T> {
         }
     }
 
+    /// Applies `f` to each.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Jet<U> {
+        Jet {
+            v: f(self.v),
+            d: f(self.d),
+            dd: f(self.dd),
+        }
+    }
+
     /// Lifts a third-order jet in Θ to the scalar `T` of Θ; `dtheta` = Θ − Re Θ carries the derivatives of Θ.
     #[inline(always)]
     pub fn lift(x: Dual3_64, dtheta: T) -> Self {

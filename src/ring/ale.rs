@@ -26,10 +26,9 @@
 //! runs through it, so damping with the pointwise γ' excites waves as short as an element (at 57 m/s they grew by a
 //! factor of four in a millisecond). The mean is second-order accurate and dissipative in every motion.
 
-use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
+use super::kinematics::{LineLoad, RingPoint, embed, in_plane};
 use super::parameters::Ring;
 use crate::scalar::Real;
-use nalgebra::Vector2;
 
 /// Adds inertia as the force m_r Dv/Dt against δv.
 #[inline(always)]
@@ -127,68 +126,4 @@ pub fn add_elasticity<T: Real, const D: usize>(
         - reference.kappa * chi_theta * reference.n.dot(&slope);
     load.theta += moment * kappa_theta + energy_density(ring, point) * growth;
     tension
-}
-
-/// Adds the variation of [`add_inertia`].
-#[inline(always)]
-pub fn vary_inertia<T: Real, const D: usize>(
-    ring: &Ring,
-    point: &RingPoint<T, D>,
-    by: &RingVariation<T, D>,
-    load: &mut LineLoad<T, D>,
-) {
-    let mass = T::from(ring.mass_per_length);
-    let w = point.w;
-    let force = (by.r_ddot
-        + by.slope * point.w_dot
-        + point.slope * by.w_dot
-        + by.slope_dot * (w * 2.0)
-        + point.slope_dot * (by.w * 2.0)
-        + by.bend * (w * w)
-        + point.bend * (w * by.w * 2.0))
-        * mass;
-    load.position += force;
-    load.drift += force.dot(&point.slope) + point.acceleration().dot(&by.slope) * mass;
-}
-
-/// Adds the variation of [`add_elasticity`]. Returns that of the ring tension, N.
-#[inline(always)]
-pub fn vary_elasticity<T: Real, const D: usize>(
-    ring: &Ring,
-    point: &RingPoint<T, D>,
-    by: &RingVariation<T, D>,
-    growth: T,
-    load: &mut LineLoad<T, D>,
-) -> T {
-    let reference = &point.reference;
-    let (t_ref, n_ref) = (&reference.t, &reference.n);
-    let (slope, bend) = (in_plane(&by.slope), in_plane(&by.bend));
-    let viscosity = ring.viscosity();
-    let kappa = curvature(point);
-    let kappa_by = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
-    let (moment, moment_by) = (kappa * ring.bending_stiffness, kappa_by * ring.bending_stiffness);
-    let (gradient, gradient_by) = (point.strain_gradient, by.strain_gradient);
-    let viscous = point.strain_rate() * viscosity;
-    let viscous_by =
-        (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + by.w * gradient + point.w * gradient_by) * viscosity;
-    let tension = point.strain() * ring.axial_stiffness + viscous;
-    let tension_by = by.stretch * ring.axial_stiffness + viscous_by;
-    load.slope += by.t * tension + point.t * tension_by - embed(t_ref * (moment_by * reference.kappa));
-    load.bend += embed(n_ref * moment_by);
-    let mut energy_by = point.strain() * by.stretch * ring.axial_stiffness + moment * kappa_by;
-    for i in 2..D {
-        let lateral = by.bend[i] * ring.lateral_bending_stiffness;
-        load.bend[i] += lateral;
-        energy_by += point.bend[i] * lateral;
-    }
-    load.drift += viscous_by * gradient + viscous * gradient_by;
-    let kappa_theta = |slope: &Vector2<T>, bend: &Vector2<T>, one: f64| {
-        -(reference.chi_theta * t_ref.dot(bend))
-            - reference.kappa_theta * (t_ref.dot(slope) - one)
-            - reference.kappa * reference.chi_theta * n_ref.dot(slope)
-    };
-    load.theta += moment_by * kappa_theta(&in_plane(&point.slope), &in_plane(&point.bend), 1.0)
-        + moment * kappa_theta(&slope, &bend, 0.0)
-        + energy_by * growth;
-    tension_by
 }

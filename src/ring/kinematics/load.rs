@@ -3,7 +3,6 @@
 use super::hermite::Hermite;
 use super::motion::{ElementMotion, Node};
 use super::point::RingPoint;
-use super::variation::RingVariation;
 use super::vectors::{embed, in_plane};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
@@ -94,26 +93,6 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
             }
         }
         self.theta += theta * weight;
-    }
-
-    /// Adds the variation of the force on Θ of [`ElementLoad::add`] where the point varies and the load does not.
-    #[inline(always)]
-    pub fn add_varied(
-        &mut self,
-        load: &LineLoad<T, D>,
-        variation: &RingVariation<T, D>,
-        element: &ElementMotion<T, D>,
-        weight: T,
-    ) {
-        let growth = element.length.d * element.length.v.recip();
-        self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
-    }
-
-    /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and
-    /// the loads do not.
-    #[inline(always)]
-    pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
-        self.d[2 * node + 1][k] * element.length.d * by
     }
 
     /// Conjugates of the nodal degrees of freedom, and the complete conjugate of Θ.

@@ -17,14 +17,12 @@
 //! | `hermite` | shape functions |
 //! | `motion` | motion of nodes, elements and the reference degrees of freedom |
 //! | `point` | the ring at a mesh point |
-//! | `variation` | the derivatives of a point in one direction |
 //! | `load` | forces at a point, and generalised forces of an element |
 
 mod hermite;
 mod load;
 mod motion;
 mod point;
-mod variation;
 mod vectors;
 
 pub use hermite::Hermite;
@@ -34,6 +32,5 @@ pub use load::LineLoad;
 pub use motion::{ElementMotion, Node};
 pub use motion::{Motion, ReferenceMotion};
 pub use point::RingPoint;
-pub use variation::RingVariation;
 pub use vectors::embed;
 pub use vectors::{in_plane, inward_normal};

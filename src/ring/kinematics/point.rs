@@ -114,6 +114,33 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         }
     }
 
+    /// The point, which does not vary, where the material moves through the mesh as `motion` says.
+    #[inline(always)]
+    pub fn constant<U: Real<Constant = T>>(&self, motion: &ReferenceMotion<U>) -> RingPoint<U, D>
+    where
+        T: Real<Constant = T>,
+    {
+        let vector = |v: &SVector<T, D>| v.map(U::constant);
+        let reference = self.reference.constant();
+        let (w, w_dot) = motion.material_speed(&reference.xi);
+        RingPoint {
+            reference,
+            r: vector(&self.r),
+            r_dot: vector(&self.r_dot),
+            r_ddot: vector(&self.r_ddot),
+            slope: vector(&self.slope),
+            slope_dot: vector(&self.slope_dot),
+            bend: vector(&self.bend),
+            stretch: U::constant(self.stretch),
+            inverse_stretch: U::constant(self.inverse_stretch),
+            t: vector(&self.t),
+            n: vector(&self.n),
+            w,
+            w_dot,
+            strain_gradient: U::constant(self.strain_gradient),
+        }
+    }
+
     /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
     #[inline(always)]
     pub fn normals(&self) -> [SVector<T, D>; 2] {

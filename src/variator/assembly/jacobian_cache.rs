@@ -12,6 +12,7 @@ use crate::variator::assembly::regime::{Regime, TangentScales};
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::belt::equations::ReusePolicy;
 use crate::variator::cell::directions::Directions;
+use crate::variator::cell::laws::LawTangents;
 
 /// Factor by which 1/(hγ) may have changed.
 const RESCALED: f64 = 1.5;
@@ -70,7 +71,8 @@ pub(crate) struct JacobianCache {
     /// The derivatives at the origin, direction by direction for each row: rows of the balance without that of the
     /// amount, then the resultant of the contact forces.
     pub block: Vec<Lanes>,
-    /// The laws' part, for a ring with analytic derivatives.
+    /// The tangents in them, and the laws' part; none where the laws are differentiated with the kinematics.
+    pub tangents: LawTangents,
     pub laws: Option<LawPart>,
 }
 
@@ -81,6 +83,7 @@ impl JacobianCache {
             origin: Origin::none(),
             laws_origin: Origin::none(),
             regime: Regime::zero(),
+            tangents: LawTangents::zero(),
             block: vec![Lanes::from(0.0); height::<K>() * K::COUNT],
             laws,
         }
@@ -92,11 +95,26 @@ impl JacobianCache {
         self.laws_origin.forget();
     }
 
-    /// The derivatives with the last evaluated tangents of the laws.
-    pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
+    /// The derivatives with the last evaluated tangents of the laws; `copy` is memory for them.
+    pub(crate) fn derivatives<'a, K: Directions>(
+        &'a self,
+        (work, copy): (&mut LawWork, &'a mut [Lanes]),
+    ) -> &'a [Lanes] {
         match &self.laws {
-            Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.regime.laws, &self.block, work),
+            Some(laws) if self.laws_origin.exists() => {
+                copy.copy_from_slice(&self.block);
+                laws.add_changes::<K>([&self.regime.laws, &self.tangents], copy, work);
+                copy
+            }
             _ => &self.block,
+        }
+    }
+
+    /// Adds the laws' part to the derivatives with frozen forces, which were just evaluated.
+    pub(crate) fn add_laws<K: Directions>(&mut self, work: &mut LawWork) {
+        if let Some(laws) = &self.laws {
+            self.tangents = self.regime.laws;
+            laws.add_changes::<K>([&self.tangents, &LawTangents::zero()], &mut self.block, work);
         }
     }
 

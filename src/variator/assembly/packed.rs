@@ -9,11 +9,10 @@ use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
-use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, Forward};
+use crate::variator::assembly::jacobian::{Frames, PackAt};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
-use crate::variator::assembly::law_part::LawWork;
+use crate::variator::assembly::law_part::{LawPart, LawWork, height};
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
@@ -27,9 +26,10 @@ use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`.
+/// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`. WHOLE: the laws are differentiated with the kinematics
+/// in every direction.
 #[derive(Clone, Debug)]
-pub(crate) struct PackedCells<K, const D: usize, C> {
+pub(crate) struct PackedCells<K, const D: usize, C, const WHOLE: bool = false> {
     pub(crate) packs: Vec<Pack>,
     /// Cached derivatives of each pack.
     pub(crate) caches: Vec<JacobianCache>,
@@ -43,17 +43,19 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     unknowns: Box<Unknowns<Lanes>>,
     globals: GlobalSlopes,
     work: LawWork,
+    block: Vec<Lanes>,
     kind: K,
     curve: PhantomData<C>,
 }
 
-impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
+impl<K: RingKind<D, C>, const D: usize, C: MeshCurve, const WHOLE: bool> PackedCells<K, D, C, WHOLE> {
     /// The cells of a belt.
     pub fn new(kind: K, belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
+        let laws = (!WHOLE).then(|| LawPart::new::<K, D>(belt.mesh.points));
         Self {
-            caches: vec![JacobianCache::new::<K>(K::law_part(belt.mesh.points)); packs.len()],
+            caches: vec![JacobianCache::new::<K>(laws); packs.len()],
             packs,
             differentiations: [0; 2],
             transports: Transports::new(cells),
@@ -61,21 +63,11 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             flux_entries: flux_entries::<K>(belt),
             unknowns: Box::new(Unknowns::zero()),
             globals: GlobalSlopes::new::<K>(),
-            work: LawWork::new::<K>(),
+            work: LawWork::new::<K, D>(belt.mesh.points),
+            block: vec![Lanes::zero(); height::<K>() * K::COUNT],
             kind,
             curve: PhantomData,
         }
-    }
-
-    fn derivative_error(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
-        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
-            let mut unknowns = Unknowns::zero();
-            InPlace { pack, view }.gather::<K>(&mut unknowns);
-            let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
-        };
-        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
 
     /// Adds the derivatives of the balance of the amounts. The fluxes do not depend on the pulleys.
@@ -105,7 +97,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
     }
 }
 
-impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
+impl<K: RingKind<D, C>, const D: usize, C: MeshCurve, const WHOLE: bool> Assembly for PackedCells<K, D, C, WHOLE> {
     fn boxed(&self) -> Box<dyn Assembly> {
         Box::new(self.clone())
     }
@@ -156,14 +148,21 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let frames = K::frames(&belt.curve, &belt.path(view), slopes);
+        let frames = Frames::<C>::new(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
-            let at = (&*self.unknowns, slopes);
-            let (b, update) = self.kind.update(acting, pack, &frames, at, policy, of_pack);
+            let at = PackAt {
+                acting,
+                kind: &self.kind,
+                pack,
+                frames: &frames,
+                unknowns: &self.unknowns,
+                slopes,
+            };
+            let (b, update) = at.update::<WHOLE, D>(policy, of_pack, &mut self.work);
             for (count, of) in self
                 .differentiations
                 .iter_mut()
@@ -171,7 +170,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             {
                 *count += u64::from(update == of);
             }
-            let block = cache.derivatives::<K>(&mut self.work);
+            let block = cache.derivatives::<K>((&mut self.work, &mut self.block));
             pack.add_derivatives(block, K::COUNT, out);
             let shared = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
             for (k, row) in shared.enumerate() {
@@ -215,10 +214,16 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             cache.forget();
             for (origin, policy) in origins.iter().zip([ReusePolicy::None, ReusePolicy::Geometry]) {
                 if origin.exists() {
-                    let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
-                    let at = (&origin.unknowns, origin.slopes);
-                    let of_pack = (&mut *cache, &mut *self.transport_slopes);
-                    self.kind.update(acting, pack, &frames, at, policy, of_pack);
+                    let path = path::<K>(&origin.unknowns);
+                    let at = PackAt {
+                        acting,
+                        kind: &self.kind,
+                        pack,
+                        frames: &Frames::<C>::new(&acting.belt.curve, &path, origin.slopes),
+                        unknowns: &origin.unknowns,
+                        slopes: origin.slopes,
+                    };
+                    at.update::<WHOLE, D>(policy, (&mut *cache, &mut *self.transport_slopes), &mut self.work);
                 }
             }
         }
@@ -238,53 +243,40 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
 /// Equations of a belt whose ring follows the curve `C` (`ALE0`).
 #[must_use]
 pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<GuidedRing, 2, C>::new(GuidedRing, belt))
+    eulerian_equations::<_, 2, C>(GuidedRing, belt)
 }
 
 /// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
 #[must_use]
 pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
+    eulerian_equations::<_, D, C>(DeflectingRing::<D>, belt)
 }
 
-/// [`guided_equations`] with derivatives of the kind of [`eulerian_equations`].
+/// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`.
+#[must_use]
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<K, D, C>::new(kind, belt))
+}
+
+/// [`guided_equations`] with derivatives of the kind of [`forward_equations`].
 #[doc(hidden)]
 #[must_use]
 pub fn guided_forward<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    eulerian_equations::<GuidedRing, 2, C>(GuidedRing, belt)
+    forward_equations::<_, 2, C>(GuidedRing, belt)
 }
 
-/// [`deflecting_equations`] with derivatives of the kind of [`eulerian_equations`].
+/// [`deflecting_equations`] with derivatives of the kind of [`forward_equations`].
 #[doc(hidden)]
 #[must_use]
 pub fn deflecting_forward<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    eulerian_equations::<DeflectingRing<D>, D, C>(DeflectingRing, belt)
+    forward_equations::<_, D, C>(DeflectingRing::<D>, belt)
 }
 
-/// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
-/// forward differentiation of the ring's functions.
-#[must_use]
-pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
-}
-
-/// Largest difference in a state between the analytic derivatives of [`guided_equations`] and forward differentiation,
-/// relative to the largest entry of its column.
+/// [`eulerian_equations`] whose laws are differentiated with the kinematics in every direction.
 #[doc(hidden)]
 #[must_use]
-pub fn guided_derivative_error<C: MeshCurve + DisplacedCurve>(acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-    PackedCells::<_, 2, C>::new(GuidedRing, acting.belt).derivative_error(acting, view, alpha)
-}
-
-/// The same for [`deflecting_equations`].
-#[doc(hidden)]
-#[must_use]
-pub fn deflecting_derivative_error<const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    view: View<'_>,
-    alpha: f64,
-) -> f64 {
-    PackedCells::<_, D, C>::new(DeflectingRing::<D>, acting.belt).derivative_error(acting, view, alpha)
+pub fn forward_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<K, D, C, true>::new(kind, belt))
 }
 
 /// Adds the loads of a pack on the pulleys.

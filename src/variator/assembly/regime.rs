@@ -2,8 +2,7 @@
 
 use crate::contact::Friction;
 use crate::scalar::{Lanes, Real};
-use crate::variator::cell::flank_variation::FlankTangents;
-use crate::variator::cell::laws::{LawTangents, STACK_ARGUMENTS, TangentRecorder};
+use crate::variator::cell::laws::{FlankTangents, LawTangents, STACK_ARGUMENTS};
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -111,13 +110,11 @@ impl Regime {
     #[inline(always)]
     pub fn has_laws_of(&self, earlier: &Self, scales: &TangentScales) -> bool {
         let (now, then) = (&self.laws, &earlier.laws);
-        let mut stations = now.stations.iter().zip(&then.stations);
+        let mut flanks = (now.flanks.as_flattened().iter()).zip(then.flanks.as_flattened());
+        let mut ring = now.ring.iter().zip(&then.ring);
         alike(scales.stack(&now.stack), scales.stack(&then.stack))
-            && stations.all(|(now, then)| {
-                let mut flanks = now.flanks.iter().zip(&then.flanks);
-                flanks.all(|(now, then)| alike(scales.flank(now), scales.flank(then)))
-                    && alike([now.ring[1] * scales.inertia], [then.ring[1] * scales.inertia])
-            })
+            && flanks.all(|(now, then)| alike(scales.flank(now), scales.flank(then)))
+            && ring.all(|(now, then)| alike([now[1] * scales.inertia], [then[1] * scales.inertia]))
     }
 
     /// Whether flow and curvature are those of the regime `earlier`, in which 1/(hγ) was smaller by the factor `ratio`.
@@ -142,7 +139,6 @@ pub(crate) struct RegimeObserver<'a> {
 impl<const D: usize> StationObserver<Lanes, D> for RegimeObserver<'_> {
     #[inline(always)]
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        TangentRecorder(&mut self.regime.laws).observe(at);
         self.regime.flows[at.index] = Flow {
             convection: at.station.chain.flow / (at.station.weight * self.alpha),
             curvature: at.station.ring.reference.kappa,

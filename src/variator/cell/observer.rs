@@ -23,8 +23,8 @@ pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub given: &'a CellInput<'a, T>,
     pub cell: &'a CellState<T>,
     pub push: &'a Push<T>,
-    /// The ring at the left face of the cell.
-    pub face: &'a RingPoint<T, D>,
+    /// The ring at the left face of the cell, if it was evaluated.
+    pub face: Option<&'a RingPoint<T, D>>,
     /// Number of the station in the cell.
     pub index: usize,
     pub station: &'a StationState<T, D>,
@@ -65,6 +65,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
             ring,
             ..
         } = *self;
+        let face = face.expect("samples have a face");
         let StationState {
             ring: point,
             chain,

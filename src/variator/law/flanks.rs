@@ -1,6 +1,6 @@
 //! Motion of a point of the belt relative to its pulley, and the loads of its two flanks.
 
-use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
+use crate::contact::{FlankForce, FlankMotion};
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
 use crate::variator::law::place::{CellLaw, PulleyMotion};
@@ -122,42 +122,31 @@ impl<T: Real> Approach<T> {
         }
     }
 
-    /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the plane both flanks have
-    /// the same loads; in space the element may be out of the middle. `plane` is
-    /// [`Place::plane`](crate::variator::law::place::Place::plane).
+    /// Loads of the two flanks of an element under these forces. In the plane both flanks have the same; in space the
+    /// element may be out of the middle, by `offset`. `side` is that of [`Place::plane`](crate::variator::law::place::Place::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
-        (law, friction): (&CellLaw, &Friction),
-        plane: [T::Constant; 2],
-        pulley: &PulleyMotion<T>,
-        (point, v_e): (&RingPoint<T, D>, &SVector<T, D>),
+        law: &CellLaw,
+        side: T::Constant,
+        (offset, motions): (T, [FlankMotion<T>; 2]),
+        forces: [FlankForce<T>; 2],
         lambda: T,
     ) -> BothFlanks<T> {
-        let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&law.contact, friction, law.wedge[1], flank);
-            (self.loads(law, lambda, flank, &force), force)
-        };
-        let (offset, motions) = self.flanks(law, plane, pulley, point, v_e);
-        let (movable, force) = one(&motions[0]);
-        if D == 2 {
-            return BothFlanks {
-                motions,
-                forces: [force; 2],
-                loads: movable.plus(&movable),
-                on_movable: movable.axial,
-                offset,
-                lateral: T::zero(),
-            };
-        }
-        let (fixed, other_force) = one(&motions[1]);
+        let of = |k: usize| self.loads(law, lambda, &motions[k], &forces[k]);
+        let movable = of(0);
+        let fixed = if D == 2 { movable } else { of(1) };
         BothFlanks {
             motions,
-            forces: [force, other_force],
+            forces,
             loads: movable.plus(&fixed),
             on_movable: movable.axial,
             offset,
-            lateral: (movable.axial - fixed.axial) * plane[0],
+            lateral: if D == 2 {
+                T::zero()
+            } else {
+                (movable.axial - fixed.axial) * side
+            },
         }
     }
 

@@ -204,6 +204,25 @@ pub struct CellBalance<T: Real> {
     pub transport: Transport<T>,
 }
 
+impl<T: Real> CellBalance<T> {
+    /// No force.
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        let zero = T::zero();
+        Self {
+            speed: [zero; 2],
+            axial: zero,
+            tilting: [zero; 2],
+            torque: zero,
+            resultant: [zero; 2],
+            transport: Transport {
+                flow: zero,
+                density: zero,
+            },
+        }
+    }
+}
+
 /// Place of cells on the belt: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
 pub struct Place<'a, T: Real> {
@@ -223,6 +242,23 @@ pub struct Place<'a, T: Real> {
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
     pub spin: T,
+}
+
+impl<'a, L: Real<Constant = L>> Place<'a, L> {
+    /// The place, which does not vary.
+    #[inline(always)]
+    pub(crate) fn constant<T: Real<Constant = L>>(&self) -> Place<'a, T> {
+        Place {
+            of_segment: self.of_segment,
+            face: self.face,
+            stations: self.stations,
+            axis: self.axis,
+            plane: self.plane,
+            length: self.length.map(T::constant),
+            layer_drag: T::constant(self.layer_drag),
+            spin: T::constant(self.spin),
+        }
+    }
 }
 
 impl<T: Real> Place<'_, T> {
@@ -246,10 +282,4 @@ impl<T: Real> Place<'_, T> {
 #[inline(always)]
 pub fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
-}
-
-/// Weight of a face in [`between`]: 0 the left one, 1 the right one.
-#[inline(always)]
-pub fn share<T: Real>(face: usize, right: T::Constant) -> T {
-    T::constant(if face == 0 { -right + 1.0 } else { right })
 }

@@ -1,16 +1,14 @@
 //! `ALE`: the ring deflects from the reference curve.
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
-use crate::ring::kinematics::{
-    ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
-};
+use crate::ring::kinematics::{ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
 use crate::variator::law::place::Place;
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
 
 /// `ALE`: the ring deflects from the reference curve, in D components.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     /// Parameters of the beam.
     pub ring: &'a Ring,
@@ -86,71 +84,4 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
             viscous: ale::dissipation_density(self.ring, point),
         }
     }
-}
-
-impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
-    type Sum = ElementLoad<T, D>;
-
-    const MOVES: bool = true;
-
-    #[inline(always)]
-    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
-        let shape = &self.place.slot(slot).shape;
-        let (node, k, is_slope) = node_direction::<D>(own);
-        let which = [2 * node + usize::from(is_slope), k];
-        RingVariation::of_node(point, shape, &self.element, self.motion, which, slopes)
-    }
-
-    #[inline(always)]
-    fn vary_own_load(
-        &self,
-        _slot: usize,
-        point: &RingPoint<T, D>,
-        by: &RingVariation<T, D>,
-        _own: Option<usize>,
-        load: &mut LineLoad<T, D>,
-    ) -> T {
-        ale::vary_inertia(self.ring, point, by, load);
-        ale::vary_elasticity(self.ring, point, by, self.growth, load)
-    }
-
-    #[inline(always)]
-    fn empty(&self) -> ElementLoad<T, D> {
-        ElementLoad::zero()
-    }
-
-    #[inline(always)]
-    fn apply_varied(
-        &self,
-        sum: &mut ElementLoad<T, D>,
-        slot: usize,
-        (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
-        own_load: &LineLoad<T, D>,
-        action: &Action<T, D>,
-    ) {
-        let shape = &self.place.slot(slot).shape;
-        sum.add(&action.load, point, shape, &self.element, action.weight);
-        sum.add_varied(own_load, by, &self.element, action.weight);
-    }
-
-    #[inline(always)]
-    fn varied_forces(&self, sum: &ElementLoad<T, D>, own: Option<usize>, beta: f64) -> RingForces<T, D> {
-        let (nodes, mut theta) = sum.nodes(&self.element);
-        if let Some((node, k, true)) = own.map(node_direction::<D>) {
-            theta += self.sum.slope_varied(node, k, beta, &self.element);
-        }
-        RingForces {
-            nodes,
-            tension: T::zero(),
-            drift: sum.s,
-            theta,
-            centres: [T::zero(); COORDINATES - 1],
-        }
-    }
-}
-
-/// Node and component of a direction of a ring that deflects, and whether it is the slope.
-#[inline(always)]
-fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
-    (own / (2 * D), own / 2 % D, own % 2 == 1)
 }

@@ -10,12 +10,12 @@
 //!
 //! [`Displaced`]: crate::reference_curve::Displaced
 
-use crate::reference_curve::{COORDINATES, DisplacedCurve, PointSlopes, ReferencePoint};
-use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
+use crate::reference_curve::{COORDINATES, DisplacedCurve, ReferencePoint};
+use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint};
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
-use crate::variator::law::place::{Place, between, share};
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::law::place::{Place, between};
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
 
 /// Place of the growth among the coordinates of the curve. Its row is the mean of the tension.
 const GROWTH: usize = COORDINATES - 1;
@@ -28,7 +28,16 @@ pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
     /// Frame and segment of the curve.
     curve: (&'a C::Frame<T>, usize),
     tension: [T; 2],
+    /// Whether its own energy acts.
+    has_energy: bool,
     sum: GuidedSum<T>,
+}
+
+impl<T: Real, C: DisplacedCurve> Clone for Guided<'_, T, C> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
 }
 
 /// Loads on a ring that follows the reference curve.
@@ -50,22 +59,6 @@ impl<T: Real> GuidedSum<T> {
             across: T::zero(),
         }
     }
-
-    #[inline(always)]
-    fn forces<const D: usize>(&self) -> RingForces<T, D> {
-        let still = Node {
-            a: zero_vector(),
-            b: zero_vector(),
-        };
-        let [theta, centres @ ..] = self.curve;
-        RingForces {
-            nodes: [still; 2],
-            tension: self.balance,
-            drift: self.across,
-            theta,
-            centres,
-        }
-    }
 }
 
 impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
@@ -83,6 +76,7 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
             motion,
             curve,
             tension,
+            has_energy: true,
             sum: GuidedSum {
                 balance: tension[0] - tension[1],
                 ..GuidedSum::empty()
@@ -96,44 +90,32 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
         let [_, strain] = C::growth(self.curve.0);
         strain.v * self.ring.axial_stiffness + strain.d * self.ring.viscosity()
     }
-
-    /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect to a coordinate of
-    /// the shape, N.
-    #[inline(always)]
-    fn add(
-        &self,
-        sum: &mut GuidedSum<T>,
-        slot: usize,
-        point: &RingPoint<T>,
-        action: &Action<T>,
-        own: impl Fn(&PointSlopes<T>) -> T,
-    ) {
-        let (frame, segment) = self.curve;
-        let Action { load, weight, .. } = action;
-        let by = C::slopes(frame, segment, self.place.fraction(slot), &point.reference);
-        let force = load.position;
-        let [theta, spread] = by
-            .shape
-            .each_ref()
-            .map(|by| force.dot(&by.r) - load.drift * by.xi + own(by));
-        for (sum, along) in sum
-            .curve
-            .iter_mut()
-            .zip([theta, spread, force.dot(&by.turn), force.x, force.y])
-        {
-            *sum += along * *weight;
-        }
-        let bearing = action.tension * point.reference.kappa * *weight;
-        sum.curve[GROWTH] += bearing;
-        sum.across += action.across * *weight - bearing;
-        sum.balance += action.along * *weight;
-    }
 }
 
 impl<T: Real, C: DisplacedCurve> EulerianRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn forces(&self) -> RingForces<T> {
-        self.sum.forces()
+        let still = Node {
+            a: zero_vector(),
+            b: zero_vector(),
+        };
+        let [theta, centres @ ..] = self.sum.curve;
+        RingForces {
+            nodes: [still; 2],
+            tension: self.sum.balance,
+            drift: self.sum.across,
+            theta,
+            centres,
+        }
+    }
+
+    #[inline(always)]
+    fn under_loads_alone(&self) -> Self {
+        Self {
+            has_energy: false,
+            sum: GuidedSum::empty(),
+            ..*self
+        }
     }
 }
 
@@ -151,15 +133,31 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
 
     #[inline(always)]
     fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        let kappa = point.reference.kappa;
-        let moment = kappa * self.ring.bending_stiffness;
+        let (frame, segment) = self.curve;
+        let Action { load, weight, .. } = action;
+        let by = C::slopes(frame, segment, self.place.fraction(slot), &point.reference);
+        let (force, kappa) = (load.position, point.reference.kappa);
+        let (moment, mean_tension) = if self.has_energy {
+            (kappa * self.ring.bending_stiffness, self.mean_tension())
+        } else {
+            (T::zero(), T::zero())
+        };
         let energy = moment * kappa * 0.5;
-        let mut sum = self.sum;
-        self.add(&mut sum, slot, point, action, |by| {
-            energy * by.growth + moment * by.kappa
-        });
-        sum.curve[GROWTH] -= kappa * self.mean_tension() * action.weight;
-        self.sum = sum;
+        let [theta, spread] = (by.shape.each_ref())
+            .map(|by| force.dot(&by.r) - load.drift * by.xi + (energy * by.growth + moment * by.kappa));
+        let sum = &mut self.sum;
+        for (sum, along) in sum
+            .curve
+            .iter_mut()
+            .zip([theta, spread, force.dot(&by.turn), force.x, force.y])
+        {
+            *sum += along * *weight;
+        }
+        let bearing = action.tension * kappa * *weight;
+        sum.curve[GROWTH] += bearing;
+        sum.across += action.across * *weight - bearing;
+        sum.balance += action.along * *weight;
+        sum.curve[GROWTH] -= kappa * mean_tension * *weight;
     }
 
     #[inline(always)]
@@ -171,59 +169,5 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
                 + ale::bending_energy_density(self.ring, point),
             viscous: strain.d * strain.d * self.ring.viscosity(),
         }
-    }
-}
-
-/// The unknowns of the ring are the tensions at the faces.
-impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
-    type Sum = GuidedSum<T>;
-
-    const MOVES: bool = false;
-
-    #[inline(always)]
-    fn vary(&self, _slot: usize, _point: &RingPoint<T>, _own: usize, _slopes: [f64; 2]) -> RingVariation<T> {
-        RingVariation::none()
-    }
-
-    #[inline(always)]
-    fn vary_own_load(
-        &self,
-        slot: usize,
-        point: &RingPoint<T>,
-        by: &RingVariation<T>,
-        own: Option<usize>,
-        load: &mut LineLoad<T>,
-    ) -> T {
-        ale::vary_inertia(self.ring, point, by, load);
-        let right = self.place.slot(slot).right;
-        own.map_or(T::zero(), |face| share(face, right))
-    }
-
-    #[inline(always)]
-    fn empty(&self) -> GuidedSum<T> {
-        GuidedSum::empty()
-    }
-
-    #[inline(always)]
-    fn apply_varied(
-        &self,
-        sum: &mut GuidedSum<T>,
-        slot: usize,
-        (point, _): (&RingPoint<T>, &RingVariation<T>),
-        _own_load: &LineLoad<T>,
-        action: &Action<T>,
-    ) {
-        self.add(sum, slot, point, action, |_| T::zero());
-    }
-
-    #[inline(always)]
-    fn varied_forces(&self, sum: &GuidedSum<T>, own: Option<usize>, _beta: f64) -> RingForces<T> {
-        let mut forces = sum.forces();
-        match own {
-            Some(0) => forces.tension += T::one(),
-            Some(_) => forces.tension -= T::one(),
-            None => {}
-        }
-        forces
     }
 }

@@ -3,7 +3,7 @@
 //! [`balance`](crate::variator::cell::balance) calls the four functions of [`CellRing`].
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
-use crate::ring::kinematics::{LineLoad, Node, RingPoint, RingVariation};
+use crate::ring::kinematics::{LineLoad, Node, RingPoint};
 use crate::scalar::Real;
 
 /// Loads at a station, per dξ.
@@ -49,49 +49,17 @@ pub trait CellRing<T: Real, const D: usize = 2> {
 }
 
 /// A ring on an Eulerian mesh, inside a cell.
-pub trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
+pub trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> + Clone {
     /// Generalised forces of the applied loads.
     fn forces(&self) -> RingForces<T, D>;
-}
 
-/// A ring with analytic derivatives in the directions that do not change the reference curve: its own unknowns and the
-/// drift.
-pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
-    /// Sums of varied loads.
-    type Sum;
-
-    /// Whether the ring moves with its own unknowns.
-    const MOVES: bool;
-
-    /// Variation of the ring at a slot with its own unknown `own`; `slopes` are the factors of acceleration and position.
-    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
-
-    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the ring's unknown that
-    /// varies, if any.
-    fn vary_own_load(
-        &self,
-        slot: usize,
-        point: &RingPoint<T, D>,
-        by: &RingVariation<T, D>,
-        own: Option<usize>,
-        load: &mut LineLoad<T, D>,
-    ) -> T;
-
-    /// The empty sum.
-    fn empty(&self) -> Self::Sum;
-
-    /// Applies the variation of the loads at a station with the ring's own load `own_load`.
-    fn apply_varied(
-        &self,
-        sum: &mut Self::Sum,
-        slot: usize,
-        at: (&RingPoint<T, D>, &RingVariation<T, D>),
-        own_load: &LineLoad<T, D>,
-        action: &Action<T, D>,
-    );
-
-    /// Variation of the generalised forces. If the ring moves, the loads of the cell must have been applied to it before.
-    fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
+    /// Of a ring without loads: the same, whose forces are linear in the loads. A ring that adds forces of its own in
+    /// [`CellRing::apply`] leaves them out.
+    #[inline(always)]
+    #[must_use]
+    fn under_loads_alone(&self) -> Self {
+        self.clone()
+    }
 }
 
 /// Generalised forces of a cell on an Eulerian ring (inertia − forces).

@@ -4,12 +4,13 @@
 use std::sync::Arc;
 
 use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::reference_curve::TwoPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::differences::compare;
-use pushbelt::solver::{State, System, View};
-use pushbelt::variator::belt_ring::{BeltRing, InForce, ReusePolicy};
+use pushbelt::solver::{State, System};
+use pushbelt::variator::belt_ring::{Assembly, Belt, BeltMesh, BeltRing, CellDivision, ReusePolicy, RingUnknowns};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
-use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 
@@ -111,17 +112,72 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     });
 }
 
-/// Largest difference between hand-written derivatives and forward differentiation in a state, with the factor α of rates.
-pub type DerivativeError = fn(InForce<'_>, View<'_>, f64) -> f64;
+/// Equations of a belt whose laws are differentiated with the kinematics in every direction.
+pub type WholeEquations = fn(&Belt) -> Box<dyn Assembly>;
 
-/// The hand-written derivatives are those of forward differentiation, to rounding.
+/// A ring with such equations.
+#[derive(Debug)]
+struct Whole(Arc<dyn BeltRing>, WholeEquations);
+
+impl BeltRing for Whole {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        self.0.cells(mesh)
+    }
+
+    fn is_aligned(&self) -> bool {
+        self.0.is_aligned()
+    }
+
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        self.0.unknowns(parameters, mesh, curve)
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        self.1(belt)
+    }
+}
+
+/// The columns of the Jacobian in a disturbed state.
+fn columns(parameters: &Parameters, ring: &Arc<dyn BeltRing>, speed: f64) -> Vec<Vec<f64>> {
+    let (mut system, state) = disturbed_with(parameters, Arc::clone(ring), speed);
+    let mut matrix = Arrow::new(system.shape());
+    system.jacobian(TIME, state.view(), 1.0e4, 1.0e-4, &mut matrix);
+    let (n, mut unit) = (state.y.len(), vec![0.0; state.y.len()]);
+    let column = |k: usize| {
+        let mut column = vec![0.0; n];
+        unit[k] = 1.0;
+        matrix.multiply(&unit, &mut column);
+        unit[k] = 0.0;
+        column
+    };
+    (0..n).map(column).collect()
+}
+
+/// Derivatives from laws and kinematics are those of the whole, to rounding: relative to the largest entry of the column and to
+/// that of the row.
 #[track_caller]
-pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, error: DerivativeError) {
+pub fn assert_derivatives_of_whole(parameters: &Parameters, ring: &Arc<dyn BeltRing>, whole: WholeEquations) {
+    let whole: Arc<dyn BeltRing> = Arc::new(Whole(Arc::clone(ring), whole));
     for speed in [200.0, -200.0, 0.0] {
-        let (system, state) = disturbed_with(parameters, Arc::clone(ring), speed);
-        let (belt, law, friction) = (&*system.belt, &system.law, &system.friction());
-        let worst = error(InForce { belt, law, friction }, state.view(), 1.0e4);
-        assert!(worst < 1e-9, "{ring:?}, {speed} rad/s: {worst:e}");
+        let [found, exact] = [ring, &whole].map(|ring| columns(parameters, ring, speed));
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, x| most.max(x.abs()));
+        let of_rows: Vec<f64> = (0..exact.len())
+            .map(|row| largest(&mut exact.iter().map(|column| column[row])))
+            .collect();
+        for (k, (found, exact)) in found.iter().zip(&exact).enumerate() {
+            let of_column = largest(&mut exact.iter().copied());
+            for (row, (found, exact)) in found.iter().zip(exact).enumerate() {
+                let allowed = 1e-9 * of_column.min(of_rows[row]);
+                assert!(
+                    (found - exact).abs() <= allowed,
+                    "{ring:?}, {speed} rad/s, row {row}, column {k}: {found:e} {exact:e}"
+                );
+            }
+        }
     }
 }
 
