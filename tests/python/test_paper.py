@@ -15,8 +15,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import reports
-from pushbelt_paper import __main__, cases, figures, profiles, report, rings, times
+from pushbelt_paper import __main__, cases, figures, profiles, report, rings, runs, times
 from pushbelt_paper.results import Window
+from pushbelt_paper.statements import Statement, Verdict, compared
 
 from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
@@ -125,6 +126,40 @@ def test_ratios_of_times_are_products_of_their_factors() -> None:
     product = found["steps"] * found["residuals a step"] * found["time a residual"]
     assert product == pytest.approx(math.sqrt(0.5 * 0.7 / 6.0))
     assert times.spread(measured) == pytest.approx(0.2 / 0.7)
+
+
+def test_stored_times_are_whole_simulations_of_nine_cases() -> None:
+    stored, _ = times.stored()
+    runs_of = stored.groupby(["load", "model"])["case"].nunique()
+    assert runs_of.to_dict() == {(load, model): 9 for load in times.LOADS for model in times.VARIANTS}
+    assert (stored.groupby(["case", "load"])[["settling", "looking"]].nunique() == 1).all(axis=None), "the same run for all models"
+    constant, swinging = (stored[stored["load"] == load].groupby("case")[["settling", "looking"]].first() for load in times.LOADS)
+    effort = runs.FULL.effort
+    assert (constant["settling"] / constant["looking"]).to_numpy() == pytest.approx(effort.settling / effort.looking, rel=1e-4)
+    assert effort.looking == 1.0 and (swinging["looking"] >= constant["looking"]).all(), "at least a revolution"
+    periods = swinging["looking"].to_numpy() * times.WAVE_FREQUENCY
+    assert periods == pytest.approx(np.round(periods), rel=1e-4)
+
+
+def test_stored_times_are_those_of_this_model(paper_archive: Archive) -> None:
+    """Counts of one simulation. If they have changed, `cargo fmu paper --store` measures again."""
+    parameters = parameter_set(runs.VARIATOR)
+    case = next(case for case in load_cases(parameters) if case.name == "medium-50")
+    state = cases.steady(paper_archive, parameters, case)
+    stored, _ = times.stored()
+    for variant in (f"ALE{times.FORWARD}", "ALE", "ALE0"):
+        run = cases.run(paper_archive, parameters, variant, case, state, times.SWINGING, runs.FULL.effort, lambda _: None)
+        rows = stored[(stored["case"] == case.name) & (stored["model"] == variant) & (stored["load"] == times.SWINGING)]
+        for count in times.COUNTS:
+            # Rounding differs among processors.
+            assert run.times[count] == pytest.approx(rows[count].median(), rel=0.05), (variant, count)
+
+
+def test_a_verdict_other_than_the_pinned_one_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    same, other = (Statement(key, "5.4", "claim", "reproduced", "", verdict, "found") for key, verdict in
+                   (("same", Verdict.YES), ("other", Verdict.NO)))  # fmt: skip
+    assert compared([same]) == 0 and compared([same, other]) == 3
+    assert capsys.readouterr().err.startswith("other: ")
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ statement, by its key.
 from __future__ import annotations
 
 import csv
+import sys
 from collections.abc import Iterable, Mapping
 from enum import Enum
 from pathlib import Path
@@ -23,7 +24,7 @@ from .results import MODELS, OTHERS, PULLEYS, REFERENCE, PaperResults
 from .rings import Rings
 
 PINNED = Path(__file__).parents[2] / "statements.csv"
-"""All statements, with the verdicts of a full run. A test compares them."""
+"""All statements, with the verdicts of a full run. A later one compares them."""
 
 THIN = "\N{NARROW NO-BREAK SPACE}"
 REFERENCE_DIRECTIONS = "ALE, overlay along t and n"
@@ -68,6 +69,14 @@ def pin(statements: Iterable[Statement]) -> None:
     """Stores the verdicts."""
     rows = ([s.key, s.source, s.claim, s.verdict.value, s.reason] for s in statements)
     tables.write(PINNED, ["key", "source", "claim", "verdict", "reason"], rows)
+
+
+def compared(statements: Iterable[Statement]) -> int:
+    """Prints the statements whose verdicts are not the pinned ones, and returns the exit code: 3 if there are any."""
+    changed = [s for s in statements if s.verdict.value != s.pinned]
+    for s in changed:
+        print(f"{s.key}: {s.verdict.value}; pinned is {s.pinned}. {s.found}", file=sys.stderr)
+    return 3 if changed else 0
 
 
 def plain(value: float, form: str) -> str:
