@@ -53,7 +53,7 @@ def take(report: Path, picture: Path) -> None:
 def take_figures(report: Path, folder: Path, figures: Mapping[str, str]) -> None:
     """Saves figures of a report without their captions."""
     with opened(report) as page:
-        page.run("document.querySelectorAll('figcaption, .tools button, .tools output').forEach((one) => { one.style.display = 'none'; })")
+        page.run("document.querySelectorAll('figcaption, .tools > button, .tools > output').forEach((one) => { one.style.display = 'none'; })")
         for name, file in figures.items():
             box = f"document.querySelector('{name}').getBoundingClientRect()"
             clip = {key: page.run(f"{box}.{key}") for key in ("x", "width", "height")}
