@@ -184,10 +184,10 @@ def test_what_is_loaded_from_elsewhere_is_seen(address: str, tmp_path: Path) -> 
 @needs_browser
 def test_the_docs_picture_is_taken_from_a_report(tmp_path: Path) -> None:
     picture = tmp_path / "report.png"
-    assert pictures.main([str(written(tmp_path)), str(picture)]) == 0
+    assert pictures.main(["demo", str(written(tmp_path)), str(picture)]) == 0
     content = picture.read_bytes()
     size = tuple(int.from_bytes(content[k : k + 4], "big") for k in (16, 20))
     assert size == (pictures.WIDTH - 36, pictures.HEIGHT)
     docs = (ROOT / "docs" / "report.png").read_bytes()
     assert docs[16:24] == content[16:24], "the picture in the docs is not that of this program"
-    assert pictures.main([str(tmp_path / "none.html"), str(picture)]) == 1
+    assert pictures.main(["demo", str(tmp_path / "none.html"), str(picture)]) == 1
