@@ -128,10 +128,10 @@ SAME = 1e-12
 """Systems have different implementations of the sine; the portable builds agree in everything else."""
 ROUNDING = 1e-9
 """Effect of a change of rounding in one build: one in the last bit of a clamping force or a torque grows to 1e-10 at most."""
-OTHER_LANES = 0.1 * 1e-5
+OTHER_LANES = 1e-6
 """Effect of the width of the packs. Which cells keep their derivatives depends on it, so Newton's method ends elsewhere within its own
-tolerance, which is a hundredth to a tenth of that of the error control (`TOLERANCE` in host.c). So the effect is no rounding, and
-falls with that tolerance: 2e-4 at 1e-4, 4e-7 at 1e-5, 1e-7 at 1e-6."""
+tolerance, and a step whose error is near the bound of the error control may be accepted by one build alone. So the effect is no rounding,
+and falls with that tolerance (`TOLERANCE` in host.c): 1e-3 at 1e-5, 2e-6 at 1e-6, 6e-8 at 1e-7, all of the radial deviation, in µm."""
 
 
 def lanes(build: str) -> bool:

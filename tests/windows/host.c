@@ -39,7 +39,7 @@ typedef struct {
 enum { OK, WARNING, DISCARD, ERROR_, FATAL, PENDING };
 enum { REAL = 1024 };
 /* Of the error control. The test's tolerances follow from it. */
-static const double TOLERANCE = 1e-5;
+static const double TOLERANCE = 1e-7;
 
 static int calls;
 
