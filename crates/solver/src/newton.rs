@@ -310,7 +310,8 @@ impl Newton {
             if !change.is_finite() || contraction > DIVERGED && change > tolerance {
                 break;
             }
-            // What is left after this step, over the step: before any is measured, by the contraction of the last stage.
+            // What is left after this step, over the step: before any is measured, by the contraction of the last stage. At most the step
+            // itself: steps that are rounding need not fall.
             let ahead = if iteration == 0 {
                 let off = (stage.slopes[0] / self.alpha - 1.0).abs();
                 self.rate = self.rate.max(off).max(f64::EPSILON).powf(AGEING);
@@ -321,7 +322,7 @@ impl Newton {
                 } else {
                     self.rate.max(contraction)
                 };
-                contraction / (1.0 - contraction).max(0.0)
+                (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;
             self.broyden.add_to(&mut stage.state.y, &self.chord.scale);
