@@ -26,6 +26,7 @@ STEP = 0.01
 """Default communication and control step, s."""
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3},
+    "accurate": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-4},
     "default": {},
 }
 """Start values by name of mesh: a coarse one for long runs, and the FMU's default."""

@@ -99,7 +99,7 @@ def solve(
 
         def report() -> None:
             nonlocal count, asked
-            if time.monotonic() > asked + WORKERS_INTERVAL:
+            if time.monotonic() > asked + WORKERS_INTERVAL or len(rows) == total:
                 count, asked = len(client.nthreads()), time.monotonic()
             progress(Progress(total, len(rows), failed, count))
 
