@@ -1,9 +1,8 @@
 //! The rows of the variable table while it is built.
 
 use super::settings::{Settings, StandardRings};
-use super::table;
 use crate::fmi::table::{Access, Array, Causality, Enumeration, Kind, Range, Variable};
-use crate::variator::settings::{InputRows, Outputs, PROFILE_POINTS, ParameterRows, Readings, Row, RowField, RowValue};
+use crate::variator::settings::{InputRows, PROFILE_POINTS, ParameterRows, Readings, Row, RowField, RowValue};
 
 use Causality::{Local, Output, Parameter};
 
@@ -19,19 +18,6 @@ pub struct Rows<R = StandardRings, Q = Readings> {
     pub variables: Vec<Variable<Settings<R>, Q>>,
     pub(super) arrays: Vec<Array>,
     owner: Owner,
-}
-
-impl<R: 'static, Q: AsRef<Outputs>> Rows<R, Q> {
-    /// Inputs, outputs, parameters and locals but for profiles and `ring.model`.
-    #[must_use]
-    pub fn shared() -> Self {
-        let mut rows = Self::new();
-        rows.inputs();
-        table::outputs(&mut rows);
-        rows.parameters();
-        table::locals(&mut rows);
-        rows
-    }
 }
 
 impl<R: 'static, Q> Rows<R, Q> {

@@ -90,9 +90,22 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
         .with_initial_dependencies(INITIAL_DEPENDENCIES)
 }
 
+impl<R: 'static, Q: AsRef<Outputs>> Rows<R, Q> {
+    /// Inputs, outputs, parameters and locals but for profiles and `ring.model`.
+    #[must_use]
+    pub fn shared() -> Self {
+        let mut rows = Self::new();
+        rows.inputs();
+        outputs(&mut rows);
+        rows.parameters();
+        locals(&mut rows);
+        rows
+    }
+}
+
 /// Outputs.
 #[rustfmt::skip]
-pub(super) fn outputs<R, Q: AsRef<Outputs>>(t: &mut Rows<R, Q>) {
+fn outputs<R, Q: AsRef<Outputs>>(t: &mut Rows<R, Q>) {
     t.read("thrustRatio", 1, (Output, "1", Range::between(-100.0, 100.0).of_size(1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", read!(thrust_ratio));
     t.read("belt.speed", 2, (Output, "m/s", Range::typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
     t.read("ring.speed", 3, (Output, "m/s", Range::typical(10.0)), "Speed of the ring: rate of its drift through the mesh", read!(ring_speed));
@@ -135,7 +148,7 @@ pub(super) fn outputs<R, Q: AsRef<Outputs>>(t: &mut Rows<R, Q>) {
 
 /// What is read for checks.
 #[rustfmt::skip]
-pub(super) fn locals<R, Q: AsRef<Outputs>>(t: &mut Rows<R, Q>) {
+fn locals<R, Q: AsRef<Outputs>>(t: &mut Rows<R, Q>) {
     t.read("stored.energy", 18, (Local, "J", Range::typical(1000.0)), "Kinetic and elastic energy stored in the variator", read!(stored_energy));
     t.read("energy.residual", 19, (Local, "J", Range::typical(1.0)), "Energy residual since the start: supplied - lost - stored", read!(energy_residual));
     t.add("initial.found", 23, Local, "State from which the run started: the requested one, or the reason for another one", Kind::Enumeration { of: StartState::TYPE, access: Access::Reading(|readings| readings.as_ref().start_state as i32) });

@@ -32,8 +32,8 @@ const AGEING: f64 = 0.9;
 const LEFT: f64 = 0.15;
 /// Part of a correction that may point along the step before it, where a search along the step may end. Half, twice: 0, −1 %; +1, 0 %.
 const ALONG: f64 = 0.2;
-/// Residuals after which a search along a step ends, at the best place it has found; without one it fails after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it
-/// 638 stages of the flips fail instead of 8.
+/// Residuals after which a search along a step ends, at the best place it has found; without one it fails after twice as many.
+/// Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the flips fail instead of 8.
 const TRIALS: usize = 6;
 
 /// Work done.

@@ -24,12 +24,13 @@ from .vehicle import Car, Vehicle
 
 STEP = 0.01
 """Default communication and control step, s."""
+COARSE = {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3}
 MESHES: Mapping[str, Mapping[str, float]] = {
-    "coarse": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3},
-    "accurate": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-4},
+    "coarse": COARSE,
+    "accurate": COARSE | {"solver.tolerance": 1e-4},
     "default": {},
 }
-"""Start values by name of mesh: a coarse one for long runs, and the FMU's default."""
+"""Start values by name of mesh: a coarse one for long runs, the same with a smaller error in time, and the FMU's default."""
 
 LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "seals", "other")
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""

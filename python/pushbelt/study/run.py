@@ -137,15 +137,15 @@ def _solve_chunk(archive: Archive, *arguments: Any) -> list[tuple[int, Row]]:
 
 def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
     """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
-    begin, seen = time.perf_counter(), []
+    begin, reports = time.perf_counter(), list[Progress]()
     with progress_bar(len(tasks.tasks()), what) as bar:
 
         def shown(progress: Progress) -> None:
-            if not seen:
+            if not reports:
                 bar.initial = bar.n = progress.done
                 if progress.done:
                     print(f"  {progress.done} of {progress.tasks} {what} are already stored")
-            seen[bool(seen) :] = [progress]
+            reports.append(progress)
             bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
             bar.update(progress.done - bar.n)
 
@@ -157,8 +157,8 @@ def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chun
         try:
             rows = solve(tasks, options.output, chunk=chunk, progress=shown, **given)
         except KeyboardInterrupt:
-            if seen:
-                print(f"\n{seen[-1].done} of {seen[-1].tasks} {what} are finished; the same command continues from them.")
+            if reports:
+                print(f"\n{reports[-1].done} of {reports[-1].tasks} {what} are finished; the same command continues from them.")
             raise
     used = sum(row.get("time") or 0.0 for row in rows.values())
-    return rows, Effort(len(rows) - seen[0].done, time.perf_counter() - begin, used)
+    return rows, Effort(len(rows) - reports[0].done, time.perf_counter() - begin, used)

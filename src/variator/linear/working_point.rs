@@ -6,9 +6,9 @@ use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::run::{InitialisationError, Variator};
+use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
-use crate::variator::settings::validation::ParameterError;
 use crate::variator::system::VariatorSystem;
 
 /// Time at which the loads are evaluated, s. They do not change.

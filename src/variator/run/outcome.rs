@@ -1,7 +1,7 @@
 //! What a run reports: remarks, errors, outputs around a moment.
 
+use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::signals::Outputs;
-use crate::variator::settings::validation::ParameterError;
 
 /// A remark for the user's log.
 #[derive(Clone, Debug, PartialEq, Eq)]

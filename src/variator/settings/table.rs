@@ -6,9 +6,9 @@
 
 use crate::fmi::table::{Causality, Enumeration};
 use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode};
+use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
-use crate::variator::settings::validation::ParameterError;
 use std::marker::PhantomData;
 
 /// A parameter or input, whose value is in `S`.

@@ -1,10 +1,11 @@
-//! Checks of parameters and inputs, and the error that names the value out of its range.
+//! Checks of parameters and inputs.
 //!
 //! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table); and values must fit each other (the belt
 //! around the pulleys, the stops, the wedge above the friction angle).
 
 use crate::fmi::table::Causality;
 use crate::reference_curve::TwoPulley;
+use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::{InputRows, ParameterRows};
@@ -17,55 +18,6 @@ const BEYOND_STOP: f64 = 1.06;
 /// layer in ten is above it.
 const RING_STEEL: (f64, f64) = (1.86e11, 7850.0);
 const STEEL_SCATTER: f64 = 0.06;
-
-/// A value out of its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{variable} = {value} is out of range: {range}")]
-pub struct ParameterError {
-    /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
-    pub variable: &'static str,
-    /// The value that was set.
-    pub value: Value,
-    /// The allowed range in words.
-    pub range: String,
-}
-
-impl ParameterError {
-    /// The error of a number that is out of its `range`, in words.
-    #[must_use]
-    pub fn new(variable: &'static str, value: f64, range: String) -> Self {
-        let value = Value::Number(value);
-        Self { variable, value, range }
-    }
-
-    /// The error of a Boolean that other parameters don't allow.
-    #[must_use]
-    pub fn of_flag(variable: &'static str, value: bool, range: &str) -> Self {
-        Self {
-            variable,
-            value: Value::Flag(value),
-            range: range.to_string(),
-        }
-    }
-}
-
-/// A value that is out of range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
-    /// Value of a real, integer or enumeration.
-    Number(f64),
-    /// Value of a Boolean.
-    Flag(bool),
-}
-
-impl std::fmt::Display for Value {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Number(value) => value.fmt(f),
-            Self::Flag(value) => value.fmt(f),
-        }
-    }
-}
 
 impl Parameters {
     /// Checks every parameter against its range, and all against each other.
