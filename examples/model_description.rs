@@ -2,7 +2,7 @@
 //! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0), `terminalsAndIcons.xml` or
 //! `exports.def`.
 
-use pushbelt::unit::{exports, model_description, model_description3, terminals};
+use pushbelt::unit::{model_description, model_description3, terminals};
 
 fn main() -> Result<(), String> {
     let file = std::env::args().nth(1);
@@ -10,7 +10,7 @@ fn main() -> Result<(), String> {
         None | Some("modelDescription.xml") => model_description(),
         Some("modelDescription3.xml") => model_description3(),
         Some("terminalsAndIcons.xml") => terminals(),
-        Some("exports.def") => exports::definition(),
+        Some("exports.def") => pushbelt_library::definition(),
         Some(other) => return Err(format!("{other} is not generated")),
     };
     print!("{text}");

@@ -47,8 +47,6 @@
 //! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
 
-#![forbid(unsafe_code)]
-
 use crate::ring::kinematics::{RingPoint, RingVariation};
 use crate::scalar::{Real, smooth_plus, soft_plus_energy};
 use nalgebra::SVector;

@@ -22,8 +22,6 @@
 //! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos β Dg/Dt, and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
 
-#![forbid(unsafe_code)]
-
 use crate::scalar::{Real, soft_plus_energy_at};
 
 /// Parameters of the contact between element flank and sheave.

@@ -7,8 +7,6 @@
 //! - c ω²: oil that turns with the pulley. A chamber that compensates for it lowers c; beyond full compensation c < 0,
 //! - S: friction of the seals, with the regularisation of the flanks' friction.
 
-#![forbid(unsafe_code)]
-
 use crate::scalar::Real;
 
 /// Parameters of the cylinder of a pulley.

@@ -13,7 +13,7 @@
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
 //! | [`tape`] | values to bytes and back, for stored states |
-//! | [`mod@unit`] | the variator as an FMU: its variable table and the exported C functions |
+//! | [`mod@unit`] | the variator as an FMU: its variable table and the model behind the C functions, which the package `library` exports |
 //! | [`fmi`] | FMI state machine and C functions for any model; independent of the physics |
 //!
 //! ```
@@ -33,12 +33,12 @@
 //!
 //! **Build it fast.** The crate is generic, so it is compiled with your profile. Without optimisation a second of belt motion takes minutes:
 //! set `opt-level = 3` in `[profile.dev]` and `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml`
-//! (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register. A Rust program does not need
-//! the feature `exports`, the C functions of FMI.
+//! (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register.
 //!
 //! **A ring of your own.** [`variator::Variator::with_ring`] takes any [`variator::belt_ring::BeltRing`]; `examples/own_ring.rs` is one that
 //! stiffens as it stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model as an FMU use the
 //! crate `pushbelt-fmi` alone; its README has a complete one.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 // A wrong number is worse than a slow one: docs/notebook/experiments.md, "eight lanes with AVX-512".

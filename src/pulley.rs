@@ -1,8 +1,6 @@
 //! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of motion are in
 //! `variator/pulleys/`.
 
-#![forbid(unsafe_code)]
-
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 use std::ops::{Index, IndexMut};
 

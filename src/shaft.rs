@@ -11,8 +11,6 @@
 //! Friction of rolling bearings grows more slowly with speed than b ω, and with load slightly faster than μ_b R; the law is
 //! an estimate for some 100 to 6000 rpm.
 
-#![forbid(unsafe_code)]
-
 /// ω₀, rad/s: 20 rpm.
 pub const FADING_SPEED: f64 = 2.0;
 

@@ -14,8 +14,6 @@
 //! has the same variation of radius, so |ψ| ≈ 1.02 Δ at β = 11°. The defaults follow, under a uniform pressure, from
 //! Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured shifts (Carbone, Mangialardi, Bonsen, Tursi, Veenhuizen 2007).
 
-#![forbid(unsafe_code)]
-
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 
 /// Tilt stiffness from which a sheave is treated as rigid, independent of its clearance, N·m/rad.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Access, Causality, Kind};
-use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, exports, model_description, model_description3, terminals};
+use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, model_description3, terminals};
 use pushbelt::variator::settings::range_of;
 
 #[test]
@@ -14,7 +14,7 @@ fn the_checked_in_files_are_generated_from_the_table() {
         ("modelDescription.xml", model_description()),
         ("resources/modelDescription3.xml", model_description3()),
         ("resources/terminalsAndIcons.xml", terminals()),
-        ("fmu-build/exports.def", exports::definition()),
+        ("fmu-build/exports.def", pushbelt_library::definition()),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
         let checked_in = std::fs::read_to_string(&path).unwrap_or_default();

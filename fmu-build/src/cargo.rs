@@ -89,7 +89,7 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
 /// # Errors
 /// The compilation or the program that prints the description fails.
 pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
-    let (library, program) = build_other(workspace, PAPER_LIBRARY_PACKAGE, &[])?;
+    let (library, program) = build_other(workspace, PAPER_LIBRARY_PACKAGE)?;
     Ok((library, printed(&mut Command::new(program))?))
 }
 
@@ -99,17 +99,17 @@ pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
 /// # Errors
 /// As [`build_paper`].
 pub fn build_map(workspace: &Workspace, version: Version) -> anyhow::Result<(PathBuf, String)> {
-    let (library, program) = build_other(workspace, MAP_PACKAGE, &["--features", "exports"])?;
+    let (library, program) = build_other(workspace, MAP_PACKAGE)?;
     let number = if version == Version::Three { "3" } else { "2" };
     let description = printed(Command::new(program).arg(number).arg(workspace.map_tables()))?;
     Ok((library, description))
 }
 
 /// Compiles another library and the program that prints its description, and returns both.
-fn build_other(workspace: &Workspace, package: &str, options: &[&str]) -> anyhow::Result<(PathBuf, PathBuf)> {
+fn build_other(workspace: &Workspace, package: &str) -> anyhow::Result<(PathBuf, PathBuf)> {
     let mut program = None;
     let mut build = release(workspace, package);
-    let library = compile_library(build.args(["--lib", "--bins"]).args(options), package, |artifact| {
+    let library = compile_library(build.args(["--lib", "--bins"]), package, |artifact| {
         program = artifact.executable
     })?;
     let program =

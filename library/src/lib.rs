@@ -1,5 +1,22 @@
-//! The shared library in `PushbeltVariator.fmu`: the C functions of `pushbelt`.
+//! The shared library in `PushbeltVariator.fmu`: its C functions, and their list for a linker.
+#![allow(unsafe_code, non_snake_case, reason = "C functions")]
 
-#![forbid(unsafe_code)]
+pub mod fmi2;
+pub mod fmi3;
+pub mod linear;
+pub mod variant;
 
-pub use pushbelt::unit::exports;
+use pushbelt::fmi;
+
+/// The content of `fmu-build/exports.def`.
+#[must_use]
+pub fn definition() -> String {
+    let mut names = [fmi::fmi2::NAMES, fmi::fmi3::NAMES, linear::NAMES, variant::NAMES].concat();
+    names.sort_unstable();
+    let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
+    format!(
+        "; The names that a shared library of the FMU exports, as a Windows module definition. Written by `cargo fmu describe`. \
+         `cargo fmu\n; build` gives it to the linker where that needs it, and refuses a library that exports more or less.\n\
+         EXPORTS\n{names}"
+    )
+}

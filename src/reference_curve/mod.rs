@@ -5,8 +5,6 @@
 //! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
 
-#![forbid(unsafe_code)]
-
 mod curve;
 mod displaced;
 mod jet;

@@ -1,21 +1,15 @@
 //! The variator as a unit of the FMI layer: the table that binds the interface's names to its parameters, inputs and
-//! outputs, the implementation of the unit, and the exported C functions.
+//! outputs, and the implementation of the unit. The package `library` exports its C functions.
 
-#[cfg(feature = "exports")]
-pub mod exports;
-#[forbid(unsafe_code)]
+mod linear;
 mod rings;
-#[forbid(unsafe_code)]
 mod rows;
-#[forbid(unsafe_code)]
 mod settings;
-#[forbid(unsafe_code)]
 mod table;
-#[forbid(unsafe_code)]
 mod terminals;
-#[forbid(unsafe_code)]
 mod variator_unit;
 
+pub use linear::linear_model;
 pub use rings::{CONTACT_STRAIN, FILM_FORCE, Rings};
 pub use rows::Rows;
 pub use settings::{Settings, StandardRings};

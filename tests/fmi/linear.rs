@@ -5,7 +5,7 @@ use std::ptr::null_mut;
 
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
 use pushbelt::fmi::slave::Version::Two;
-use pushbelt::unit::exports::linear_c::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
 
 use crate::importer::Handles;

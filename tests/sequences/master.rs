@@ -12,7 +12,7 @@ use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::fmi::unit::Experiment;
 use pushbelt::unit::VariatorUnit;
-use pushbelt::unit::exports::linear_c::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
 
 use crate::calls::{Answer, Call, Flaw, INPUTS, INTEGERS, REALS, SLOTS, TUNABLE};
 use crate::importer::{Handles, Stored, Update};

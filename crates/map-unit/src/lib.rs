@@ -27,5 +27,4 @@ pub mod tables;
 #[forbid(unsafe_code)]
 pub mod unit;
 
-#[cfg(feature = "exports")]
 pushbelt_fmi::export!(crate::unit::MapUnit);

@@ -1,8 +1,8 @@
 //! The variant of the library for processors with AVX2, in portable builds.
 
-use crate::fmi::dispatch::Dispatch;
-use crate::fmi::{Unit as _, export_variant};
-use crate::unit::VariatorUnit;
+use pushbelt::fmi::dispatch::Dispatch;
+use pushbelt::fmi::{Unit as _, export_variant};
+use pushbelt::unit::VariatorUnit;
 
 /// Chooses the library at the first instance.
 pub static DISPATCH: Dispatch = Dispatch::new(VariatorUnit::IDENTITY.name, option_env!("PUSHBELT_VARIANT"));

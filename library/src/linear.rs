@@ -2,13 +2,12 @@
 
 use libc::c_char;
 
-use super::linear;
-use crate::fmi::fmi2::{Component, query};
-use crate::fmi::log::Status;
-use crate::unit::VariatorUnit;
+use pushbelt::fmi::fmi2::{Component, query};
+use pushbelt::fmi::log::Status;
+use pushbelt::unit::{VariatorUnit, linear_model};
 
-crate::fmi::export_functions! {
-    Some(&super::variant::DISPATCH);
+pushbelt::fmi::export_functions! {
+    Some(&crate::variant::DISPATCH);
 
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///
@@ -24,7 +23,7 @@ crate::fmi::export_functions! {
     /// points to a pointer that may be written.
     pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status =
         query::query::<VariatorUnit>(c, "pushbeltLinearize", json, |unit, settings, remarks| {
-            linear::model(unit, settings, frequency, remarks)
+            linear_model(unit, settings, frequency, remarks)
         });
 
     /// Frees a string of [`pushbeltLinearize`]; null is legal.

@@ -27,7 +27,7 @@ struct Column {
 ///
 /// # Errors
 /// The reason, as a sentence.
-pub fn model<R: Rings>(
+pub fn linear_model<R: Rings>(
     unit: &mut UnitWith<R>,
     settings: &Settings<R>,
     frequency: f64,
