@@ -15,7 +15,7 @@ pub mod wheel;
 ///
 /// # Errors
 /// One of them fails. The error of the first is returned if both do.
-fn side_by_side<A, B: Send>(
+pub fn side_by_side<A, B: Send>(
     first: impl FnOnce() -> anyhow::Result<A>,
     second: impl FnOnce() -> anyhow::Result<B> + Send,
 ) -> anyhow::Result<(A, B)> {

@@ -16,6 +16,7 @@ use std::process::Command;
 
 use anyhow::{Context, ensure};
 
+use crate::commands::side_by_side;
 use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
@@ -95,11 +96,42 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
     let build = identity(workspace)?;
     let folder = workspace.target().join("portable");
     remove_others(&folder, &build)?;
-    let mut binaries = Vec::new();
-    let targets = match version {
+    let (first, others) = match version {
         Version::Two => &TARGETS[..OF_FMI2],
         Version::Three => &TARGETS[..],
+    }
+    .split_at(1);
+    // The model is one unit of compilation, so a target takes one core. Cargo locks its folder, so the second one has a folder of its own.
+    let compile = |targets, cargo| {
+        let place = Place {
+            libraries: &folder.join(&build),
+            cargo,
+        };
+        libraries(workspace, &tools, targets, &place)
     };
+    let (mut binaries, others) = side_by_side(
+        || compile(first, workspace.target().to_owned()),
+        || compile(others, workspace.target().join("portable-cargo")),
+    )?;
+    binaries.extend(others);
+    ensure!(!binaries.is_empty(), "there is no target to build for");
+    Ok(binaries)
+}
+
+/// Where libraries are kept, and where cargo compiles them.
+struct Place<'a> {
+    libraries: &'a Path,
+    cargo: PathBuf,
+}
+
+/// Compiles the libraries of targets, one after the other.
+fn libraries(
+    workspace: &Workspace,
+    tools: &Environment,
+    targets: &[Target],
+    place: &Place<'_>,
+) -> anyhow::Result<Vec<Binary>> {
+    let mut binaries = Vec::new();
     for target in targets {
         let tuple = target.platform.tuple;
         if let Err(why) = ensure_installed(target.triple) {
@@ -114,11 +146,11 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
             }
             let suffix = if is_variant { VARIANT } else { "" };
             let name = format!("{MODEL_IDENTIFIER}{suffix}");
-            let path = folder.join(&build).join(tuple).join(&name);
+            let path = place.libraries.join(tuple).join(&name);
             let path = path.with_extension(target.platform.extension);
             if !path.is_file() {
                 progress::headline(&format!("Compiling the FMU's binary for {tuple}{suffix}"));
-                let library = compile(workspace, &tools, target, is_variant, variant.as_deref())?;
+                let library = compile(workspace, tools, target, &place.cargo, is_variant, variant.as_deref())?;
                 keep(&library, &path)?;
             }
             if is_variant {
@@ -129,16 +161,16 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
             binaries.push(Binary { platform, name, path });
         }
     }
-    ensure!(!binaries.is_empty(), "there is no target to build for");
     Ok(binaries)
 }
 
-/// Compiles a library, or a variant, and returns its path in cargo's folder, where the next one replaces it. `variant` is the hash of
+/// Compiles a library, or a variant, and returns its path in cargo's `folder`, where the next one replaces it. `variant` is the hash of
 /// the library's variant.
 fn compile(
     workspace: &Workspace,
     tools: &Environment,
     target: &Target,
+    folder: &Path,
     is_variant: bool,
     variant: Option<&str>,
 ) -> anyhow::Result<PathBuf> {
@@ -148,7 +180,7 @@ fn compile(
         "pushbelt_library.dll",
         "libpushbelt_library.dylib",
     ] {
-        let path = workspace.target().join(target.triple).join("release/deps").join(file);
+        let path = folder.join(target.triple).join("release/deps").join(file);
         if path.exists() {
             fs::remove_file(&path).with_context(|| format!("can't remove {}", path.display()))?;
         }
@@ -160,6 +192,7 @@ fn compile(
     command
         .arg("rustc")
         .args(["--target", target.zig, "--crate-type", "cdylib"])
+        .env("CARGO_TARGET_DIR", folder)
         .env("PATH", tools.path()?)
         .env_remove("PUSHBELT_VARIANT")
         .envs(variant.map(|hash| ("PUSHBELT_VARIANT", hash)))
