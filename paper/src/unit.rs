@@ -18,7 +18,7 @@ pub type PaperUnit = UnitWith<PaperRings>;
 /// The content of its `modelDescription.xml`.
 #[must_use]
 pub fn model_description() -> String {
-    pushbelt::fmi::model_description::<PaperUnit>()
+    pushbelt::fmi::model_description::<PaperUnit>(pushbelt::fmi::Version::Two, None)
 }
 
 const RCM: i32 = 3;

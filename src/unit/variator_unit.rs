@@ -3,8 +3,8 @@
 use super::rings::Rings;
 use super::settings::{Settings, StandardRings};
 use super::table;
-use crate::fmi::Table;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::{Table, Version};
 use crate::tape::Tape;
 use crate::variator::belt_ring::BeltRing;
 use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
@@ -25,13 +25,13 @@ pub struct UnitWith<R> {
 /// The content of `modelDescription.xml` of FMI 2.0.
 #[must_use]
 pub fn model_description() -> String {
-    crate::fmi::model_description::<VariatorUnit>()
+    crate::fmi::model_description::<VariatorUnit>(Version::Two, None)
 }
 
 /// The content of `modelDescription.xml` of FMI 3.0.
 #[must_use]
 pub fn model_description3() -> String {
-    crate::fmi::fmi3::model_description::<VariatorUnit>()
+    crate::fmi::model_description::<VariatorUnit>(Version::Three, None)
 }
 
 impl<R: Rings> UnitWith<R> {

@@ -12,3 +12,4 @@ pub use error::{ParameterError, Value};
 pub use parameters::*;
 pub use signals::*;
 pub use table::{InputRows, ParameterRows, Row, RowField, RowValue, range_of};
+pub use validation::bisected;

@@ -176,9 +176,13 @@ impl Parameters {
     /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
     #[must_use]
     pub fn ratio_range(&self) -> (f64, f64) {
+        let boundary = |below: &dyn Fn(f64) -> bool| {
+            let range = [0.01_f64.ln(), 100.0_f64.ln()];
+            bisected(range, |log_ratio| below(log_ratio.exp())).exp()
+        };
         (
-            boundary(|ratio| !self.not_too_low(ratio)),
-            boundary(|ratio| self.not_too_high(ratio)),
+            boundary(&|ratio| !self.not_too_low(ratio)),
+            boundary(&|ratio| self.not_too_high(ratio)),
         )
     }
 
@@ -207,18 +211,17 @@ impl Parameters {
     }
 }
 
-/// The ratio up to which `below` holds, by bisection of its logarithm.
-fn boundary(below: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.01_f64.ln(), 100.0_f64.ln());
+/// The place between two others up to which `is_below` holds, by bisection.
+pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if below(middle.exp()) {
+        if is_below(middle) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    (0.5 * (low + high)).exp()
+    0.5 * (low + high)
 }
 
 impl Inputs {

@@ -30,28 +30,6 @@ mod steps;
 mod terminals;
 mod types;
 
-use crate::description::{document, token};
-use crate::slave::Version;
-use crate::unit::Unit;
-
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
 pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-
-/// The model description of a unit.
-#[must_use]
-pub fn model_description<U: Unit>() -> String {
-    document::<U>(Version::Three, U::data(&U::Settings::default()))
-}
-
-/// The model description of a unit with data of this hash in its resources.
-#[must_use]
-pub fn model_description_with<U: Unit>(data: u128) -> String {
-    document::<U>(Version::Three, Some(data))
-}
-
-/// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
-#[must_use]
-pub fn instantiation_token<U: Unit>() -> String {
-    token::<U>(Version::Three, U::data(&U::Settings::default()))
-}
