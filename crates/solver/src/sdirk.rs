@@ -289,28 +289,10 @@ impl Sdirk {
         weigh(&mut self.q_error, [before.y, &first.y, &second.y]);
     }
 
-    /// Advances a state from `time` to exactly `to`.
-    ///
-    /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
-    pub fn advance<S: Evolution>(
-        &mut self,
-        system: &mut S,
-        state: &mut State,
-        time: f64,
-        to: f64,
-    ) -> Result<(), Stalled> {
-        let mut span = Span::new(time, to);
-        while !span.is_over() {
-            self.step(system, state, &mut span)?;
-        }
-        Ok(())
-    }
-
     /// Takes one step of a span that is not over.
     ///
     /// # Errors
-    /// As [`Sdirk::advance`].
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
     pub fn step<S: Evolution>(&mut self, system: &mut S, state: &mut State, span: &mut Span) -> Result<(), Stalled> {
         let Span { from, done, .. } = *span;
         let length = span.length();
