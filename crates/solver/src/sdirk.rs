@@ -289,6 +289,24 @@ impl Sdirk {
         weigh(&mut self.q_error, [before.y, &first.y, &second.y]);
     }
 
+    /// Advances a state from `time` to exactly `to`.
+    ///
+    /// # Errors
+    /// As [`Sdirk::step`].
+    pub fn advance<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        time: f64,
+        to: f64,
+    ) -> Result<(), Stalled> {
+        let mut span = Span::new(time, to);
+        while !span.is_over() {
+            self.step(system, state, &mut span)?;
+        }
+        Ok(())
+    }
+
     /// Takes one step of a span that is not over.
     ///
     /// # Errors

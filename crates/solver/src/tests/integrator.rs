@@ -4,8 +4,8 @@ use super::super::differences::compare;
 use super::super::sdirk::{GAMMA, Sdirk};
 use super::super::{State, System};
 use super::problems::{
-    Constrained, Decay, Equations, Forced, Heat, Oscillator, ProtheroRobinson, Quadrature, Real, Robertson, Runs,
-    Solved, Swelling, Test, VanDerPol, Wave, fixed, run,
+    Constrained, Decay, Equations, Forced, Heat, Oscillator, ProtheroRobinson, Quadrature, Real, Robertson, Solved,
+    Swelling, Test, VanDerPol, Wave, fixed, run,
 };
 use super::{assert_work, work};
 use pushbelt_tape::Tape;

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use num_dual::{Dual64, DualNum};
 
 use super::super::arrow::{Arrow, Shape};
-use super::super::sdirk::{Evolution, Interval, Sdirk, Span, Stalled};
+use super::super::sdirk::{Evolution, Interval, Sdirk, Stalled};
 use super::super::{State, System, View};
 
 /// What the equations of a problem are made of: a number, or one with a derivative.
@@ -127,22 +127,6 @@ impl<E: Solved<N>, const N: usize> Test<E, N> {
 /// Integrator with steps of one size.
 pub fn fixed(system: &impl System, step: f64) -> Sdirk {
     Sdirk::new(system, step, step)
-}
-
-/// Whole runs of an integrator.
-pub trait Runs {
-    /// Advances a state from `time` to exactly `to`.
-    fn advance<S: Evolution>(&mut self, system: &mut S, state: &mut State, time: f64, to: f64) -> Result<(), Stalled>;
-}
-
-impl Runs for Sdirk {
-    fn advance<S: Evolution>(&mut self, system: &mut S, state: &mut State, time: f64, to: f64) -> Result<(), Stalled> {
-        let mut span = Span::new(time, to);
-        while !span.is_over() {
-            self.step(system, state, &mut span)?;
-        }
-        Ok(())
-    }
 }
 
 /// Integrates with a controlled error.
