@@ -60,7 +60,8 @@ fn an_instance_fits_on_a_small_stack() {
     let library = Library::load();
     let f = &library.functions;
     let description = Description {
-        guid: CString::new(pushbelt::fmi::guid::<VariatorUnit>()).expect("no zero inside"),
+        guid: CString::new(pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None))
+            .expect("no zero inside"),
         choices: ["ring.model", "solver.mode"].map(reference),
         spatial: reference("ring.spatial"),
         torque: reference("primary.torque"),

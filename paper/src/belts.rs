@@ -92,7 +92,7 @@ impl<R: OtherEquations> BeltRing for Even<R> {
         if longest < 0.5 * geometry.belt_length {
             return self.0.check(parameters);
         }
-        Err(ParameterError::of_flag(
+        Err(ParameterError::new(
             "mesh.aligned",
             false,
             "true, since at an end stop an arc is longer than half the belt",
@@ -221,7 +221,7 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         }
         if parameters.spatial {
             let range = "false, unless ring.model is ALE";
-            return Err(ParameterError::of_flag("ring.spatial", true, range));
+            return Err(ParameterError::new("ring.spatial", true, range));
         }
         if parameters.solver.mode == Mode::RealTime {
             let value = f64::from(Mode::RealTime as i32);

@@ -18,7 +18,7 @@ pub type PaperUnit = UnitWith<PaperRings>;
 /// The content of its `modelDescription.xml`.
 #[must_use]
 pub fn model_description() -> String {
-    pushbelt::fmi::model_description::<PaperUnit>()
+    pushbelt::fmi::model_description::<PaperUnit>(pushbelt::fmi::Version::Two, None)
 }
 
 const RCM: i32 = 3;
@@ -125,19 +125,19 @@ impl Rings for PaperRings {
         let is_ale = self.model == RingModel::Ale as i32;
         if !self.aligned && [RCM, ANCF, CENTRED].contains(&self.model) {
             let range = "true, unless ring.model is ALE0 or ALE";
-            return Err(ParameterError::of_flag("mesh.aligned", false, range));
+            return Err(ParameterError::new("mesh.aligned", false, range));
         }
         if self.reference_directions && !(is_ale && self.aligned) {
             let range = "false, unless ring.model is ALE and mesh.aligned is true";
-            return Err(ParameterError::of_flag("ring.referenceDirections", true, range));
+            return Err(ParameterError::new("ring.referenceDirections", true, range));
         }
         if self.forward && (!self.aligned || self.model == CENTRED) {
             let range = "false, unless mesh.aligned is true and ring.model is another than ALE0Centred";
-            return Err(ParameterError::of_flag("solver.forward", true, range));
+            return Err(ParameterError::new("solver.forward", true, range));
         }
         if self.elements < 0 {
             let range = "0 for the ring model's usual number, or 16 to 400";
-            return Err(ParameterError::new("ring.elements", self.elements.into(), range.into()));
+            return Err(ParameterError::new("ring.elements", self.elements, range));
         }
         Ok(())
     }

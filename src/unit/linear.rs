@@ -49,10 +49,8 @@ pub fn linear_model<R: Rings>(
     let variator = &mut unit.variator;
     let time = variator.time();
     let found = linearise_at(variator, &settings.inputs, frequency, &read).map_err(|error| error.to_string())?;
-    remarks.extend(found.remarks.iter().map(|text| Remark {
-        warning: true,
-        text: format!("the linear model is not about the specified point: {text}"),
-    }));
+    let differs = |text: &String| format!("the linear model is not about the specified point: {text}");
+    remarks.extend(found.remarks.iter().map(differs).map(Remark::warning));
     Ok(format!("{:#}", in_words(&found, &table, &columns, frequency, time)))
 }
 

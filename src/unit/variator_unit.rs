@@ -3,8 +3,8 @@
 use super::rings::Rings;
 use super::settings::{Settings, StandardRings};
 use super::table;
-use crate::fmi::Table;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::{Table, Version};
 use crate::tape::Tape;
 use crate::variator::belt_ring::BeltRing;
 use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
@@ -25,13 +25,13 @@ pub struct UnitWith<R> {
 /// The content of `modelDescription.xml` of FMI 2.0.
 #[must_use]
 pub fn model_description() -> String {
-    crate::fmi::model_description::<VariatorUnit>()
+    crate::fmi::model_description::<VariatorUnit>(Version::Two, None)
 }
 
 /// The content of `modelDescription.xml` of FMI 3.0.
 #[must_use]
 pub fn model_description3() -> String {
-    crate::fmi::fmi3::model_description::<VariatorUnit>()
+    crate::fmi::model_description::<VariatorUnit>(Version::Three, None)
 }
 
 impl<R: Rings> UnitWith<R> {
@@ -231,25 +231,23 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) 
 mod tests {
     use super::choose_tolerance;
 
+    /// The experiment's tolerance replaces the default, within the range; a changed parameter takes precedence.
     #[test]
-    fn a_tolerance_of_the_experiment_replaces_the_default() {
-        let mut remarks = Vec::new();
-        assert_eq!(choose_tolerance(1e-4, 1e-6, &mut remarks), 1e-6);
-        assert!(remarks.is_empty());
-    }
-
-    #[test]
-    fn a_changed_parameter_takes_precedence_over_the_experiment() {
-        let mut remarks = Vec::new();
-        assert_eq!(choose_tolerance(1e-5, 1e-4, &mut remarks), 1e-5);
-        assert!(!remarks[0].warning);
-        assert!(remarks[0].text.contains("solver.tolerance = 0.00001"));
-    }
-
-    #[test]
-    fn a_tolerance_out_of_range_is_moved_into_range() {
-        let mut remarks = Vec::new();
-        assert_eq!(choose_tolerance(1e-4, 1e-300, &mut remarks), 1e-10);
-        assert!(remarks[0].warning);
+    fn a_tolerance_is_chosen() {
+        for (parameter, experiment, expected, remark) in [
+            (1e-4, 1e-6, 1e-6, None),
+            (1e-5, 1e-4, 1e-5, Some((false, "solver.tolerance = 0.00001"))),
+            (1e-4, 1e-300, 1e-10, Some((true, "0.0000000001 is used"))),
+        ] {
+            let mut remarks = Vec::new();
+            assert_eq!(choose_tolerance(parameter, experiment, &mut remarks), expected);
+            assert_eq!(remarks.len(), usize::from(remark.is_some()));
+            if let Some((warning, text)) = remark {
+                assert!(
+                    remarks[0].warning == warning && remarks[0].text.contains(text),
+                    "{remarks:?}"
+                );
+            }
+        }
     }
 }

@@ -1,16 +1,12 @@
 //! Prints the model description of the first-order lag: of FMI 2.0, or with the argument 3 of FMI 3.0.
 
-use pushbelt_fmi::{SimpleUnit, fmi2, fmi3};
+use pushbelt_fmi::{SimpleUnit, Version, model_description};
 
 #[path = "lag.rs"]
 mod lag;
 
 fn main() {
     let third = std::env::args().nth(1).is_some_and(|version| version == "3");
-    let describe = if third {
-        fmi3::model_description::<SimpleUnit<lag::Lag>>
-    } else {
-        fmi2::model_description::<SimpleUnit<lag::Lag>>
-    };
-    print!("{}", describe());
+    let version = if third { Version::Three } else { Version::Two };
+    print!("{}", model_description::<SimpleUnit<lag::Lag>>(version, None));
 }

@@ -72,13 +72,13 @@ pub mod prelude {
     pub use crate::simple::{SimpleModel, SimpleUnit};
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
     pub use crate::unit::{Experiment, Identity, Remark, StepFailure};
-    pub use crate::{Tape, Unit, setting};
+    pub use crate::{Tape, Unit, Version, model_description, setting};
 }
 
-pub use fmi2::{guid, model_description};
+pub use description::{model_description, token};
 pub use pushbelt_tape::Tape;
 pub use simple::{SimpleModel, SimpleUnit};
-pub use slave::Slave;
+pub use slave::{Slave, Version};
 pub use snapshot::Snapshot;
 pub use table::Table;
 pub use unit::Unit;

@@ -336,10 +336,11 @@ impl<S, R> Variable<S, R> {
 
     /// Whether it is an element of an array of the readings.
     pub(crate) fn is_element(&self) -> bool {
+        use Access::Element;
         match &self.kind {
-            Kind::Real { access, .. } => matches!(access, Access::Element(..)),
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => matches!(access, Access::Element(..)),
-            Kind::Boolean { access } => matches!(access, Access::Element(..)),
+            Kind::Real { access, .. } => matches!(access, Element(..)),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => matches!(access, Element(..)),
+            Kind::Boolean { access } => matches!(access, Element(..)),
         }
     }
 

@@ -80,6 +80,14 @@ pub struct Remark {
     pub text: String,
 }
 
+impl Remark {
+    /// A remark on which the user should act.
+    #[must_use]
+    pub fn warning(text: String) -> Self {
+        Self { warning: true, text }
+    }
+}
+
 /// The reason why a communication step was not completed. The unit is then in the state before [`Unit::begin`], as FMI 3.0 requires and FMI
 /// 2.0 permits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

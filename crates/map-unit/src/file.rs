@@ -82,9 +82,11 @@ struct File<'a>(&'a Value);
 impl File<'_> {
     fn tables(&self, hash: u128) -> Result<Tables, String> {
         let (forces, speeds) = (self.axis("force", [1e-3, 1e7])?, self.axis("speed", [1e-3, 1e5])?);
-        let ratio = self.axis("ratio", [0.01, 100.0])?;
-        let logs: Vec<f64> = ratio.iter().map(|ratio| ratio.ln()).collect();
-        let ratios = Even::between(logs[0], logs[logs.len() - 1], RATIOS);
+        let logs: Vec<f64> = self
+            .axis("ratio", [0.01, 100.0])?
+            .iter()
+            .map(|ratio| ratio.ln())
+            .collect();
         let utilisation = self.axis("utilisation", UTILISATION)?;
         let share = self.axis("slipShare", [-1.0, 1.0])?;
         let shift_utilisations = self.axis("shiftUtilisation", UTILISATION)?;
@@ -95,54 +97,62 @@ impl File<'_> {
         let grid = Refinement {
             lines: forces.len() * speeds.len(),
             logs: &logs,
-            ratios,
+            ratios: Even::between(logs[0], logs[logs.len() - 1], RATIOS),
         };
         let count = shift_utilisations.len();
         grid.check_size(count.max(2) - 1, [utilisation.len(), share.len(), count * excess.len()])?;
         let numbers =
             |name: &str, width: usize, range: Range| self.numbers(name, grid.lines * logs.len() * width, range);
-        let refined = |name: &str, along: &[f64], count: usize, range: Range| -> Result<(Even, Vec<f64>), String> {
-            Ok(grid.refined(&numbers(name, along.len(), range)?, along, count))
-        };
-        let pairs = |name: &str, range: Range| -> Result<Vec<f64>, String> {
-            let [least, most] = range;
-            let values = numbers(name, 2, [-most, most])?;
-            match values
-                .chunks(2)
-                .flat_map(|pair| [-pair[0], pair[1]])
-                .find(|size| *size < least)
+        let rising = |name: &str, [rows, width]: [usize; 2], range: Range| {
+            let values = numbers(name, rows * width, range)?;
+            if values
+                .chunks(width)
+                .all(|row| row.windows(2).all(|pair| pair[0] <= pair[1]))
             {
-                None => Ok(grid.along_ratio(&values, 2)),
-                Some(_) => Err(format!(
-                    "the table {name} must have values of {} to {} in direction -1 and of {least} to {most} in direction 1",
-                    -most, -least
-                )),
+                return Ok(values);
             }
+            Err(format!("it is damaged: the table {name} falls along its last axis"))
         };
-        let rates = numbers("shiftRate", count * excess.len(), [-1e3, 1e3])?;
-        rises("shiftRate", &rates, excess.len())?;
-        rises("traction", &numbers("traction", share.len(), UTILISATION)?, share.len())?;
+        let of_belt = |name: &str, range: Range| {
+            let values = numbers(name, utilisation.len(), range)?;
+            Ok::<_, String>(grid.refined(&values, &utilisation, UTILISATIONS).1)
+        };
+        let pairs = |name: &str, [least, most]: Range| {
+            let values = numbers(name, 2, [-most, most])?;
+            if values.chunks(2).all(|pair| -pair[0] >= least && pair[1] >= least) {
+                return Ok(grid.along_ratio(&values, 2));
+            }
+            Err(format!(
+                "the table {name} must have values of {} to {} in direction -1 and of {least} to {most} in direction 1",
+                -most, -least
+            ))
+        };
+        let rates = rising("shiftRate", [count, excess.len()], [-1e3, 1e3])?;
         let shift_rates = |k: usize| {
             let rows = rates.chunks(excess.len()).skip(k).step_by(count);
             let (even, values) = grid.refined(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES);
-            (even, rising(values, even.count))
+            (even, made_to_rise(values, even.count))
         };
         let shift_rates = (0..count.max(2) - 1).map(|k| {
             let ((even, low), (_, high)) = (shift_rates(k), shift_rates((k + 1).min(count - 1)));
             Sheet::of(even, [low, high])
         });
-        let (utilisations, thrust_ratio) = refined("thrustRatio", &utilisation, UTILISATIONS, THRUST_RATIO)?;
-        let (_, torque_loss) = refined("beltTorqueLoss", &utilisation, UTILISATIONS, [-1e4, 1e4])?;
-        let (_, bearing_load) = refined("bearingLoad", &utilisation, UTILISATIONS, [0.0, 1e7])?;
-        let (shares, traction) = refined("traction", &share, SHARES, UTILISATION)?;
+        let (shares, traction) = grid.refined(&rising("traction", [1, share.len()], UTILISATION)?, &share, SHARES);
         let (capacity, capacity_slip) = (pairs("capacity", CAPACITY)?, pairs("capacitySlip", CAPACITY_SLIP)?);
         let limits = capacity.chunks(2).zip(capacity_slip.chunks(2));
         Ok(Tables {
             parameters: self.parameters()?,
             hash,
-            ratios,
-            belt: Sheet::of(utilisations, [thrust_ratio, torque_loss, bearing_load]),
-            traction: Sheet::of(shares, [rising(traction, shares.count)]),
+            ratios: grid.ratios,
+            belt: Sheet::of(
+                Even::between(utilisation[0], utilisation[utilisation.len() - 1], UTILISATIONS),
+                [
+                    of_belt("thrustRatio", THRUST_RATIO)?,
+                    of_belt("beltTorqueLoss", [-1e4, 1e4])?,
+                    of_belt("bearingLoad", [0.0, 1e7])?,
+                ],
+            ),
+            traction: Sheet::of(shares, [made_to_rise(traction, shares.count)]),
             shift_rates: shift_rates.collect(),
             limits: limits.map(|(of, at)| [of[0], of[1], at[0], at[1]]).collect(),
             forces,
@@ -168,8 +178,7 @@ impl File<'_> {
     }
 
     fn axis(&self, name: &str, range: Range) -> Result<Vec<f64>, String> {
-        let mut values = Vec::new();
-        flatten(&self.0["axes"][name]["values"], &mut values);
+        let values = flat(&self.0["axes"][name]["values"]);
         within(&format!("the axis {name}"), &values, range)?;
         let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let ascends = values.windows(2).all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
@@ -182,8 +191,7 @@ impl File<'_> {
     }
 
     fn numbers(&self, name: &str, count: usize, range: Range) -> Result<Vec<f64>, String> {
-        let mut values = Vec::with_capacity(count);
-        flatten(&self.0["tables"][name]["values"], &mut values);
+        let values = flat(&self.0["tables"][name]["values"]);
         if values.len() != count {
             return Err(format!(
                 "it is damaged: the table {name} has {} numbers instead of {count}",
@@ -196,10 +204,10 @@ impl File<'_> {
 }
 
 /// The numbers in nested lists; NaN for what is no number.
-fn flatten(value: &Value, into: &mut Vec<f64>) {
+fn flat(value: &Value) -> Vec<f64> {
     match value {
-        Value::Array(items) => items.iter().for_each(|item| flatten(item, into)),
-        other => into.push(other.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(items) => items.iter().flat_map(flat).collect(),
+        other => vec![other.as_f64().unwrap_or(f64::NAN)],
     }
 }
 
@@ -215,17 +223,8 @@ fn within(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String
     }
 }
 
-/// Checks that rows of a table rise.
-fn rises(name: &str, values: &[f64], width: usize) -> Result<(), String> {
-    let mut rows = values.chunks(width);
-    if rows.all(|row| row.windows(2).all(|pair| pair[0] <= pair[1])) {
-        return Ok(());
-    }
-    Err(format!("it is damaged: the table {name} falls along its last axis"))
-}
-
 /// Each row made to rise: the refinement along the ratio keeps rising rows only nearly so.
-fn rising(mut values: Vec<f64>, width: usize) -> Vec<f64> {
+fn made_to_rise(mut values: Vec<f64>, width: usize) -> Vec<f64> {
     for row in values.chunks_mut(width) {
         let mut most = f64::NEG_INFINITY;
         for value in row {

@@ -6,8 +6,8 @@
 //!
 //! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
 //!
-//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0 of the [drag](pushbelt::shaft), so the belt loses
-//! T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
+//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0 of the
+//! [drag](pushbelt::shaft), so the belt loses T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
 //! ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
 //!
 //! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift alone, in the quotient of the forces.
@@ -15,17 +15,16 @@
 //! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
-use pushbelt::pulley::Pulley::{Primary, Secondary};
-use pushbelt::variator::settings::{Friction, Inputs, Parameters};
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::shaft::FADING_SPEED;
+use pushbelt::variator::settings::{Friction, Inputs, Parameters, bisected};
 
-use crate::tables::{Belt, Place, Tables};
+use crate::tables::{Belt, Even, Place, Tables, Traction};
 
 /// Regularisation speed v_0 of the slip, m/s.
-pub const SLIP_SPEED: f64 = 0.1;
-/// Iterations for the shift rate under the friction of seals.
-const RUBBED: usize = 60;
+const SLIP_SPEED: f64 = 0.1;
 /// Smallest force in a quotient of forces, N.
-pub const LEAST_FORCE: f64 = 1.0;
+const LEAST_FORCE: f64 = 1.0;
 /// Number of places of the table of radii.
 const RADII: usize = 257;
 /// Iterations for a pitch radius: each leaves some hundredth of the error.
@@ -36,8 +35,8 @@ const BEYOND_STOPS: f64 = 0.05;
 /// Radii over the ratio, between the end stops.
 #[derive(Clone, Debug)]
 pub struct Radii {
-    first: f64,
-    per_step: f64,
+    /// Places over ln i.
+    along: Even,
     primary: Vec<f64>,
     /// Pitch radius at ratio 1, m.
     at_one: f64,
@@ -72,51 +71,43 @@ impl Radii {
             at(reference).map(|(primary, _)| primary)
         };
         let stops = [of_pitch(least)?, of_pitch(most)?];
-        let first = stops[0] - BEYOND_STOPS;
-        let step = (stops[1] + BEYOND_STOPS - first) / (RADII - 1) as f64;
+        let along = Even::between(stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS, RADII);
+        let primary = along.places().into_iter().map(|log_ratio| radius(log_ratio.exp()));
         Ok(Self {
-            first,
-            per_step: 1.0 / step,
-            primary: (0..RADII)
-                .map(|k| radius((first + k as f64 * step).exp()))
-                .collect::<Result<_, _>>()?,
+            along,
+            primary: primary.collect::<Result<_, _>>()?,
             at_one: radius(1.0)?,
             place: 2.0 * parameters.geometry.wedge_angle.tan(),
             stops,
         })
     }
 
-    /// Pitch radius on the primary pulley at ln i, m.
-    #[must_use]
-    pub fn primary(&self, log_ratio: f64) -> f64 {
-        self.with_slope(log_ratio).0
-    }
-
     /// Pitch radius on the primary pulley at ln i, m, and its derivative.
-    fn with_slope(&self, log_ratio: f64) -> (f64, f64) {
-        let scaled = ((log_ratio - self.first) * self.per_step).clamp(0.0, (RADII - 1) as f64);
-        let k = (scaled as usize).min(RADII - 2);
+    #[must_use]
+    pub fn primary(&self, log_ratio: f64) -> (f64, f64) {
+        let (k, t) = self.along.find(log_ratio);
         let step = self.primary[k + 1] - self.primary[k];
-        (self.primary[k] + (scaled - k as f64) * step, step * self.per_step)
+        (self.primary[k] + t * step, step * self.along.per_step)
     }
 
-    /// Positions of the primary and the secondary sheave at ln i, m, 0 at ratio 1, and their derivatives.
+    /// Positions of the sheaves at ln i, m, 0 at ratio 1, and their derivatives.
     #[must_use]
-    pub fn positions(&self, log_ratio: f64) -> [(f64, f64); 2] {
-        let (radius, slope) = self.with_slope(log_ratio);
+    pub fn positions(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
+        let (radius, slope) = self.primary(log_ratio);
         let ratio = log_ratio.exp();
-        [(radius, slope), (ratio * radius, ratio * (radius + slope))]
-            .map(|(radius, slope)| (self.place * (radius - self.at_one), self.place * slope))
+        let radii = PerPulley {
+            primary: (radius, slope),
+            secondary: (ratio * radius, ratio * (radius + slope)),
+        };
+        radii.map(|(radius, slope)| (self.place * (radius - self.at_one), self.place * slope))
     }
 }
 
 /// A state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Primary speed, rad/s.
-    pub primary: f64,
-    /// Secondary speed, rad/s.
-    pub secondary: f64,
+    /// Speeds of the shafts, rad/s.
+    pub speeds: PerPulley<f64>,
     /// ln i.
     pub log_ratio: f64,
 }
@@ -129,19 +120,8 @@ pub struct Law<'a> {
     pub radii: &'a Radii,
     /// Parameters.
     pub parameters: &'a Parameters,
-}
-
-/// Utilisation, its derivative with respect to the sliding speed, s/m, and whether the belt slips through.
-#[derive(Clone, Copy, Debug)]
-pub struct Traction {
-    /// Utilisation u.
-    pub value: f64,
-    /// ∂u/∂v.
-    pub slope: f64,
-    /// Whether the slip is beyond that at capacity.
-    pub macro_slip: bool,
-    /// Sliding speeds between which the slope holds, m/s; the same speed twice where it does not hold around the present one.
-    pub between: [f64; 2],
+    /// With a held secondary sheave: the thrust ratio from which it gets its force.
+    pub held_thrust_ratio: Option<f64>,
 }
 
 /// What the tables give at a sliding speed in one direction of running.
@@ -177,10 +157,10 @@ impl Point {
         self.mean(|way| way.belt.thrust_ratio)
     }
 
-    /// Torque loss of the belt at the primary pulley, N·m, without its sign.
+    /// Torque loss of the belt at the primary pulley, which runs at a speed, rad/s; N·m.
     #[must_use]
-    pub fn torque_loss(&self) -> f64 {
-        self.mean(|way| way.belt.torque_loss)
+    pub fn lost(&self, primary: f64) -> f64 {
+        (primary / FADING_SPEED).tanh() * self.mean(|way| way.belt.torque_loss)
     }
 
     /// Resultant of the belt's contact forces on a pulley, N.
@@ -199,33 +179,83 @@ pub struct Frame {
     pub radius: f64,
     /// Ratio.
     pub ratio: f64,
+    /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
+    pub force: f64,
     /// Torque at utilisation 1, N·m.
     pub torque: f64,
     /// Speed q by which the sliding speed is divided, m/s.
     pub speed: f64,
     /// Share of forward running: 1, or 0 for reverse running, and between them near standstill.
-    pub forward: f64,
+    forward: f64,
     capacity: [f64; 2],
     capacity_slip: [f64; 2],
 }
 
-impl Law<'_> {
-    /// The frame of a state under a secondary force, N.
+impl Frame {
+    /// The sliding speed v, m/s.
     #[must_use]
-    pub fn frame(&self, state: &State, force: f64) -> Frame {
-        let force = force.max(0.0);
-        let place = self.tables.place(force, state.primary.abs(), state.log_ratio);
+    pub fn sliding(&self, speeds: PerPulley<f64>) -> f64 {
+        self.radius * (speeds.primary - self.ratio * speeds.secondary)
+    }
+
+    /// What `way` gives in the direction with the larger share, and near standstill the share of the other direction and what it gives
+    /// there. Reverse running is forward running at −v.
+    fn ways<W>(&self, sliding: f64, way: impl Fn(f64) -> W) -> (W, Option<(f64, W)>) {
+        let (main, share) = if self.forward >= 0.5 {
+            (sliding, 1.0 - self.forward)
+        } else {
+            (-sliding, self.forward)
+        };
+        (way(main), (share > 0.0).then(|| (share, way(-main))))
+    }
+
+    /// The traction at a sliding speed, m/s, from those of [`Frame::ways`].
+    fn mix(&self, sliding: f64, main: Traction, other: Option<(f64, Traction)>) -> Traction {
+        let ahead = self.forward >= 0.5;
+        let sign = if ahead { 1.0 } else { -1.0 };
+        match other {
+            None => Traction {
+                value: sign * main.value,
+                between: if ahead {
+                    main.between
+                } else {
+                    [-main.between[1], -main.between[0]]
+                },
+                ..main
+            },
+            Some((share, other)) => Traction {
+                value: sign * ((1.0 - share) * main.value - share * other.value),
+                slope: (1.0 - share) * main.slope + share * other.slope,
+                macro_slip: main.macro_slip,
+                between: [sliding; 2],
+            },
+        }
+    }
+}
+
+impl Law<'_> {
+    /// The frame of a state under inputs.
+    #[must_use]
+    pub fn frame(&self, state: &State, inputs: &Inputs) -> Frame {
+        let closing = self.closing(state, inputs);
+        let force = self
+            .held_thrust_ratio
+            .map_or(closing.secondary, |ratio| closing.primary / ratio);
+        let primary = state.speeds.primary;
+        let place = self.tables.place(force.max(0.0), primary.abs(), state.log_ratio);
         let (capacity, capacity_slip) = self.tables.limits(&place);
-        let radius = self.radii.primary(state.log_ratio);
-        let around = radius * state.primary;
+        let (radius, _) = self.radii.primary(state.log_ratio);
+        let around = radius * primary;
         let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
         // Slightly steeper than b, so that only one direction is evaluated at running speeds.
         let direction = (1.001 * around / speed).clamp(-1.0, 1.0);
+        let Parameters { friction, geometry, .. } = self.parameters;
         Frame {
             place,
             radius,
             ratio: state.log_ratio.exp(),
-            torque: 2.0 * self.parameters.friction.pulley * radius * force / self.parameters.geometry.wedge_angle.cos(),
+            force,
+            torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
             speed,
             forward: 0.5 * (1.0 + direction),
             capacity,
@@ -241,10 +271,9 @@ impl Law<'_> {
         if share.abs() <= 1.0 {
             let line = self.tables.traction(&frame.place, share);
             return Traction {
-                value: line.value,
                 slope: line.slope / limit,
-                macro_slip: false,
                 between: line.between.map(|share| share * limit),
+                ..line
             };
         }
         let Friction { fall, fall_speed, .. } = self.parameters.friction;
@@ -261,125 +290,77 @@ impl Law<'_> {
     /// The traction at a sliding speed v, m/s.
     #[must_use]
     pub fn traction(&self, frame: &Frame, sliding: f64) -> Traction {
-        let b = frame.forward;
-        if b == 1.0 {
-            return self.one_way(frame, sliding);
-        }
-        let mirrored = self.one_way(frame, -sliding);
-        if b == 0.0 {
-            return mirror_image(mirrored);
-        }
-        between(b, sliding, self.one_way(frame, sliding), mirrored)
+        let (main, other) = frame.ways(sliding, |sliding| self.one_way(frame, sliding));
+        frame.mix(sliding, main, other)
     }
 
     /// All that the tables give at a sliding speed v, m/s.
     #[must_use]
     pub fn point(&self, frame: &Frame, sliding: f64) -> Point {
-        let way = |sliding: f64| {
+        let (main, other) = frame.ways(sliding, |sliding| {
             let traction = self.one_way(frame, sliding);
-            Way {
-                traction,
-                belt: self.tables.belt(&frame.place, traction.value),
-            }
-        };
-        let b = frame.forward;
-        if b == 1.0 {
-            let main = way(sliding);
-            let (traction, other) = (main.traction, None);
-            return Point { traction, main, other };
-        }
-        let mirrored = way(-sliding);
-        if b == 0.0 {
-            return Point {
-                traction: mirror_image(mirrored.traction),
-                main: mirrored,
-                other: None,
-            };
-        }
-        let ahead = way(sliding);
-        let traction = between(b, sliding, ahead.traction, mirrored.traction);
-        let (main, share, other) = if b >= 0.5 {
-            (ahead, 1.0 - b, mirrored)
-        } else {
-            (mirrored, b, ahead)
-        };
-        Point {
-            traction,
-            main,
-            other: Some((share, other)),
-        }
+            let belt = self.tables.belt(&frame.place, traction.value);
+            Way { traction, belt }
+        });
+        let near = other.map(|(share, way)| (share, way.traction));
+        let traction = frame.mix(sliding, main.traction, near);
+        Point { traction, main, other }
     }
 
-    /// Forces of clamps and cylinders that close the primary and the secondary pulley in a state, without their seals, N.
+    /// Forces of clamps and cylinders that close the pulleys in a state, without their seals, N.
     #[must_use]
-    pub fn closing(&self, state: &State, inputs: &Inputs) -> [f64; 2] {
-        let [primary, secondary] = self.radii.positions(state.log_ratio);
-        [
-            (Primary, primary, state.primary),
-            (Secondary, secondary, state.secondary),
-        ]
-        .map(|(pulley, (position, _), speed)| {
-            let cylinder = &self.parameters.pulley(pulley).cylinder;
-            inputs.pulley(pulley).force(cylinder) + cylinder.push(position, speed)
+    pub fn closing(&self, state: &State, inputs: &Inputs) -> PerPulley<f64> {
+        let positions = self.radii.positions(state.log_ratio);
+        PerPulley::from_fn(|j| {
+            let cylinder = &self.parameters.pulley(j).cylinder;
+            inputs.pulley(j).force(cylinder) + cylinder.push(positions[j].0, state.speeds[j])
         })
     }
 
     /// Friction of the seals of both cylinders along the speeds of the sheaves, m/s; N.
     #[must_use]
-    pub fn rubbing(&self, velocities: [f64; 2]) -> [f64; 2] {
-        let Parameters {
-            primary,
-            secondary,
-            friction,
-            ..
-        } = self.parameters;
-        [
-            primary.cylinder.drag(velocities[0], friction.velocity),
-            secondary.cylinder.drag(velocities[1], friction.velocity),
-        ]
+    pub fn rubbing(&self, velocities: PerPulley<f64>) -> PerPulley<f64> {
+        let velocity = self.parameters.friction.velocity;
+        PerPulley::from_fn(|j| self.parameters.pulley(j).cylinder.drag(velocities[j], velocity))
     }
 
-    /// ℓ' in a state with the forces of the inputs, 1/s, and its slope over the utilisation by way of the thrust ratio.
+    /// ℓ' in a state with the forces of the inputs, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
     #[must_use]
     pub fn shift(&self, frame: &Frame, point: &Point, state: &State, inputs: &Inputs) -> (f64, f64) {
+        if self.parameters.holds_a_sheave() {
+            return (0.0, 0.0);
+        }
         let forces = self.closing(state, inputs);
-        let free = self.shift_under(frame, point, state.primary, forces);
-        let Parameters { primary, secondary, .. } = self.parameters;
-        if primary.cylinder.seal == 0.0 && secondary.cylinder.seal == 0.0 {
+        let primary = state.speeds.primary;
+        let free = self.shift_under(frame, point, primary, forces);
+        if Pulley::BOTH
+            .iter()
+            .all(|j| self.parameters.pulley(*j).cylinder.seal == 0.0)
+        {
             return free;
         }
         let slopes = self.radii.positions(state.log_ratio).map(|(_, slope)| slope);
         let under = |rate: f64| {
             let rubbing = self.rubbing(slopes.map(|slope| slope * rate));
-            let rubbed = [forces[0] - rubbing[0], forces[1] - rubbing[1]];
-            self.shift_under(frame, point, state.primary, rubbed)
+            self.shift_under(frame, point, primary, PerPulley::from_fn(|j| forces[j] - rubbing[j]))
         };
         // The friction of the seals falls with the rate that it causes: one root, between no motion and that without friction.
-        let (mut low, mut high) = (free.0.min(0.0), free.0.max(0.0));
-        for _ in 0..RUBBED {
-            let middle = 0.5 * (low + high);
-            if under(middle).0 > middle {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        let rate = 0.5 * (low + high);
-        let near = 1e-2 * self.parameters.friction.velocity / slopes[1].abs();
+        let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
+        let near = 1e-2 * self.parameters.friction.velocity / slopes.secondary.abs();
         let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);
         (rate, under(rate).1 / (1.0 - falls.min(0.0)))
     }
 
     /// [`Law::shift`] under forces of the sheaves on the belt, N.
-    fn shift_under(&self, frame: &Frame, point: &Point, primary: f64, [closing, other]: [f64; 2]) -> (f64, f64) {
+    fn shift_under(&self, frame: &Frame, point: &Point, primary: f64, closing: PerPulley<f64>) -> (f64, f64) {
         let at = |way: &Way| {
             let Belt {
                 thrust_ratio,
                 thrust_slope,
                 ..
             } = way.belt;
-            let holding = thrust_ratio * other;
-            let excess = (closing.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
+            let holding = thrust_ratio * closing.secondary;
+            let excess = (closing.primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&frame.place, way.traction.value, excess);
             (rate, -gain * thrust_slope / thrust_ratio)
         };
@@ -390,26 +371,5 @@ impl Law<'_> {
         };
         let direction = 2.0 * frame.forward - 1.0;
         (-primary.abs() * rate, -primary.abs() * slope * direction)
-    }
-}
-
-/// The traction of reverse running, from that at the mirrored sliding speed.
-fn mirror_image(mirrored: Traction) -> Traction {
-    let [low, high] = mirrored.between;
-    Traction {
-        value: -mirrored.value,
-        between: [-high, -low],
-        ..mirrored
-    }
-}
-
-/// The traction near standstill, from those of both directions; `b` is the share of forward running.
-fn between(b: f64, sliding: f64, ahead: Traction, mirrored: Traction) -> Traction {
-    let main = if b >= 0.5 { ahead } else { mirrored };
-    Traction {
-        value: b * ahead.value - (1.0 - b) * mirrored.value,
-        slope: b * ahead.slope + (1.0 - b) * mirrored.slope,
-        macro_slip: main.macro_slip,
-        between: [sliding; 2],
     }
 }

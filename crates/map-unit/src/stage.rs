@@ -1,13 +1,14 @@
 //! One implicit stage: y = base + k f(y).
 //!
 //! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding speed is v = v_0 − m T_P(v) with m ≥ 0.
-//! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
-//! outer iteration.
+//! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio,
+//! drag and belt loss follow in an outer iteration.
 
-use pushbelt::shaft::FADING_SPEED;
-use pushbelt::variator::settings::{Drive, Inputs, PulleyParameters, SPEED_LAG};
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};
 
-use crate::law::{Frame, Law, State, Traction};
+use crate::law::{Frame, Law, State};
+use crate::tables::Traction;
 
 /// Largest number of outer iterations.
 const ITERATIONS: usize = 60;
@@ -20,14 +21,12 @@ const LEAST_SHARE: f64 = 0.5;
 /// Bound of the utilisation, above every capacity.
 const MOST: f64 = 3.0;
 
-/// A stage.
+/// A stage: the laws, and the inputs at its time.
 pub struct Stage<'a> {
     /// Laws.
     pub law: &'a Law<'a>,
-    /// The inputs at the time of the stage.
+    /// Inputs.
     pub inputs: Inputs,
-    /// With a held secondary sheave: the thrust ratio from which it gets its force.
-    pub held_thrust_ratio: Option<f64>,
 }
 
 /// Speed of a shaft as a linear function of a torque.
@@ -44,10 +43,9 @@ impl Stage<'_> {
         let mut before = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let next = self.iterate(base, k, &state)?;
-            let relative = |a: f64, b: f64| (a - b).abs() / (1.0 + a.abs());
-            let change = relative(next.primary, state.primary)
-                .max(relative(next.secondary, state.secondary))
-                .max((next.log_ratio - state.log_ratio).abs());
+            let relative = |j: Pulley| (next.speeds[j] - state.speeds[j]).abs() / (1.0 + next.speeds[j].abs());
+            let change = Pulley::BOTH.map(relative).into_iter();
+            let change = change.fold((next.log_ratio - state.log_ratio).abs(), f64::max);
             state = next;
             // The next change is smaller by the factor between the last two.
             let rate = change / before;
@@ -61,50 +59,32 @@ impl Stage<'_> {
 
     fn iterate(&self, base: &State, k: f64, state: &State) -> Option<State> {
         let law = self.law;
-        let parameters = law.parameters;
-        let [closing, own] = law.closing(state, &self.inputs);
-        let force = self.held_thrust_ratio.map_or(own, |ratio| closing / ratio);
-        let frame = law.frame(state, force);
-        let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
+        let frame = law.frame(state, &self.inputs);
+        let sliding = frame.sliding(state.speeds);
         let point = law.point(&frame, sliding);
         let utilisation = point.traction.value;
         let load = point.bearing_load();
-        let lost = (state.primary / FADING_SPEED).tanh() * point.torque_loss();
-
-        let torque = self.inputs.primary.torque;
-        let shaft = (&parameters.primary, base.primary, state.primary);
-        let primary = self.line(shaft, k, load, torque, -1.0, self.inputs.primary.speed_setpoint);
-        let torque = self.inputs.secondary.torque - frame.ratio * lost;
-        let shaft = (&parameters.secondary, base.secondary, state.secondary);
-        let secondary = self.line(
-            shaft,
-            k,
-            load,
-            torque,
-            frame.ratio,
-            self.inputs.secondary.speed_setpoint,
-        );
-
-        let free = frame.radius * (primary.constant - frame.ratio * secondary.constant);
-        let per_torque = -frame.radius * (primary.slope - frame.ratio * secondary.slope);
+        let lost = frame.ratio * point.lost(state.speeds.primary);
+        let speeds = |j: Pulley| [base.speeds[j], state.speeds[j]];
+        let lines = PerPulley {
+            primary: self.line(Pulley::Primary, speeds(Pulley::Primary), k, load, [0.0, -1.0]),
+            secondary: self.line(
+                Pulley::Secondary,
+                speeds(Pulley::Secondary),
+                k,
+                load,
+                [-lost, frame.ratio],
+            ),
+        };
+        let free = frame.radius * (lines.primary.constant - frame.ratio * lines.secondary.constant);
+        let per_torque = -frame.radius * (lines.primary.slope - frame.ratio * lines.secondary.slope);
         // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
-        let held = parameters.holds_a_sheave();
-        let (rate, slope) = if held {
-            (0.0, 0.0)
-        } else {
-            law.shift(&frame, &point, state, &self.inputs)
-        };
-        let around = frame.radius * frame.ratio * state.secondary;
-        let behind = if held {
-            0.0
-        } else {
-            base.log_ratio + k * rate - state.log_ratio
-        };
+        let (rate, slope) = law.shift(&frame, &point, state, &self.inputs);
+        let around = frame.radius * frame.ratio * state.speeds.secondary;
         let [least, most] = law.radii.stops;
-        let behind = behind.clamp(least - state.log_ratio, most - state.log_ratio);
-        let coupled = around * k * slope;
+        let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
         let per_utilisation = per_torque * frame.torque;
-        let coupled = coupled.clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
+        let coupled = (around * k * slope).clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
         let found = self.utilisation(
             &frame,
             free - around * behind + coupled * utilisation,
@@ -112,40 +92,28 @@ impl Stage<'_> {
             (sliding, point.traction),
         )?;
         let torque = frame.torque * found;
-        let log_ratio = if held {
-            base.log_ratio
-        } else {
-            (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most)
-        };
         Some(State {
-            primary: primary.constant + primary.slope * torque,
-            secondary: secondary.constant + secondary.slope * torque,
-            log_ratio,
+            speeds: lines.map(|line| line.constant + line.slope * torque),
+            log_ratio: (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most),
         })
     }
 
-    /// The speed of a shaft: J (ω − base) = k (T + `lever` T_P − drag), with the drag linear about the present speed; or its lag
+    /// The speed of a shaft: J (ω − base) = k (T + own + lever T_P − drag), with the drag linear about the present speed; or its lag
     /// behind the set point.
-    fn line(
-        &self,
-        (pulley, base, speed): (&PulleyParameters, f64, f64),
-        k: f64,
-        load: f64,
-        torque: f64,
-        lever: f64,
-        setpoint: f64,
-    ) -> Line {
+    fn line(&self, j: Pulley, [base, speed]: [f64; 2], k: f64, load: f64, [own, lever]: [f64; 2]) -> Line {
+        let (pulley, inputs) = (self.law.parameters.pulley(j), self.inputs.pulley(j));
         if pulley.drive == Drive::Speed {
+            let share = k / SPEED_LAG;
             return Line {
-                constant: (base + k / SPEED_LAG * setpoint) / (1.0 + k / SPEED_LAG),
+                constant: (base + share * inputs.speed_setpoint) / (1.0 + share),
                 slope: 0.0,
             };
         }
         let drag = pulley.drag.at(speed, [load, 0.0]);
         let per_torque = k / (pulley.inertia + k * drag.by_speed);
-        let constant = per_torque * (pulley.inertia / k * base + torque - drag.torque + drag.by_speed * speed);
+        let torque = inputs.torque + own - drag.torque + drag.by_speed * speed;
         Line {
-            constant,
+            constant: per_torque * (pulley.inertia / k * base + torque),
             slope: per_torque * lever,
         }
     }
@@ -177,12 +145,11 @@ impl Stage<'_> {
             if slope > 0.0 && (newton >= from && newton <= to || (newton - v).abs() <= tolerance) {
                 return Some(traction.value + traction.slope * (newton - v));
             }
-            let next = if slope > 0.0 && newton > low && newton < high {
+            v = if slope > 0.0 && newton > low && newton < high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            v = next;
             traction = self.law.traction(frame, v);
             if high - low <= tolerance {
                 return Some(traction.value);

@@ -12,39 +12,33 @@ use pushbelt::variator::settings::Parameters;
 pub struct Even {
     first: f64,
     last: f64,
-    per_step: f64,
+    pub(crate) per_step: f64,
     pub(crate) count: usize,
 }
 
 impl Even {
     pub(crate) fn between(first: f64, last: f64, count: usize) -> Self {
         let count = if last > first { count } else { 1 };
-        let per_step = if count > 1 {
-            (count - 1) as f64 / (last - first)
-        } else {
-            0.0
-        };
         Self {
             first,
             last,
-            per_step,
+            per_step: if count > 1 {
+                (count - 1) as f64 / (last - first)
+            } else {
+                0.0
+            },
             count,
         }
     }
 
     pub(crate) fn places(&self) -> Vec<f64> {
-        let last = self.count.saturating_sub(1);
-        (0..self.count)
-            .map(|k| match k {
-                0 => self.first,
-                k if k == last => self.last,
-                k => self.first + k as f64 / self.per_step,
-            })
-            .collect()
+        let inner = (1..self.count.saturating_sub(1)).map(|k| self.first + k as f64 / self.per_step);
+        let last = (self.count > 1).then_some(self.last);
+        [self.first].into_iter().chain(inner).chain(last).collect()
     }
 
     /// Index of the interval of a place and the share of it below the place; within the axis.
-    fn find(&self, at: f64) -> (usize, f64) {
+    pub(crate) fn find(&self, at: f64) -> (usize, f64) {
         let scaled = ((at - self.first) * self.per_step).clamp(0.0, (self.count - 1) as f64);
         let k = (scaled as usize).min(self.count.saturating_sub(2));
         (k, scaled - k as f64)
@@ -117,14 +111,16 @@ pub struct Belt {
     pub bearing_load: f64,
 }
 
-/// Utilisation at a slip.
+/// Utilisation at a sliding speed, or at a slip as a share of that at capacity.
 #[derive(Clone, Copy, Debug)]
-pub struct Line {
-    /// Utilisation.
+pub struct Traction {
+    /// Utilisation u.
     pub value: f64,
-    /// Its slope.
+    /// ∂u/∂v, s/m.
     pub slope: f64,
-    /// Slips between which the slope holds.
+    /// Whether the slip is beyond that at capacity: the belt slips through.
+    pub macro_slip: bool,
+    /// Sliding speeds between which the slope holds, m/s; the same speed twice where it does not hold around the present one.
     pub between: [f64; 2],
 }
 
@@ -181,26 +177,30 @@ impl Tables {
     /// Capacity in both directions: utilisations and slips.
     #[must_use]
     pub fn limits(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
-        let mut found = [0.0; 4];
-        for (line, weight) in place.lines {
-            for (sum, value) in found.iter_mut().zip(&self.limits[line]) {
-                *sum += weight * value;
-            }
-        }
-        let [back, ahead, back_slip, ahead_slip] = found;
-        ([back, ahead], [back_slip, ahead_slip])
+        let mean = |n: usize| {
+            place
+                .lines
+                .iter()
+                .map(|(line, weight)| weight * self.limits[*line][n])
+                .sum()
+        };
+        ([mean(0), mean(1)], [mean(2), mean(3)])
     }
 
     /// Utilisation at a slip, as a share of the slip at capacity from −1 to 1.
     #[must_use]
-    pub fn traction(&self, place: &Place, share: f64) -> Line {
-        let found = self.traction.at(place, share);
+    pub fn traction(&self, place: &Place, share: f64) -> Traction {
+        let Found {
+            values: [value],
+            slopes: [slope],
+            interval,
+        } = self.traction.at(place, share);
         let along = &self.traction.along;
-        let border = |k: usize| along.first + k as f64 / along.per_step;
-        Line {
-            value: found.values[0],
-            slope: found.slopes[0],
-            between: [border(found.interval), border(found.interval + 1)],
+        Traction {
+            value,
+            slope,
+            macro_slip: false,
+            between: [interval, interval + 1].map(|k| along.first + k as f64 / along.per_step),
         }
     }
 
@@ -232,14 +232,11 @@ impl Tables {
 
 /// Index of the interval of a place on an ascending axis, and the share of it below the place; within the axis.
 fn interval(axis: &[f64], at: f64) -> (usize, f64) {
-    let last = axis.len() - 1;
-    let mut k = 0;
-    while k + 1 < last && at > axis[k + 1] {
-        k += 1;
-    }
-    if last == 0 {
+    if axis.len() == 1 {
         return (0, 0.0);
     }
+    let inner = &axis[1..axis.len() - 1];
+    let k = inner.partition_point(|place| *place < at);
     (k, ((at - axis[k]) / (axis[k + 1] - axis[k])).clamp(0.0, 1.0))
 }
 

@@ -5,11 +5,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pushbelt::pulley::Pulley;
-use pushbelt::shaft::FADING_SPEED;
+use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::variator::run::InputProfile;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG};
+use pushbelt::variator::settings::{
+    Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG, bisected,
+};
 use pushbelt_fmi::Tape;
 use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{Experiment, Identity, Remark, StepFailure, Unit};
@@ -31,6 +32,8 @@ const MOST_STEPS: f64 = 1e5;
 const MOST_PER_LONGEST: f64 = 100.0;
 /// Largest speed and input in a stored state, SI units, far beyond what a shaft stands.
 const LARGEST: f64 = 1e9;
+/// Difference of ln i beyond an end stop that is no reason for a remark: the detailed unit accepts a start there, where a loaded belt rests.
+const BEYOND_STOP: f64 = 0.06;
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -60,17 +63,12 @@ pub struct Step {
 impl MapUnit {
     fn blank_with(settings: &Settings) -> Result<Self, String> {
         let tables = settings.own.clone().ok_or("the unit has no tables")?;
-        check(settings)?;
-        let radii = Arc::new(Radii::new(&settings.parameters)?);
+        Self::check(settings)?;
         Ok(Self {
             tables,
-            radii,
+            radii: Arc::new(Radii::new(&settings.parameters)?),
             settings: settings.clone(),
-            state: State {
-                primary: 0.0,
-                secondary: 0.0,
-                log_ratio: 0.0,
-            },
+            state: State::default(),
             time: 0.0,
             acting: settings.inputs,
             thrust_ratio: 1.0,
@@ -80,107 +78,127 @@ impl MapUnit {
         })
     }
 
-    fn law(&self) -> Law<'_> {
-        Law {
-            tables: &self.tables,
-            radii: &self.radii,
-            parameters: self.parameters(),
-        }
-    }
-
     fn parameters(&self) -> &Parameters {
         &self.settings.parameters
     }
 
+    fn drives(&self) -> (Drive, Drive) {
+        (self.parameters().primary.drive, self.parameters().secondary.drive)
+    }
+
+    fn law(&self) -> Law<'_> {
+        let held = self.parameters().secondary.axial == Axial::Held;
+        Law {
+            tables: &self.tables,
+            radii: &self.radii,
+            parameters: self.parameters(),
+            held_thrust_ratio: held.then_some(self.thrust_ratio),
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        self.law().frame(&self.state, &self.acting)
+    }
+
+    /// What the tables give in the present state.
+    fn point(&self, frame: &Frame) -> Point {
+        self.law().point(frame, frame.sliding(self.state.speeds))
+    }
+
+    fn update_thrust_ratio(&mut self) {
+        self.thrust_ratio = self.point(&self.frame()).thrust_ratio();
+    }
+
     /// The state at the start.
     fn initialise(&mut self, remarks: &mut Vec<Remark>) {
-        let mut warn = |text: String| remarks.push(Remark { warning: true, text });
         let [least, most] = self.radii.stops;
         let initial = self.parameters().initial.clone();
         let wanted = initial.ratio.ln();
         self.state.log_ratio = wanted.clamp(least, most);
-        // The detailed unit accepts a start up to 6 % beyond, where a loaded belt rests.
-        if (self.state.log_ratio - wanted).abs() > 0.06 {
+        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP {
             let [least, most] = self.radii.stops.map(f64::exp);
-            warn(format!(
+            remarks.push(Remark::warning(format!(
                 "initial.ratio = {} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop",
                 initial.ratio
-            ));
+            )));
         }
-        let drive = [self.parameters().primary.drive, self.parameters().secondary.drive];
-        self.state.primary = match drive[0] {
+        self.state.speeds.primary = match self.drives().0 {
             Drive::Speed => self.acting.primary.speed_setpoint,
             Drive::Torque => initial.primary_speed,
         };
         self.thrust_ratio = self.tables.belt(&self.frame().place, 0.0).thrust_ratio;
-        self.settle(drive, &mut warn);
-        if initial.steady && initial.equilibrium && !self.parameters().holds_a_sheave() {
-            self.balance(drive, &mut warn);
-        }
+        let settled = self.settle();
+        let settled = if initial.steady && initial.equilibrium && !self.parameters().holds_a_sheave() {
+            self.balance()
+        } else {
+            settled
+        };
+        remarks.extend(settled.err().map(Remark::warning));
         self.update_thrust_ratio();
     }
 
     /// Sets the secondary speed at the present ratio: that of the steady slip, of the set point, or without slip.
-    fn settle(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
+    ///
+    /// # Errors
+    /// The reason why it is without slip though it should not be.
+    fn settle(&mut self) -> Result<(), String> {
         let ratio = self.state.log_ratio.exp();
-        if drive[1] == Drive::Speed {
-            self.state.secondary = self.acting.secondary.speed_setpoint;
-            if drive[0] == Drive::Torque {
-                self.state.primary = self.acting.secondary.speed_setpoint * ratio;
-            }
-        } else {
-            self.state.secondary = self.state.primary / ratio;
+        let (drives, setpoint) = (self.drives(), self.acting.secondary.speed_setpoint);
+        let by_secondary = drives.1 == Drive::Speed;
+        if by_secondary {
+            self.state.speeds.secondary = setpoint;
         }
-        if !self.parameters().initial.steady || drive == [Drive::Speed; 2] || self.state.primary == 0.0 {
-            return;
+        match drives {
+            (_, Drive::Torque) => self.state.speeds.secondary = self.state.speeds.primary / ratio,
+            (Drive::Torque, Drive::Speed) => self.state.speeds.primary = setpoint * ratio,
+            (Drive::Speed, Drive::Speed) => return Ok(()),
+        }
+        if !self.parameters().initial.steady || self.state.speeds.primary == 0.0 {
+            return Ok(());
         }
         // The speed of the shaft that is not given follows from the slip. Torque, loss and bearing load are iterated.
         for _ in 0..30 {
             let frame = self.frame();
-            let wanted = self.steady_torque(&frame, drive) / frame.torque.max(1e-9);
-            let Some(slip) = self.slip_at(&frame, wanted) else {
-                warn(format!(
-                    "the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip"
-                ));
-                return;
-            };
+            let wanted = self.steady_torque(&frame) / frame.torque.max(1e-9);
+            let slip = self.slip_at(&frame, wanted).ok_or_else(|| {
+                format!("the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip")
+            })?;
             // s = v/q; the slip is that of running speed.
             let sliding = slip * frame.speed / frame.radius;
-            let before = self.state;
-            if drive[1] == Drive::Speed {
-                self.state.primary = ratio * self.state.secondary + sliding;
+            let before = self.state.speeds;
+            let speeds = &mut self.state.speeds;
+            if by_secondary {
+                speeds.primary = ratio * speeds.secondary + sliding;
             } else {
-                self.state.secondary = (self.state.primary - sliding) / ratio;
+                speeds.secondary = (speeds.primary - sliding) / ratio;
             }
-            let change = (self.state.primary - before.primary).abs() + (self.state.secondary - before.secondary).abs();
-            if change <= 1e-12 * self.state.primary.abs() {
+            let change = (speeds.primary - before.primary).abs() + (speeds.secondary - before.secondary).abs();
+            if change <= 1e-12 * speeds.primary.abs() {
                 break;
             }
         }
+        Ok(())
     }
 
     /// The torque T_P with which the slip stays constant, N·m: the free shafts accelerate together.
-    fn steady_torque(&self, frame: &Frame, drive: [Drive; 2]) -> f64 {
-        let law = self.law();
-        let State { primary, secondary, .. } = self.state;
-        let sliding = frame.radius * (primary - frame.ratio * secondary);
-        let point = law.point(frame, sliding);
+    fn steady_torque(&self, frame: &Frame) -> f64 {
+        let (speeds, point) = (self.state.speeds, self.point(frame));
         let load = point.bearing_load();
-        let lost = (primary / FADING_SPEED).tanh() * point.torque_loss();
-        let Parameters {
-            primary: of_primary,
-            secondary: of_secondary,
-            ..
-        } = self.parameters();
-        let into = self.acting.primary.torque - of_primary.drag.at(primary, [load, 0.0]).torque;
-        let out = self.acting.secondary.torque - of_secondary.drag.at(secondary, [load, 0.0]).torque;
+        let lost = point.lost(speeds.primary);
+        let PerPulley {
+            primary: into,
+            secondary: out,
+        } = PerPulley::from_fn(|j| {
+            let drag = self.parameters().pulley(j).drag.at(speeds[j], [load, 0.0]);
+            self.acting.pulley(j).torque - drag.torque
+        });
         let i = frame.ratio;
-        match drive {
-            [Drive::Torque, Drive::Speed] => into,
-            [Drive::Speed, _] => lost - out / i,
+        match self.drives() {
+            (Drive::Torque, Drive::Speed) => into,
+            (Drive::Speed, _) => lost - out / i,
             // (into − T)/J_P = i (out + i (T − lost))/J_S
-            [Drive::Torque, Drive::Torque] => {
-                let (j_p, j_s) = (of_primary.inertia, of_secondary.inertia);
+            (Drive::Torque, Drive::Torque) => {
+                let (j_p, j_s) = (self.parameters().primary.inertia, self.parameters().secondary.inertia);
                 (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
             }
         }
@@ -190,111 +208,55 @@ impl MapUnit {
     fn slip_at(&self, frame: &Frame, wanted: f64) -> Option<f64> {
         let law = self.law();
         let at = |slip: f64| law.traction(frame, slip * frame.speed);
-        let (mut low, mut high) = (-1.0, 1.0);
         // Beyond the capacity the traction falls: only the rising part is searched.
-        while at(low).macro_slip && low < -1e-6 {
-            low *= 0.98;
-        }
-        while at(high).macro_slip && high > 1e-6 {
-            high *= 0.98;
-        }
-        if wanted < at(low).value || wanted > at(high).value {
-            return None;
-        }
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if at(middle).value < wanted {
-                low = middle;
-            } else {
-                high = middle;
+        let range = [-1.0, 1.0].map(|mut end: f64| {
+            while at(end).macro_slip && end.abs() > 1e-6 {
+                end *= 0.98;
             }
-        }
-        Some(0.5 * (low + high))
+            end
+        });
+        let [low, high] = range.map(|end| at(end).value);
+        (low..=high)
+            .contains(&wanted)
+            .then(|| bisected(range, |slip| at(slip).value < wanted))
     }
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
-    fn balance(&mut self, drive: [Drive; 2], warn: &mut impl FnMut(String)) {
-        let mut unheard = |_: String| {};
-        let [mut low, mut high] = self.radii.stops;
-        for _ in 0..60 {
-            self.state.log_ratio = 0.5 * (low + high);
-            self.settle(drive, &mut unheard);
+    fn balance(&mut self) -> Result<(), String> {
+        let found = bisected(self.radii.stops, |log_ratio| {
+            self.state.log_ratio = log_ratio;
+            // What a ratio on the way does not carry is of no interest.
+            let _ = self.settle();
             self.update_thrust_ratio();
             // Too small a primary force: the ratio grows.
-            let [closing, other] = self.closing();
-            if closing < self.thrust_ratio * other {
-                low = self.state.log_ratio;
-            } else {
-                high = self.state.log_ratio;
-            }
-        }
-        self.settle(drive, warn);
-    }
-
-    /// The thrust ratio from which a held secondary sheave gets its force.
-    fn held_thrust_ratio(&self) -> Option<f64> {
-        (self.parameters().secondary.axial == Axial::Held).then_some(self.thrust_ratio)
-    }
-
-    /// Forces of clamps and cylinders on the primary and the secondary sheave at present, without seals, N.
-    fn closing(&self) -> [f64; 2] {
-        self.law().closing(&self.state, &self.acting)
-    }
-
-    /// The secondary force, N: of clamp and cylinder, or with a held sheave what the primary force requires.
-    fn force(&self) -> f64 {
-        let [closing, own] = self.closing();
-        self.held_thrust_ratio().map_or(own, |ratio| closing / ratio)
-    }
-
-    fn frame(&self) -> Frame {
-        self.law().frame(&self.state, self.force())
-    }
-
-    fn sliding(&self, frame: &Frame) -> f64 {
-        frame.radius * (self.state.primary - frame.ratio * self.state.secondary)
-    }
-
-    fn update_thrust_ratio(&mut self) {
-        let frame = self.frame();
-        self.thrust_ratio = self.law().point(&frame, self.sliding(&frame)).thrust_ratio();
+            let closing = self.law().closing(&self.state, &self.acting);
+            closing.primary < self.thrust_ratio * closing.secondary
+        });
+        self.state.log_ratio = found;
+        self.settle()
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
     fn step(&mut self, duration: f64, to: &Inputs) -> bool {
-        let from = self.acting;
-        let change = to.after(-1.0, &from);
+        let change = to.after(-1.0, &self.acting);
         let k = GAMMA * duration;
-        let law = self.law();
+        let law = &self.law();
         let start = self.state;
-        let inputs = from.after(GAMMA, &change);
-        let stage = Stage {
-            law: &law,
-            inputs,
-            held_thrust_ratio: self.held_thrust_ratio(),
-        };
-        let Some(first) = stage.solve(&start, k, &start) else {
+        let stage = |inputs: Inputs| Stage { law, inputs };
+        let Some(first) = stage(self.acting.after(GAMMA, &change)).solve(&start, k, &start) else {
             return false;
         };
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
         let share = (1.0 - GAMMA) / GAMMA;
         let ahead = |start: f64, first: f64| start + share * (first - start);
         let base = State {
-            primary: ahead(start.primary, first.primary),
-            secondary: ahead(start.secondary, first.secondary),
+            speeds: PerPulley::from_fn(|j| ahead(start.speeds[j], first.speeds[j])),
             log_ratio: ahead(start.log_ratio, first.log_ratio),
         };
-        let inputs = *to;
-        let stage = Stage {
-            law: &law,
-            inputs,
-            held_thrust_ratio: self.held_thrust_ratio(),
-        };
-        let Some(second) = stage.solve(&base, k, &first) else {
+        let Some(second) = stage(*to).solve(&base, k, &first) else {
             return false;
         };
-        self.state = second;
-        self.acting = *to;
+        (self.state, self.acting) = (second, *to);
         if self.parameters().secondary.axial == Axial::Held {
             self.update_thrust_ratio();
         }
@@ -303,24 +265,21 @@ impl MapUnit {
 
     /// Steps to a time, s, at which the inputs are `to`.
     fn run_to(&mut self, end: f64, to: &Inputs) -> Result<(), StepFailure> {
-        let mut longest = LONGEST;
-        let whole = end - self.time;
-        let mut left = whole;
+        let mut left = end - self.time;
         // A count, so that the loop ends whatever the tables and inputs are.
-        let most = MOST_STEPS + MOST_PER_LONGEST * whole / LONGEST;
-        let mut steps = 0.0;
+        let most = MOST_STEPS + MOST_PER_LONGEST * left / LONGEST;
+        let (mut longest, mut steps) = (LONGEST, 0.0);
         while left > INSTANT {
             let count = (left / longest - 1e-9).ceil().max(1.0);
-            let duration = left / count;
-            let share = if count > 1.0 { duration / left } else { 1.0 };
-            let next = if count > 1.0 {
-                self.acting.after(share, &to.after(-1.0, &self.acting))
-            } else {
+            let (duration, is_last) = (left / count, count == 1.0);
+            let next = if is_last {
                 *to
+            } else {
+                self.acting.after(1.0 / count, &to.after(-1.0, &self.acting))
             };
             steps += 1.0;
             if self.step(duration, &next) {
-                left = if count > 1.0 { left - duration } else { 0.0 };
+                left = if is_last { 0.0 } else { left - duration };
                 longest = (2.0 * longest).min(LONGEST);
             } else {
                 longest = 0.5 * duration;
@@ -332,8 +291,7 @@ impl MapUnit {
                 )));
             }
         }
-        self.acting = *to;
-        self.time = end;
+        (self.acting, self.time) = (*to, end);
         Ok(())
     }
 
@@ -347,163 +305,132 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Logs once that a cylinder opens its pulley.
-    fn log_opening(&mut self, remarks: &mut Vec<Remark>) {
-        for (force, pulley) in self.closing().into_iter().zip([Pulley::Primary, Pulley::Secondary]) {
-            let (name, given) = (pulley.name(), self.acting.pulley(pulley));
-            let is_free = self.parameters().pulley(pulley).axial == Axial::Force;
+    /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
+    fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
+        let closing = self.law().closing(&self.state, &self.acting);
+        for j in [Pulley::Primary, Pulley::Secondary] {
+            let (name, given, force) = (j.name(), self.acting.pulley(j), closing[j]);
+            let is_free = self.parameters().pulley(j).axial == Axial::Force;
             if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
                 self.opened = true;
-                remarks.push(Remark {
-                    warning: true,
-                    text: format!(
-                        "at {} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the \
-                         force on its sheave is {force:.1} N",
-                        self.time, given.pressure, given.clamping_force
-                    ),
-                });
+                remarks.push(Remark::warning(format!(
+                    "at {} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the \
+                     force on its sheave is {force:.1} N",
+                    self.time, given.pressure, given.clamping_force
+                )));
             }
         }
-    }
-
-    /// Logs once each that the state is beyond the tables and that a pulley opens.
-    fn log_outside(&mut self, remarks: &mut Vec<Remark>) {
-        self.log_opening(remarks);
-        if self.logged {
-            return;
-        }
         let frame = self.frame();
-        if frame.place.outside {
+        if frame.place.outside && !self.logged {
             self.logged = true;
-            remarks.push(Remark {
-                warning: true,
-                text: format!(
-                    "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
-                     secondary force {:.0} N; map.outside shows it from now on",
-                    frame.ratio,
-                    self.state.primary,
-                    self.force()
-                ),
-            });
+            remarks.push(Remark::warning(format!(
+                "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
+                 secondary force {:.0} N; map.outside shows it from now on",
+                frame.ratio, self.state.speeds.primary, frame.force
+            )));
         }
     }
 
-    /// Speeds of the primary and the secondary sheave at present, closing positive, m/s.
-    fn sheave_velocities(&self, frame: &Frame, point: &Point) -> [f64; 2] {
-        if self.parameters().holds_a_sheave() {
-            return [0.0; 2];
-        }
+    /// Speeds of the sheaves at present, closing positive, m/s.
+    fn sheave_velocities(&self, frame: &Frame, point: &Point) -> PerPulley<f64> {
         let (rate, _) = self.law().shift(frame, point, &self.state, &self.acting);
-        let [least, most] = self.radii.stops;
-        let at_stop = self.state.log_ratio <= least && rate < 0.0 || self.state.log_ratio >= most && rate > 0.0;
+        let ([least, most], log_ratio) = (self.radii.stops, self.state.log_ratio);
+        let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
         let rate = if at_stop { 0.0 } else { rate };
-        let positions = self.radii.positions(self.state.log_ratio);
-        positions.map(|(_, slope)| slope * rate)
+        self.radii.positions(log_ratio).map(|(_, slope)| slope * rate)
     }
 
     fn read(&self) -> Readings {
-        let law = self.law();
-        let frame = self.frame();
-        let force = self.force();
-        let State { primary, secondary, .. } = self.state;
-        let sliding = self.sliding(&frame);
-        let point = law.point(&frame, sliding);
-        let traction = point.traction;
-        let torque = frame.torque * traction.value;
-        let load = point.bearing_load();
-        let lost = point.torque_loss();
-        let on_secondary = frame.ratio * (torque - (primary / FADING_SPEED).tanh() * lost);
-        let holding = point.thrust_ratio();
-        let pulleys = [&self.parameters().primary, &self.parameters().secondary];
-        let drag = [(pulleys[0], primary), (pulleys[1], secondary)]
-            .map(|(pulley, speed)| pulley.drag.at(speed, [load, 0.0]).torque);
-        let velocities = self.sheave_velocities(&frame, &point);
-        let drags = law.rubbing(velocities);
-        let axial = match pulleys[0].axial {
-            Axial::Held => holding * force,
-            Axial::Force => self.closing()[0] - drags[0],
+        let (law, frame, of) = (self.law(), self.frame(), self.parameters());
+        let (point, speeds) = (self.point(&frame), self.state.speeds);
+        let torque = frame.torque * point.traction.value;
+        // Torques of the shafts on the belt.
+        let into = PerPulley {
+            primary: torque,
+            secondary: -frame.ratio * (torque - point.lost(speeds.primary)),
         };
-        let force = force - drags[1];
-        let seal_loss = drags[0] * velocities[0] + drags[1] * velocities[1];
-        let setpoint = |speed: f64, pulley: usize, from_belt: f64| {
-            let (of, given) = (pulleys[pulley], [&self.acting.primary, &self.acting.secondary][pulley]);
-            match of.drive {
-                Drive::Torque => given.torque,
-                Drive::Speed => of.inertia * (given.speed_setpoint - speed) / SPEED_LAG - from_belt + drag[pulley],
+        let load = point.bearing_load();
+        let drags = PerPulley::from_fn(|j| of.pulley(j).drag.at(speeds[j], [load, 0.0]).torque);
+        let velocities = self.sheave_velocities(&frame, &point);
+        let rubbing = law.rubbing(velocities);
+        let axial = PerPulley {
+            primary: match of.primary.axial {
+                Axial::Held => point.thrust_ratio() * frame.force,
+                Axial::Force => law.closing(&self.state, &self.acting).primary - rubbing.primary,
+            },
+            secondary: frame.force - rubbing.secondary,
+        };
+        let belt_powers = PerPulley::from_fn(|j| into[j] * speeds[j]);
+        let drag_powers = PerPulley::from_fn(|j| drags[j] * speeds[j]);
+        let sum = |of: &dyn Fn(Pulley) -> f64| of(Pulley::Primary) + of(Pulley::Secondary);
+        let pulley = |j: Pulley| {
+            let (of, given) = (of.pulley(j), self.acting.pulley(j));
+            PulleyOutputs {
+                speed: speeds[j],
+                radius: match j {
+                    Pulley::Primary => frame.radius,
+                    Pulley::Secondary => frame.ratio * frame.radius,
+                },
+                axial_force: axial[j],
+                clamping_force_total: axial[j],
+                sheave_velocity: velocities[j],
+                flow: of.cylinder.area * velocities[j],
+                shaft_torque: -into[j],
+                external_torque: match of.drive {
+                    Drive::Torque => given.torque,
+                    Drive::Speed => of.inertia * (given.speed_setpoint - speeds[j]) / SPEED_LAG + into[j] + drags[j],
+                },
+                power: belt_powers[j],
+                ..PulleyOutputs::default()
             }
         };
-        let belt_powers = [torque * primary, -on_secondary * secondary];
-        let shaft_powers = [belt_powers[0] + drag[0] * primary, belt_powers[1] + drag[1] * secondary];
-        let shaft_loss = drag[0] * primary + drag[1] * secondary;
-        let slip_speed = 1e-3;
-        let pulley = |k: usize, speed: f64, radius: f64, shaft_torque: f64| PulleyOutputs {
-            speed,
-            radius,
-            axial_force: [axial, force][k],
-            clamping_force_total: [axial, force][k],
-            sheave_velocity: velocities[k],
-            flow: pulleys[k].cylinder.area * velocities[k],
-            shaft_torque,
-            external_torque: setpoint(speed, k, shaft_torque),
-            power: belt_powers[k],
-            ..PulleyOutputs::default()
-        };
+        let PerPulley { primary, secondary } = speeds;
         let outputs = Outputs {
-            thrust_ratio: if force < 1.0 { 0.0 } else { axial / force },
+            thrust_ratio: if axial.secondary < 1.0 {
+                0.0
+            } else {
+                axial.primary / axial.secondary
+            },
             belt_speed: 0.5 * frame.radius * (primary + frame.ratio * secondary),
             ratio_speed: if secondary == 0.0 { 0.0 } else { primary / secondary },
             ratio_geometric: frame.ratio,
-            slip: if primary.abs() < slip_speed {
+            slip: if primary.abs() < STANDSTILL {
                 0.0
             } else {
                 (1.0 - secondary / primary * frame.ratio).clamp(-2.0, 2.0)
             },
-            efficiency: efficiency(shaft_powers),
+            efficiency: efficiency(PerPulley::from_fn(|j| belt_powers[j] + drag_powers[j])),
             belt_efficiency: efficiency(belt_powers),
-            torque_utilisation: traction.value.abs(),
-            macro_slip: traction.macro_slip,
+            torque_utilisation: point.traction.value.abs(),
+            macro_slip: point.traction.macro_slip,
             losses: Losses {
                 // Maps have the belt's loss as a whole.
-                other: belt_powers[0] + belt_powers[1],
-                shafts: shaft_loss,
-                seals: seal_loss,
+                other: sum(&|j| belt_powers[j]),
+                shafts: sum(&|j| drag_powers[j]),
+                seals: sum(&|j| rubbing[j] * velocities[j]),
                 ..Losses::default()
             },
-            stored_energy: 0.5 * (pulleys[0].inertia * primary * primary + pulleys[1].inertia * secondary * secondary),
-            primary: pulley(0, primary, frame.radius, -torque),
-            secondary: pulley(1, secondary, frame.ratio * frame.radius, on_secondary),
+            stored_energy: 0.5 * sum(&|j| of.pulley(j).inertia * speeds[j] * speeds[j]),
+            primary: pulley(Pulley::Primary),
+            secondary: pulley(Pulley::Secondary),
             ..Outputs::default()
         };
-        Readings {
-            outputs,
-            outside: frame.place.outside,
-        }
+        let outside = frame.place.outside;
+        Readings { outputs, outside }
     }
 }
 
+/// Primary speed below which the slip is 0, rad/s.
+const STANDSTILL: f64 = 1e-3;
+
 /// Driven / driving power, 0 to 1; 0 without power flow.
-fn efficiency(powers: [f64; 2]) -> f64 {
-    let driving: f64 = powers.iter().filter(|power| **power > 0.0).sum();
-    let driven: f64 = powers.iter().filter(|power| **power < 0.0).sum();
+fn efficiency(PerPulley { primary, secondary }: PerPulley<f64>) -> f64 {
+    let driving = primary.max(secondary);
     if driving > 0.0 {
-        (-driven / driving).min(1.0)
+        (-primary.min(secondary) / driving).clamp(0.0, 1.0)
     } else {
         0.0
     }
-}
-
-/// Settings that do not fit each other.
-fn check(settings: &Settings) -> Result<(), String> {
-    if settings.parameters.holds_both_sheaves() {
-        return Err(
-            "primary.axial and secondary.axial are both Held: maps have no forces for that, one must be Force"
-                .to_owned(),
-        );
-    }
-    settings
-        .parameters
-        .validate_friction()
-        .map_err(|error| error.to_string())
 }
 
 impl Unit for MapUnit {
@@ -545,13 +472,19 @@ impl Unit for MapUnit {
     }
 
     fn check(settings: &Settings) -> Result<(), String> {
-        check(settings)
+        if settings.parameters.holds_both_sheaves() {
+            let text =
+                "primary.axial and secondary.axial are both Held: maps have no forces for that, one must be Force";
+            return Err(text.to_owned());
+        }
+        let checked = settings.parameters.validate_friction();
+        checked.map_err(|error| error.to_string())
     }
 
     fn start(settings: &Settings, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::blank_with(settings)?;
         unit.initialise(remarks);
-        unit.log_outside(remarks);
+        unit.log_limits(remarks);
         Ok(unit)
     }
 
@@ -581,7 +514,7 @@ impl Unit for MapUnit {
             self.settings.parameters.friction.pulley = own;
         }
         advanced?;
-        self.log_outside(remarks);
+        self.log_limits(remarks);
         Ok(())
     }
 
@@ -598,16 +531,12 @@ impl Unit for MapUnit {
     }
 
     fn serialize(&mut self, tape: &mut Tape<'_>) {
-        let State {
-            primary,
-            secondary,
-            log_ratio,
-        } = &mut self.state;
-        for speed in [primary, secondary] {
+        let speeds = &mut self.state.speeds;
+        for speed in [&mut speeds.primary, &mut speeds.secondary] {
             tape.within(speed, -LARGEST, LARGEST);
         }
         let [least, most] = self.radii.stops;
-        tape.within(log_ratio, least, most);
+        tape.within(&mut self.state.log_ratio, least, most);
         tape.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
         tape.within(&mut self.thrust_ratio, least, most);

@@ -292,7 +292,7 @@ impl Sdirk {
     /// Advances a state from `time` to exactly `to`.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
+    /// As [`Sdirk::step`].
     pub fn advance<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -310,7 +310,7 @@ impl Sdirk {
     /// Takes one step of a span that is not over.
     ///
     /// # Errors
-    /// As [`Sdirk::advance`].
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
     pub fn step<S: Evolution>(&mut self, system: &mut S, state: &mut State, span: &mut Span) -> Result<(), Stalled> {
         let Span { from, done, .. } = *span;
         let length = span.length();

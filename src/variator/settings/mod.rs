@@ -8,7 +8,8 @@ pub(crate) mod signals;
 pub(crate) mod table;
 pub(crate) mod validation;
 
-pub use error::{ParameterError, Value};
+pub use error::ParameterError;
 pub use parameters::*;
 pub use signals::*;
 pub use table::{InputRows, ParameterRows, Row, RowField, RowValue, range_of};
+pub use validation::bisected;

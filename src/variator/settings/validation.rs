@@ -64,55 +64,37 @@ impl Parameters {
 
     /// Below the friction angle a sheave clamps the elements and never releases them.
     fn validate_wedge(&self) -> Result<(), ParameterError> {
-        let wedge_angle = self.geometry.wedge_angle;
-        let friction = self.friction.pulley;
+        let (wedge_angle, friction) = (self.geometry.wedge_angle, self.friction.pulley);
         let friction_angle = friction.atan();
-        if wedge_angle > friction_angle {
-            return Ok(());
-        }
-        Err(ParameterError::new(
-            "geometry.wedgeAngle",
-            wedge_angle,
+        require(wedge_angle > friction_angle, "geometry.wedgeAngle", wedge_angle, || {
             format!(
                 "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
-            ),
-        ))
+            )
+        })
     }
 
     fn validate_ramp(&self) -> Result<(), ParameterError> {
         let ramp = self.solver.input_ramp;
-        if ramp >= 0.0 || ramp == -1.0 {
-            return Ok(());
-        }
-        Err(ParameterError::new(
-            "inputs.ramp",
-            ramp,
-            "0 to 10, or -1 for the whole communication step".to_string(),
-        ))
+        require(ramp >= 0.0 || ramp == -1.0, "inputs.ramp", ramp, || {
+            "0 to 10, or -1 for the whole communication step".to_owned()
+        })
     }
 
     fn validate_mesh(&self) -> Result<(), ParameterError> {
         let elements = self.mesh.secondary_arc;
-        if elements % 2 != 0 {
-            return Err(ParameterError::new(
-                "mesh.secondaryArc",
-                elements.into(),
-                "an even number, since ξ = 0 divides this arc in two".to_string(),
-            ));
-        }
-        Ok(())
+        require(elements % 2 == 0, "mesh.secondaryArc", elements, || {
+            "an even number, since ξ = 0 divides this arc in two".to_owned()
+        })
     }
 
     /// Only the deflecting ring leaves the plane.
     fn validate_ring(&self) -> Result<(), ParameterError> {
-        if self.spatial && self.ring_model != RingModel::Ale {
-            return Err(ParameterError::of_flag(
-                "ring.spatial",
-                true,
-                "false, unless ring.model is ALE",
-            ));
-        }
-        Ok(())
+        require(
+            !self.spatial || self.ring_model == RingModel::Ale,
+            "ring.spatial",
+            true,
+            || "false, unless ring.model is ALE".to_owned(),
+        )
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
@@ -125,25 +107,17 @@ impl Parameters {
         let offset = self.pitch_offset();
         let shortest = 2.0 * distance + 2.0 * PI * offset;
         let longest = (2.0 + PI) * distance;
-        if length <= shortest || length >= longest {
-            return Err(ParameterError::new(
-                "geometry.beltLength",
-                length,
-                format!(
-                    "between {shortest} and {longest}, so that at ratio 1 the belt reaches around both pulleys and \
-                     these do not touch (geometry.centerDistance = {distance}, belt.pitchOffset = {offset})"
-                ),
-            ));
-        }
-        let most = 0.1 * (length - 2.0 * PI * offset);
-        if !self.is_chain() && self.belt.play > most {
-            return Err(ParameterError::new(
-                "belt.play",
-                self.belt.play,
-                format!("0 to {most}, a tenth of the belt"),
-            ));
-        }
-        Ok(())
+        let reaches = length > shortest && length < longest;
+        require(reaches, "geometry.beltLength", length, || {
+            format!(
+                "between {shortest} and {longest}, so that at ratio 1 the belt reaches around both pulleys and \
+                 these do not touch (geometry.centerDistance = {distance}, belt.pitchOffset = {offset})"
+            )
+        })?;
+        let (play, most) = (self.belt.play, 0.1 * (length - 2.0 * PI * offset));
+        require(self.is_chain() || play <= most, "belt.play", play, || {
+            format!("0 to {most}, a tenth of the belt")
+        })
     }
 
     /// The stops leave a range of ratios, and the initial ratio lies in it.
@@ -152,33 +126,31 @@ impl Parameters {
             (&self.primary, "primary.minRadius", "primary.maxRadius"),
             (&self.secondary, "secondary.minRadius", "secondary.maxRadius"),
         ] {
-            if pulley.min_radius >= pulley.max_radius {
-                return Err(ParameterError::new(
-                    min,
-                    pulley.min_radius,
-                    format!("below {max} = {}", pulley.max_radius),
-                ));
-            }
+            let (least, most) = (pulley.min_radius, pulley.max_radius);
+            require(least < most, min, least, || format!("below {max} = {most}"))?;
         }
         let ratio = self.initial.ratio;
         let (lowest, highest) = self.ratio_range();
-        if lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio) {
-            return Ok(());
-        }
-        let range = if lowest < highest {
-            format!("{lowest:.6} to {highest:.6}, where the sheaves reach their stops")
-        } else {
-            "none, since no belt of this length fits between the stops".to_string()
-        };
-        Err(ParameterError::new("initial.ratio", ratio, range))
+        let fits = lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio);
+        require(fits, "initial.ratio", ratio, || {
+            if lowest < highest {
+                format!("{lowest:.6} to {highest:.6}, where the sheaves reach their stops")
+            } else {
+                "none, since no belt of this length fits between the stops".to_owned()
+            }
+        })
     }
 
     /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
     #[must_use]
     pub fn ratio_range(&self) -> (f64, f64) {
+        let boundary = |below: &dyn Fn(f64) -> bool| {
+            let range = [0.01_f64.ln(), 100.0_f64.ln()];
+            bisected(range, |log_ratio| below(log_ratio.exp())).exp()
+        };
         (
-            boundary(|ratio| !self.not_too_low(ratio)),
-            boundary(|ratio| self.not_too_high(ratio)),
+            boundary(&|ratio| !self.not_too_low(ratio)),
+            boundary(&|ratio| self.not_too_high(ratio)),
         )
     }
 
@@ -207,18 +179,30 @@ impl Parameters {
     }
 }
 
-/// The ratio up to which `below` holds, by bisection of its logarithm.
-fn boundary(below: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.01_f64.ln(), 100.0_f64.ln());
+/// The error of a value for which a rule does not hold.
+fn require(
+    holds: bool,
+    variable: &'static str,
+    value: impl ToString,
+    range: impl FnOnce() -> String,
+) -> Result<(), ParameterError> {
+    match holds {
+        true => Ok(()),
+        false => Err(ParameterError::new(variable, value, range())),
+    }
+}
+
+/// The place between two others up to which `is_below` holds, by bisection.
+pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if below(middle.exp()) {
+        if is_below(middle) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    (0.5 * (low + high)).exp()
+    0.5 * (low + high)
 }
 
 impl Inputs {

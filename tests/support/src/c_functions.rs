@@ -13,7 +13,13 @@ pub const ERROR: c_int = 3;
 
 /// The exported functions of a table of C functions, each with a list of arguments, a result and a body.
 macro_rules! functions {
-    ($all:ident: $($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*) => {
+    (
+        $all:ident:
+        $(
+            $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
+                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+        )*
+    ) => {
         /// The exported functions.
         #[allow(non_snake_case, reason = "names of the standard and of the header")]
         #[derive(Clone, Copy)]

@@ -64,7 +64,8 @@ impl Library {
 impl Functions {
     /// An instance without a logger.
     pub fn instantiate(&self) -> Component {
-        let guid = CString::new(pushbelt::fmi::guid::<VariatorUnit>()).expect("no zero inside");
+        let guid = CString::new(pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None))
+            .expect("no zero inside");
         // SAFETY: valid strings, and null where it is allowed.
         let c = unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
         assert!(!c.is_null());

@@ -7,7 +7,6 @@ use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::fmi3::{
     Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
-    instantiation_token,
 };
 use pushbelt::unit::VariatorUnit;
 
@@ -40,7 +39,11 @@ impl Functions3 {
     /// An instance without a function for messages. Intermediate updates are for a torque and a speed.
     #[must_use]
     pub fn instantiate(&self, watches: Watches) -> Instance {
-        let token = CString::new(instantiation_token::<VariatorUnit>()).expect("no zero inside");
+        let token = CString::new(pushbelt::fmi::token::<VariatorUnit>(
+            pushbelt::fmi::Version::Three,
+            None,
+        ))
+        .expect("no zero inside");
         let required = ["primary.torque", "primary.speed"].map(reference);
         let (update, environment) = watches
             .update

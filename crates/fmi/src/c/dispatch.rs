@@ -59,34 +59,13 @@ impl Kind {
     /// The kind of a function, by its name and whether its first argument is an instance.
     #[must_use]
     pub const fn of(name: &str, on_instance: bool) -> Self {
-        match (
-            on_instance,
-            contains(name, "FreeInstance"),
-            contains(name, "Instantiate"),
-        ) {
-            (true, true, _) => Self::Free,
-            (true, false, _) => Self::Call,
-            (false, _, true) => Self::Create,
-            (false, _, false) => Self::Without,
+        match name.as_bytes() {
+            b"fmi2Instantiate" | b"fmi3InstantiateCoSimulation" => Self::Create,
+            b"fmi2FreeInstance" | b"fmi3FreeInstance" => Self::Free,
+            _ if on_instance => Self::Call,
+            _ => Self::Without,
         }
     }
-}
-
-/// `text.contains(part)`, in constants too.
-const fn contains(text: &str, part: &str) -> bool {
-    let (text, part) = (text.as_bytes(), part.as_bytes());
-    let mut from = 0;
-    while from + part.len() <= text.len() {
-        let mut same = 0;
-        while same < part.len() && text[from + same] == part[same] {
-            same += 1;
-        }
-        if same == part.len() {
-            return true;
-        }
-        from += 1;
-    }
-    false
 }
 
 /// A text that ends with a zero, in constants too.
@@ -171,17 +150,18 @@ impl Dispatch {
         let mut state = locked(&self.state);
         state.calls += 1;
         let is_first = state.calls == 1 && INSTANCES.load(Ordering::SeqCst) == 0;
-        if kind == Kind::Create && state.open.is_none() && is_first {
-            match self.find(variant) {
-                Ok(variant) => {
-                    state.open = Some(variant);
-                    state.openings += 1;
-                    self.opening.store(state.openings, Ordering::Release);
-                }
-                Err(why) => {
-                    let text = format!("the slower library for all processors runs: {why}");
-                    *locked(&REMARK) = Some((Status::Warning, Category::Warning, text));
-                }
+        if kind != Kind::Create || state.open.is_some() || !is_first {
+            return;
+        }
+        match self.find(variant) {
+            Ok(variant) => {
+                state.open = Some(variant);
+                state.openings += 1;
+                self.opening.store(state.openings, Ordering::Release);
+            }
+            Err(why) => {
+                let text = format!("the slower library for all processors runs: {why}");
+                *locked(&REMARK) = Some((Status::Warning, Category::Warning, text));
             }
         }
     }
@@ -265,19 +245,19 @@ pub fn handshake() -> *const c_void {
 
 /// Makes the call of an exported function, here or in the variant. A call that creates or frees an instance keeps the variant open.
 pub fn through<T>(dispatch: Option<&Dispatch>, forward: &Forward, call: impl FnOnce(*mut c_void) -> T) -> T {
-    let held = match (forward.kind, dispatch) {
-        (Kind::Create | Kind::Free, Some(dispatch)) => dispatch.variant.map(|variant| (dispatch, variant)),
-        _ => None,
+    let Some(dispatch) = dispatch else {
+        return call(null_mut());
     };
-    if let Some((dispatch, variant)) = held {
-        contain((), || dispatch.enter(variant, forward.kind));
+    let kind = forward.kind;
+    let held = dispatch.variant.filter(|_| matches!(kind, Kind::Create | Kind::Free));
+    if let Some(variant) = held {
+        contain((), || dispatch.enter(variant, kind));
     }
-    let function = match (forward.kind, dispatch) {
-        (Kind::Without, _) | (_, None) => null_mut(),
-        (_, Some(dispatch)) => dispatch.function(forward),
-    };
-    let result = call(function);
-    if let Some((dispatch, _)) = held {
+    let result = call(match kind {
+        Kind::Without => null_mut(),
+        _ => dispatch.function(forward),
+    });
+    if held.is_some() {
         contain((), || dispatch.leave());
     }
     result
@@ -295,23 +275,4 @@ fn has_avx2() -> bool {
 #[cfg(not(target_arch = "x86_64"))]
 fn has_avx2() -> bool {
     false
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Kind;
-
-    #[test]
-    fn kinds_follow_from_the_names() {
-        for (name, on_instance, kind) in [
-            ("fmi2GetVersion", false, Kind::Without),
-            ("fmi2Instantiate", false, Kind::Create),
-            ("fmi3InstantiateCoSimulation", false, Kind::Create),
-            ("fmi2FreeInstance", true, Kind::Free),
-            ("fmi2FreeFMUstate", true, Kind::Call),
-            ("fmi2DoStep", true, Kind::Call),
-        ] {
-            assert!(Kind::of(name, on_instance) == kind, "{name}");
-        }
-    }
 }

@@ -5,8 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::floating_point;
 use crate::log::Status;
-use crate::slave::{CallError, Number, Slave, Type, refused};
-use crate::state::Call;
+use crate::slave::{CallError, Outcome, Slave, refused};
 use crate::unit::Unit;
 
 /// Error text for an array argument that cannot be used.
@@ -38,97 +37,30 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     })
 }
 
-/// A call that reads variables of a type.
-///
-/// # Safety
-/// As for [`enter`], [`array`] and [`array_mut`].
-pub(crate) unsafe fn get<U: Unit, N: Number>(
-    instance: *mut c_void,
-    function: &str,
-    of: Type,
-    references: (*const u32, usize),
-    values: (*mut N, usize),
-) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            slave.get(of, array(references)?, array_mut(values)?)
-        })
-    }
+/// The refusal of a function that the capability flags exclude.
+pub(crate) fn unsupported(why: &str) -> Outcome {
+    refused(format!("not supported: {why}"))
 }
 
-/// A call that writes variables of a type.
+/// Chooses the logged categories.
 ///
 /// # Safety
-/// As for [`enter`] and [`array`].
-pub(crate) unsafe fn set<U: Unit, N: Number>(
-    instance: *mut c_void,
-    function: &str,
-    of: Type,
-    references: (*const u32, usize),
-    values: (*const N, usize),
-) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            slave.set(of, array(references)?, array(values)?)
-        })
-    }
-}
-
-/// A call that reads or writes variables of a type that no variable has.
-///
-/// # Safety
-/// As for [`enter`] and [`array`].
-pub(crate) unsafe fn no_such_type<U: Unit>(
-    instance: *mut c_void,
-    function: &str,
-    call: Call,
-    references: (*const u32, usize),
-    type_name: &str,
-) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            slave.no_such_type(call, array(references)?, type_name)
-        })
-    }
-}
-
-/// A call of a function that the capability flags exclude.
-///
-/// # Safety
-/// As for [`enter`].
-pub(crate) unsafe fn unsupported<U: Unit>(instance: *mut c_void, function: &str, why: &str) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |_: &mut Slave<U>| {
-            refused::<()>(format!("not supported: {why}"))
-        })
-    }
-}
-
-/// A call that chooses the logged categories.
-///
-/// # Safety
-/// As for [`enter`]; each of the strings is null or ends with a zero.
+/// As for [`array`]; each of the strings is null or ends with a zero.
 pub(crate) unsafe fn set_debug_logging<U: Unit>(
-    instance: *mut c_void,
-    function: &str,
+    slave: &mut Slave<U>,
     on: bool,
     categories: (*const *const c_char, usize),
-) -> Status {
+) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            let names = array(categories)?.iter().map(|category| match text(*category)? {
-                Some(name) => Ok(name),
-                None => refused("a category is null"),
-            });
-            slave.set_debug_logging(on, names)
-        })
-    }
+    let names = unsafe { array(categories) }?
+        .iter()
+        .map(|category| match unsafe { text(*category) }? {
+            Some(name) => Ok(name),
+            None => refused("a category is null"),
+        });
+    slave.set_debug_logging(on, names)
 }
+
 fn is_usable<T>(pointer: *const T, count: usize) -> bool {
     !pointer.is_null()
         && pointer.is_aligned()

@@ -1,7 +1,7 @@
 //! Common parts of the C functions of both versions.
 //!
 //! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
-//! and the body, and a table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
+//! and, after `=`, the body, or after `=>` the instance and the call on its slave. A table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
 //! `export_fmi3!` make the exported functions for one unit, which call the generic ones.
 //!
 //! | file | content |
@@ -22,7 +22,12 @@ pub(super) mod stored;
 
 /// Defines a generic function for each row of a table, and the list of their names.
 macro_rules! define {
-    ($($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*) => {
+    (
+        $(
+            $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
+                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+        )*
+    ) => {
         /// Names of the C functions.
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
@@ -37,7 +42,7 @@ macro_rules! define {
             pub unsafe fn $name<U: Unit>($($argument: $type),*) $(-> $result)? {
                 const FUNCTION: &str = stringify!($name);
                 // SAFETY: as the caller grants.
-                unsafe { $body }
+                unsafe { $($body)? $(enter::<U, _>($c, FUNCTION, $call))? }
             }
         )*
     };
@@ -76,7 +81,10 @@ macro_rules! export_functions {
 macro_rules! __export_for {
     (
         $version:ident $unit:ty, $dispatch:expr;
-        $($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*
+        $(
+            $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
+                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+        )*
     ) => {
         $(
             /// The standard's function of this name.

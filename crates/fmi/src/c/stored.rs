@@ -6,9 +6,8 @@
 use libc::c_void;
 use std::ptr;
 
-use super::entry::{NULL_RESULT, array, array_mut, enter, result};
-use crate::log::Status;
-use crate::slave::{CallError, Slave, refused};
+use super::entry::{NULL_RESULT, array, array_mut, result};
+use crate::slave::{CallError, Outcome, Slave, refused};
 use crate::snapshot::Snapshot;
 use crate::state::Call;
 use crate::unit::Unit;
@@ -17,105 +16,74 @@ use crate::unit::Unit;
 type Stored = *mut c_void;
 
 /// Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
-pub(crate) unsafe fn get<U: Unit>(instance: *mut c_void, function: &str, state: *mut Stored) -> Status {
+pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            let state = result(state)?;
-            let saved = slave.save()?;
-            match state.cast::<Snapshot<U>>().as_mut() {
-                Some(existing) => *existing = saved,
-                None => *state = Box::into_raw(Box::new(saved)).cast(),
-            }
-            Ok(())
-        })
+    let state = unsafe { result(state) }?;
+    let saved = slave.save()?;
+    // SAFETY: as the caller grants.
+    match unsafe { state.cast::<Snapshot<U>>().as_mut() } {
+        Some(existing) => *existing = saved,
+        None => *state = Box::into_raw(Box::new(saved)).cast(),
     }
+    Ok(())
 }
 
 /// Goes back to a stored state, which stays as it is.
-pub(crate) unsafe fn set<U: Unit>(instance: *mut c_void, function: &str, state: Stored) -> Status {
+pub(crate) unsafe fn set<U: Unit>(slave: &mut Slave<U>, state: Stored) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            slave.restore(snapshot(state)?)
-        })
-    }
+    slave.restore(unsafe { snapshot(state) }?)
 }
 
 /// Frees a stored state and sets it to null; null is legal.
-pub(crate) unsafe fn free<U: Unit>(instance: *mut c_void, function: &str, state: *mut Stored) -> Status {
+pub(crate) unsafe fn free<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
+    slave.allow(Call::Always)?;
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            slave.allow(Call::Always)?;
-            if let Some(state) = state.as_mut()
-                && !state.is_null()
-            {
-                let freed = std::mem::replace(state, ptr::null_mut());
-                drop(Box::from_raw(freed.cast::<Snapshot<U>>()));
-            }
-            Ok(())
-        })
+    if let Some(state) = unsafe { state.as_mut() }
+        && !state.is_null()
+    {
+        let freed = std::mem::replace(state, ptr::null_mut());
+        // SAFETY: as the caller grants.
+        drop(unsafe { Box::from_raw(freed.cast::<Snapshot<U>>()) });
     }
+    Ok(())
 }
 
 /// Number of bytes of a stored state.
-pub(crate) unsafe fn size<U: Unit>(instance: *mut c_void, function: &str, state: Stored, size: *mut usize) -> Status {
+pub(crate) unsafe fn size<U: Unit>(slave: &mut Slave<U>, state: Stored, size: *mut usize) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            let (snapshot, size) = (snapshot(state)?, result(size)?);
-            *size = slave.serialize(snapshot)?.len();
-            Ok(())
-        })
-    }
+    let (snapshot, size) = unsafe { (snapshot(state)?, result(size)?) };
+    *size = slave.serialize(snapshot)?.len();
+    Ok(())
 }
 
 /// Writes a stored state as bytes, as many as [`size`] counts.
-pub(crate) unsafe fn serialize<U: Unit>(
-    instance: *mut c_void,
-    function: &str,
-    state: Stored,
-    (bytes, size): (*mut u8, usize),
-) -> Status {
+pub(crate) unsafe fn serialize<U: Unit>(slave: &mut Slave<U>, state: Stored, bytes: (*mut u8, usize)) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            let (snapshot, target) = (snapshot(state)?, array_mut((bytes, size))?);
-            let bytes = slave.serialize(snapshot)?;
-            match target.get_mut(..bytes.len()) {
-                Some(target) => target.copy_from_slice(&bytes),
-                None => {
-                    return refused(format!(
-                        "the state takes {} bytes, but only {size} are given",
-                        bytes.len()
-                    ));
-                }
-            }
-            Ok(())
-        })
+    let (snapshot, target) = unsafe { (snapshot(state)?, array_mut(bytes)?) };
+    let bytes = slave.serialize(snapshot)?;
+    let (given, needed) = (target.len(), bytes.len());
+    match target.get_mut(..needed) {
+        Some(target) => target.copy_from_slice(&bytes),
+        None => return refused(format!("the state takes {needed} bytes, but only {given} are given")),
     }
+    Ok(())
 }
 
 /// Makes a stored state from bytes. The previous value of `*state` is not read: it is not freed.
 pub(crate) unsafe fn deserialize<U: Unit>(
-    instance: *mut c_void,
-    function: &str,
+    slave: &mut Slave<U>,
     bytes: (*const u8, usize),
     state: *mut Stored,
-) -> Status {
+) -> Outcome {
     // SAFETY: as the caller grants.
-    unsafe {
-        enter(instance, function, |slave: &mut Slave<U>| {
-            let bytes = array(bytes)?;
-            if state.is_null() {
-                return refused(NULL_RESULT);
-            }
-            let snapshot = slave.deserialize(bytes)?;
-            state.write(Box::into_raw(Box::new(snapshot)).cast());
-            Ok(())
-        })
+    let bytes = unsafe { array(bytes) }?;
+    if state.is_null() {
+        return refused(NULL_RESULT);
     }
+    let snapshot = slave.deserialize(bytes)?;
+    // SAFETY: as the caller grants.
+    unsafe { state.write(Box::into_raw(Box::new(snapshot)).cast()) };
+    Ok(())
 }
 
 /// The snapshot of a stored state; an error if that is null.

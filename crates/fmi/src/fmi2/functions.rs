@@ -5,10 +5,10 @@ use libc::{c_char, c_int, c_uint};
 use super::creation::instantiate;
 use super::types::{CallbackFunctions, Component, FmuState};
 use crate::c::creation::free_instance;
-use crate::c::entry::{array, array_mut, enter, get, no_such_type, result, set, set_debug_logging, unsupported};
+use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::log::Status;
-use crate::slave::{Slave, Type};
+use crate::slave::{Slave, StatusKind, Type};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
@@ -24,7 +24,7 @@ macro_rules! fmi2_functions {
         fmi2GetVersion() -> *const c_char = c"2.0".as_ptr();
         fmi2SetDebugLogging(
             c: Component, logging_on: c_int, n_categories: usize, categories: *const *const c_char
-        ) -> Status = set_debug_logging::<U>(c, FUNCTION, logging_on != 0, (categories, n_categories));
+        ) -> Status => c, |slave| set_debug_logging(slave, logging_on != 0, (categories, n_categories));
         fmi2Instantiate(
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
@@ -34,91 +34,75 @@ macro_rules! fmi2_functions {
         // Set-up, initialisation, end.
         fmi2SetupExperiment(
             c: Component, tolerance_defined: c_int, tolerance: f64, start_time: f64, stop_time_defined: c_int, stop_time: f64
-        ) -> Status = {
+        ) -> Status => c, |slave| {
             let (tolerance, stop) = ((tolerance_defined != 0, tolerance), (stop_time_defined != 0, stop_time));
-            let experiment = Experiment::from_arguments(tolerance, start_time, stop);
-            enter(c, FUNCTION, |slave: &mut Slave<U>| slave.setup_experiment(experiment))
+            slave.setup_experiment(Experiment::from_arguments(tolerance, start_time, stop))
         };
-        fmi2EnterInitializationMode(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::enter_initialization_mode);
-        fmi2ExitInitializationMode(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::exit_initialization_mode);
-        fmi2Terminate(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::terminate);
-        fmi2Reset(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::reset);
+        fmi2EnterInitializationMode(c: Component) -> Status => c, Slave::enter_initialization_mode;
+        fmi2ExitInitializationMode(c: Component) -> Status => c, Slave::exit_initialization_mode;
+        fmi2Terminate(c: Component) -> Status => c, Slave::terminate;
+        fmi2Reset(c: Component) -> Status => c, Slave::reset;
 
         // Variables.
-        fmi2GetReal(c: Component, vr: *const c_uint, nvr: usize, value: *mut f64) -> Status =
-            get::<U, _>(c, FUNCTION, Type::Real, (vr, nvr), (value, nvr));
-        fmi2GetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =
-            get::<U, _>(c, FUNCTION, Type::IntegerOrEnumeration, (vr, nvr), (value, nvr));
-        fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =
-            get::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (value, nvr));
-        fmi2GetString(c: Component, vr: *const c_uint, nvr: usize, value: *mut *const c_char) -> Status =
-            no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "string");
-        fmi2SetReal(c: Component, vr: *const c_uint, nvr: usize, value: *const f64) -> Status =
-            set::<U, _>(c, FUNCTION, Type::Real, (vr, nvr), (value, nvr));
-        fmi2SetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =
-            set::<U, _>(c, FUNCTION, Type::IntegerOrEnumeration, (vr, nvr), (value, nvr));
-        fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =
-            set::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (value, nvr));
-        fmi2SetString(c: Component, vr: *const c_uint, nvr: usize, value: *const *const c_char) -> Status =
-            no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "string");
+        fmi2GetReal(c: Component, vr: *const c_uint, nvr: usize, value: *mut f64) -> Status =>
+            c, |slave| slave.get(Type::Real, array((vr, nvr))?, array_mut((value, nvr))?);
+        fmi2GetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
+            c, |slave| slave.get(Type::IntegerOrEnumeration, array((vr, nvr))?, array_mut((value, nvr))?);
+        fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
+            c, |slave| slave.get(Type::Boolean, array((vr, nvr))?, array_mut((value, nvr))?);
+        fmi2GetString(c: Component, vr: *const c_uint, nvr: usize, value: *mut *const c_char) -> Status =>
+            c, |slave| slave.no_such_type(Call::Get, array((vr, nvr))?, "string");
+        fmi2SetReal(c: Component, vr: *const c_uint, nvr: usize, value: *const f64) -> Status =>
+            c, |slave| slave.set(Type::Real, array((vr, nvr))?, array((value, nvr))?);
+        fmi2SetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
+            c, |slave| slave.set(Type::IntegerOrEnumeration, array((vr, nvr))?, array((value, nvr))?);
+        fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
+            c, |slave| slave.set(Type::Boolean, array((vr, nvr))?, array((value, nvr))?);
+        fmi2SetString(c: Component, vr: *const c_uint, nvr: usize, value: *const *const c_char) -> Status =>
+            c, |slave| slave.no_such_type(Call::Set, array((vr, nvr))?, "string");
 
         // Stored states.
-        fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status = stored::get::<U>(c, FUNCTION, state);
-        fmi2SetFMUstate(c: Component, state: FmuState) -> Status = stored::set::<U>(c, FUNCTION, state);
-        fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status = stored::free::<U>(c, FUNCTION, state);
-        fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status =
-            stored::size::<U>(c, FUNCTION, state, size);
-        fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut c_char, size: usize) -> Status =
-            stored::serialize::<U>(c, FUNCTION, state, (bytes.cast(), size));
-        fmi2DeSerializeFMUstate(c: Component, bytes: *const c_char, size: usize, state: *mut FmuState) -> Status =
-            stored::deserialize::<U>(c, FUNCTION, (bytes.cast(), size), state);
+        fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status => c, |slave| stored::get(slave, state);
+        fmi2SetFMUstate(c: Component, state: FmuState) -> Status => c, |slave| stored::set(slave, state);
+        fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status => c, |slave| stored::free(slave, state);
+        fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status =>
+            c, |slave| stored::size(slave, state, size);
+        fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut c_char, size: usize) -> Status =>
+            c, |slave| stored::serialize(slave, state, (bytes.cast(), size));
+        fmi2DeSerializeFMUstate(c: Component, bytes: *const c_char, size: usize, state: *mut FmuState) -> Status =>
+            c, |slave| stored::deserialize(slave, (bytes.cast(), size), state);
 
         // Derivatives.
         fmi2GetDirectionalDerivative(
             c: Component, unknown: *const c_uint, n_unknown: usize, known: *const c_uint, n_known: usize,
             dv_known: *const f64, dv_unknown: *mut f64
-        ) -> Status = unsupported::<U>(c, FUNCTION, DIRECTIONAL);
+        ) -> Status => c, |_| unsupported(DIRECTIONAL);
         fmi2SetRealInputDerivatives(
             c: Component, vr: *const c_uint, nvr: usize, order: *const c_int, value: *const f64
-        ) -> Status = enter(c, FUNCTION, |slave: &mut Slave<U>| {
-            slave.set_input_derivatives(array((vr, nvr))?, array((order, nvr))?, array((value, nvr))?)
-        });
+        ) -> Status =>
+            c, |slave| slave.set_input_derivatives(array((vr, nvr))?, array((order, nvr))?, array((value, nvr))?);
         fmi2GetRealOutputDerivatives(
             c: Component, vr: *const c_uint, nvr: usize, order: *const c_int, value: *mut f64
-        ) -> Status = enter(c, FUNCTION, |slave: &mut Slave<U>| {
-            slave.get_output_derivatives(array((vr, nvr))?, array((order, nvr))?, array_mut((value, nvr))?)
-        });
+        ) -> Status =>
+            c, |slave| slave.get_output_derivatives(array((vr, nvr))?, array((order, nvr))?, array_mut((value, nvr))?);
 
         // Communication steps. States are stored on request only, so the last argument of `fmi2DoStep` does not matter.
         fmi2DoStep(
             c: Component, current_communication_point: f64, communication_step_size: f64,
             no_set_fmu_state_prior_to_current_point: c_int
-        ) -> Status = enter(c, FUNCTION, |slave: &mut Slave<U>| {
-            slave.do_step(current_communication_point, communication_step_size)
-        });
-        fmi2CancelStep(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::cancel_step);
-        fmi2GetStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
-            enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                let value = result(value)?;
-                *value = slave.step_status(kind)? as c_int;
-                Ok(())
-            });
-        fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status =
-            enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                let value = result(value)?;
-                *value = slave.last_successful_time(kind)?;
-                Ok(())
-            });
-        fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
-            enter(c, FUNCTION, |slave: &mut Slave<U>| slave.no_status(kind));
-        fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
-            enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                let value = result(value)?;
-                *value = slave.requests_termination(kind)?.into();
-                Ok(())
-            });
-        fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =
-            enter(c, FUNCTION, |slave: &mut Slave<U>| slave.no_status(kind));
+        ) -> Status => c, |slave| slave.do_step(current_communication_point, communication_step_size);
+        fmi2CancelStep(c: Component) -> Status => c, Slave::cancel_step;
+        fmi2GetStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
+            c, |slave| slave.status(kind, StatusKind::DoStep, result(value)?, |slave| slave.step_status() as c_int);
+        fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status =>
+            c, |slave| slave.status(kind, StatusKind::LastSuccessfulTime, result(value)?, Slave::time);
+        fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
+            c, |slave| slave.no_status(kind);
+        // The slave never requests the end of the run.
+        fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
+            c, |slave| slave.status(kind, StatusKind::Terminated, result(value)?, |_| 0);
+        fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =>
+            c, |slave| slave.no_status(kind);
     } };
 }
 

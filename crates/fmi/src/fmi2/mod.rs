@@ -1,4 +1,4 @@
-//! The C functions of FMI 2.0 for co-simulation, for any unit, and its model description.
+//! The C functions of FMI 2.0 for co-simulation, for any unit.
 //!
 //! The functions convert raw pointers to references and slices; the calls themselves are in [`slave`](super::slave).
 //! No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
@@ -25,27 +25,5 @@ pub mod functions;
 pub mod query;
 mod types;
 
-use crate::description::{document, token};
-use crate::slave::Version;
-use crate::unit::Unit;
-
 pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};
-
-/// The model description of a unit.
-#[must_use]
-pub fn model_description<U: Unit>() -> String {
-    document::<U>(Version::Two, U::data(&U::Settings::default()))
-}
-
-/// The model description of a unit with data of this hash in its resources.
-#[must_use]
-pub fn model_description_with<U: Unit>(data: u128) -> String {
-    document::<U>(Version::Two, Some(data))
-}
-
-/// The GUID of a unit: a hash of its description, so that description and binary fit each other.
-#[must_use]
-pub fn guid<U: Unit>() -> String {
-    token::<U>(Version::Two, U::data(&U::Settings::default()))
-}

@@ -1,16 +1,8 @@
 //! FMI 3.0 for co-simulation: its C functions for any unit, and its XML.
 //!
-//! As in [`fmi2`](super::fmi2), the functions convert raw pointers to references and slices, and the calls themselves are in
-//! [`slave`](super::slave). No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
-//!
-//! - an instance comes from `fmi3InstantiateCoSimulation`, has not been freed, and is used by one call at a time (within
-//!   `fmi3DoStep` its intermediate update callback may use it, the callback for messages may not);
-//! - a stored state is null, or it comes from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and has not been freed;
-//! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
-//! - a pointer for a result is null or points to writable memory;
-//! - a pointer is aligned for its type, and memory from the caller is initialised.
-//!
-//! The status is an error for a null pointer where the standard requires a value.
+//! The caller of a function grants what [`fmi2`](super::fmi2) lists, with instances from `fmi3InstantiateCoSimulation` and stored states
+//! from `fmi3GetFMUState` or `fmi3DeserializeFMUState`. Within `fmi3DoStep` the intermediate update callback may use the instance; the
+//! callback for messages may not.
 //!
 //! By the standard, an instance is terminated after an error. Here a refused call leaves it unchanged.
 //!
@@ -30,28 +22,6 @@ mod steps;
 mod terminals;
 mod types;
 
-use crate::description::{document, token};
-use crate::slave::Version;
-use crate::unit::Unit;
-
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
 pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-
-/// The model description of a unit.
-#[must_use]
-pub fn model_description<U: Unit>() -> String {
-    document::<U>(Version::Three, U::data(&U::Settings::default()))
-}
-
-/// The model description of a unit with data of this hash in its resources.
-#[must_use]
-pub fn model_description_with<U: Unit>(data: u128) -> String {
-    document::<U>(Version::Three, Some(data))
-}
-
-/// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
-#[must_use]
-pub fn instantiation_token<U: Unit>() -> String {
-    token::<U>(Version::Three, U::data(&U::Settings::default()))
-}

@@ -3,6 +3,8 @@
 //! The master is called back between two borrows of the instance, never within one, because its callback calls functions on the
 //! same instance.
 
+use std::cell::Cell;
+
 use super::types::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
 use crate::c::floating_point::in_hosts;
@@ -23,56 +25,45 @@ pub(super) unsafe fn do_step<U: Unit>(
     last_successful_time: *mut f64,
 ) -> Status {
     let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
-    let body = || {
-        let (mut ended, mut time) = (None, f64::NAN);
-        let mut enter = |next: &mut Option<Next>, body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
-            let call = |slave: &mut Slave<U>| -> Result<(), CallError> {
+    let (time, mut ended) = (Cell::new(f64::NAN), None);
+    let status = contain(Status::Error, || {
+        let call = |body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
+            let mut next = None;
+            let call = |slave: &mut Slave<U>| {
                 let found = body(slave);
-                time = slave.time();
-                *next = Some(found?);
+                time.set(slave.time());
+                next = Some(found?);
                 Ok(())
             };
             // SAFETY: as the caller grants. No reference to the instance exists during a callback.
-            unsafe { enter(c, function, call) }
+            let status = unsafe { enter(c, function, call) };
+            (status, next)
         };
-        let mut next = None;
-        let mut status = enter(&mut next, &|slave| match writable {
+        let mut now = call(&|slave| match writable {
             true => slave.begin_step(current, step),
             false => refused(NULL_RESULT),
         });
-        while status == Status::Ok {
-            status = match next.take() {
-                Some(Next::Advance) => enter(&mut next, &Slave::advance_step),
-                Some(Next::Update(update)) => {
+        loop {
+            now = match now {
+                (Status::Ok, Some(Next::Advance)) => call(&Slave::advance_step),
+                (Status::Ok, Some(Next::Update(update))) => {
                     // SAFETY: the caller grants that the callback can be called.
                     let until = unsafe { call_back(update) };
-                    enter(&mut next, &|slave| slave.resume_step(until))
+                    call(&|slave| slave.resume_step(until))
                 }
-                Some(Next::Ended(done)) => {
+                (status, Some(Next::Ended(done))) => {
                     ended = Some(done);
-                    break;
+                    return status;
                 }
-                None => Status::Error,
+                (status, _) => return status,
             };
         }
-        (
-            status,
-            ended.unwrap_or(Ended {
-                event: false,
-                early: false,
-                time,
-            }),
-        )
-    };
-    let failed = (
-        Status::Error,
-        Ended {
-            event: false,
-            early: false,
-            time: f64::NAN,
-        },
-    );
-    let (status, ended) = contain(failed, body);
+    });
+    let ended = ended.unwrap_or(Ended {
+        event: false,
+        early: false,
+        time: time.get(),
+    });
     if writable {
         let [event, terminate, early] = flags;
         // SAFETY: none of the places is null.
@@ -91,22 +82,11 @@ pub(super) unsafe fn do_step<U: Unit>(
 /// # Safety
 /// The callback can be called with its environment.
 unsafe fn call_back(update: Update) -> Option<f64> {
-    let time = update.time;
-    let (set, can_return) = (update.inputs_may_be_set.into(), update.can_return_early.into());
-    let (mut requested, mut until) = (0, time);
+    let (time, mut requested, mut until) = (update.time, 0, update.time);
+    let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
+    let (requested_at, until_at) = (&raw mut requested, &raw mut until);
     // SAFETY: as the caller grants; the two places exist during the call.
-    in_hosts(|| unsafe {
-        (update.function)(
-            update.environment,
-            time,
-            set,
-            1,
-            1,
-            can_return,
-            &raw mut requested,
-            &raw mut until,
-        );
-    });
+    in_hosts(|| unsafe { (update.function)(update.environment, time, set, 1, 1, early, requested_at, until_at) });
     let until = if until.is_finite() { until.max(time) } else { time };
     (update.can_return_early && requested != 0).then_some(until)
 }

@@ -224,42 +224,33 @@ impl<U: Unit> Slave<U> {
         self.allow(Call::CancelStep)
     }
 
-    /// The status of a kind, if it is the one of which `value` is known.
-    fn status<T>(&self, kind: i32, known: StatusKind, value: Option<T>) -> Result<T, CallError> {
+    /// Writes the status of a kind to `place`, if it is the kind that is `known`.
+    pub fn status<T>(&self, kind: i32, known: StatusKind, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
         let Some(kind) = StatusKind::ALL.into_iter().find(|known| *known as i32 == kind) else {
             return refused("the kind of status is not one of the standard's");
         };
         self.allow(Call::GetStatus)?;
-        value.filter(|_| kind == known).ok_or_else(|| {
-            CallError::Discarded(format!(
+        if kind != known || kind == StatusKind::Pending {
+            return Err(CallError::Discarded(format!(
                 "there is no status {kind:?}: each step is complete when fmi2DoStep returns"
-            ))
-        })
+            )));
+        }
+        *place = value(self);
+        Ok(())
     }
 
-    /// How the last step ended: `fmi2DoStepStatus`.
-    pub fn step_status(&self, kind: i32) -> Result<Status, CallError> {
-        let ended = match self.now.state {
+    /// How the last step ended.
+    #[must_use]
+    pub fn step_status(&self) -> Status {
+        match self.now.state {
             State::StepFailed => Status::Discard,
             _ => Status::Ok,
-        };
-        self.status(kind, StatusKind::DoStep, Some(ended))
-    }
-
-    /// The time reached, s: `fmi2LastSuccessfulTime`.
-    pub fn last_successful_time(&self, kind: i32) -> Result<f64, CallError> {
-        let reached = self.now.unit.as_ref().map(|_| self.now.clock.point);
-        self.status(kind, StatusKind::LastSuccessfulTime, reached)
-    }
-
-    /// Whether the slave requests the end of the run: `fmi2Terminated`.
-    pub fn requests_termination(&self, kind: i32) -> Result<bool, CallError> {
-        self.status(kind, StatusKind::Terminated, Some(false))
+        }
     }
 
     /// A status of a type that none has.
     pub fn no_status(&self, kind: i32) -> Outcome {
-        self.status(kind, StatusKind::Pending, None)
+        self.status(kind, StatusKind::Pending, &mut (), |_| ())
     }
 }
 

@@ -16,9 +16,9 @@ use std::rc::Rc;
 
 use crate::layer::Unit;
 use crate::layer::fmi2::functions as f2;
-use crate::layer::fmi2::{CallbackFunctions, Logger, guid};
+use crate::layer::fmi2::{CallbackFunctions, Logger};
+use crate::layer::fmi3::IntermediateUpdate;
 use crate::layer::fmi3::functions as f3;
-use crate::layer::fmi3::{IntermediateUpdate, instantiation_token};
 use crate::layer::log::Status::{self, Discard, Ok as Done};
 use crate::layer::slave::Version::{self, Three, Two};
 use crate::layer::table::Kind;
@@ -178,11 +178,7 @@ impl<'a> Arguments<'a> {
 }
 
 pub fn token<U: Unit>(version: Version) -> CString {
-    let token = match version {
-        Two => guid::<U>(),
-        Three => instantiation_token::<U>(),
-    };
-    CString::new(token).expect("no zero inside")
+    CString::new(crate::layer::token::<U>(version, None)).expect("no zero inside")
 }
 
 /// How a communication step ended.

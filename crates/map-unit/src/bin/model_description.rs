@@ -4,35 +4,25 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use pushbelt_fmi::{fmi2, fmi3};
+use pushbelt_fmi::model_description;
+use pushbelt_fmi::slave::Version;
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 
 fn main() -> ExitCode {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
-    let third = arguments.first().is_some_and(|version| version == "3");
-    let Some(folder) = arguments.get(1) else {
-        let describe = if third {
-            fmi3::model_description::<MapUnit>
-        } else {
-            fmi2::model_description::<MapUnit>
-        };
-        print!("{}", describe());
-        return ExitCode::SUCCESS;
+    let version = match arguments.first() {
+        Some(version) if version == "3" => Version::Three,
+        _ => Version::Two,
     };
-    let describe = if third {
-        fmi3::model_description_with::<MapUnit>
-    } else {
-        fmi2::model_description_with::<MapUnit>
-    };
-    match Tables::read(Path::new(folder)) {
-        Ok(tables) => {
-            print!("{}", describe(tables.hash));
-            ExitCode::SUCCESS
-        }
-        Err(why) => {
+    let data = match arguments.get(1).map(|folder| Tables::read(Path::new(folder))) {
+        Some(Ok(tables)) => Some(tables.hash),
+        Some(Err(why)) => {
             eprintln!("{why}");
-            ExitCode::FAILURE
+            return ExitCode::FAILURE;
         }
-    }
+        None => None,
+    };
+    print!("{}", model_description::<MapUnit>(version, data));
+    ExitCode::SUCCESS
 }

@@ -20,10 +20,8 @@ const CYLINDER: Cylinder = Cylinder {
 
 fn settings(cylinder: Cylinder) -> Settings {
     let mut settings = crate::settings();
-    (
-        settings.parameters.primary.cylinder,
-        settings.parameters.secondary.cylinder,
-    ) = (cylinder, cylinder);
+    let of = &mut settings.parameters;
+    (of.primary.cylinder, of.secondary.cylinder) = (cylinder, cylinder);
     settings
 }
 

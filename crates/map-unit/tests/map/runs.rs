@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use pushbelt::pulley::PerPulley;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
 use pushbelt_fmi::table::{Causality, Value};
 use pushbelt_fmi::unit::{Experiment, Unit};
@@ -31,12 +32,12 @@ fn radii_close_the_belt_and_meet_the_stops() {
     let radii = Radii::new(&parameters).expect("radii");
     let [least, most] = radii.stops;
     for (stop, [primary, secondary]) in [(least, [0.082, 0.03]), (most, [0.03, 0.082])] {
-        let found = radii.primary(stop);
+        let (found, _) = radii.primary(stop);
         let off = (found - primary).abs().min((stop.exp() * found - secondary).abs());
         assert!(off < 1e-6, "{off:e}");
     }
     for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
-        let primary = radii.primary(ratio.ln());
+        let (primary, _) = radii.primary(ratio.ln());
         let [p, s] = [primary, ratio * primary].map(|radius| radius + parameters.belt.pitch_offset);
         let distance = parameters.geometry.center_distance;
         let angle = ((p - s) / distance).acos();
@@ -57,18 +58,17 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(settings: Settings) -> Self {
-        let tables = settings.own.clone().expect("tables");
-        let radii = Radii::new(&settings.parameters).expect("radii");
+    fn new() -> Self {
+        let settings = settings();
         Self {
+            tables: settings.own.clone().expect("tables"),
+            radii: Radii::new(&settings.parameters).expect("radii"),
             settings,
-            tables,
-            radii,
         }
     }
 
-    /// T_P, T_S and ℓ' of a state.
-    fn torques(&self, state: State) -> ([f64; 2], f64) {
+    /// T_P, T_S and ℓ' at speeds of the primary and the secondary shaft, and ln i.
+    fn torques(&self, primary: f64, secondary: f64, log_ratio: f64) -> [f64; 3] {
         let Self {
             settings,
             tables,
@@ -78,78 +78,53 @@ impl Bench {
             tables,
             radii,
             parameters: &settings.parameters,
+            held_thrust_ratio: None,
         };
-        let frame = law.frame(&state, settings.inputs.secondary.clamping_force);
-        let sliding = frame.radius * (state.primary - frame.ratio * state.secondary);
-        let point = law.point(&frame, sliding);
+        let speeds = PerPulley { primary, secondary };
+        let state = State { speeds, log_ratio };
+        let frame = law.frame(&state, &settings.inputs);
+        let point = law.point(&frame, frame.sliding(speeds));
         let torque = frame.torque * point.traction.value;
-        let lost = (state.primary / 2.0).tanh() * point.torque_loss();
         let (shift, _) = law.shift(&frame, &point, &state, &settings.inputs);
-        ([torque, frame.ratio * (torque - lost)], shift)
+        [torque, frame.ratio * (torque - point.lost(primary)), shift]
     }
 
-    /// T_P at two speeds and ln i.
     fn torque(&self, primary: f64, secondary: f64, log_ratio: f64) -> f64 {
-        self.torques(State {
-            primary,
-            secondary,
-            log_ratio,
-        })
-        .0[0]
+        self.torques(primary, secondary, log_ratio)[0]
     }
 }
 
 #[test]
 fn signs_are_those_of_the_detailed_unit() {
-    let mut bench = Bench::new(settings());
-    let ahead = State {
-        primary: 200.0,
-        secondary: 198.0,
-        log_ratio: 0.0,
-    };
-    let ([into, out], _) = bench.torques(ahead);
+    let mut bench = Bench::new();
+    let [into, out, _] = bench.torques(200.0, 198.0, 0.0);
     // The faster primary shaft drives the belt, and the belt drives the secondary shaft.
     assert!(into > 40.0 && out > 30.0 && out < into);
-    let behind = State {
-        secondary: 202.0,
-        ..ahead
-    };
-    let ([into, out], _) = bench.torques(behind);
+    let [into, out, _] = bench.torques(200.0, 202.0, 0.0);
     assert!(into < -30.0 && out < into);
     // A larger primary force closes the primary pulley: overdrive, a smaller ratio.
-    let force = bench.settings.inputs.secondary.clamping_force;
-    bench.settings.inputs.primary.clamping_force = 2.0 * force;
-    assert!(bench.torques(ahead).1 < 0.0);
-    bench.settings.inputs.primary.clamping_force = 0.5 * force;
-    assert!(bench.torques(ahead).1 > 0.0);
-    let still = State {
-        primary: 0.0,
-        secondary: 0.0,
-        log_ratio: 0.0,
-    };
-    assert_eq!(bench.torques(still).1, 0.0);
+    for (share, sign) in [(2.0, -1.0), (0.5, 1.0)] {
+        bench.settings.inputs.primary.clamping_force = share * bench.settings.inputs.secondary.clamping_force;
+        assert!(sign * bench.torques(200.0, 198.0, 0.0)[2] > 0.0);
+    }
+    assert_eq!(bench.torques(0.0, 0.0, 0.0)[2], 0.0);
 }
 
 #[test]
 fn reverse_running_is_the_mirror_image() {
-    let bench = Bench::new(settings());
+    let bench = Bench::new();
     for (primary, secondary) in [(200.0, 150.0), (30.0, 31.0), (0.5, 0.2), (0.0, 0.3), (-3.0, 1.0)] {
-        let state = |sign: f64| State {
-            primary: sign * primary,
-            secondary: sign * secondary,
-            log_ratio: 0.25,
-        };
-        let ([into, out], shift) = bench.torques(state(1.0));
-        let ([back_in, back_out], back) = bench.torques(state(-1.0));
-        assert!((into + back_in).abs() < 1e-12 * into.abs().max(1.0), "{primary}");
-        assert!((out + back_out).abs() < 1e-12 * out.abs().max(1.0), "{primary}");
-        assert!((shift - back).abs() < 1e-12);
+        let [into, out, shift] = bench.torques(primary, secondary, 0.25);
+        let [back_in, back_out, back] = bench.torques(-primary, -secondary, 0.25);
+        for (one, other) in [(into, back_in), (out, back_out), (shift, -back)] {
+            assert!((one + other).abs() < 1e-12 * one.abs().max(1.0), "{primary}");
+        }
     }
 }
 
 #[test]
 fn torque_is_continuous_through_standstill_and_at_capacity() {
-    let bench = Bench::new(settings());
+    let bench = Bench::new();
     let largest_jump = |torque: &dyn Fn(f64) -> f64| {
         let values: Vec<f64> = (0..=20_000).map(|k| torque(f64::from(k) / 20_000.0)).collect();
         let size = values.iter().copied().fold(0.0, f64::max);
@@ -165,7 +140,7 @@ fn torque_is_continuous_through_standstill_and_at_capacity() {
 
 #[test]
 fn a_belt_that_slips_through_carries_less_in_fast_sliding() {
-    let bench = Bench::new(settings());
+    let bench = Bench::new();
     let most = (0..8000).map(|k| bench.torque(200.0, 200.0 - 0.01 * f64::from(k), 0.0));
     let most = most.fold(0.0, f64::max);
     let share = bench.torque(200.0, 0.0, 0.0) / most;
@@ -177,7 +152,7 @@ fn a_belt_that_slips_through_carries_less_in_fast_sliding() {
 
 #[test]
 fn friction_scales_the_torque() {
-    let mut bench = Bench::new(settings());
+    let mut bench = Bench::new();
     let torque = bench.torque(200.0, 198.5, 0.0);
     bench.settings.parameters.friction.pulley *= 0.7;
     assert!((bench.torque(200.0, 198.5, 0.0) - 0.7 * torque).abs() < 1e-12 * torque);

@@ -29,6 +29,11 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// n, b and g.
+    fn sizes(&self) -> [usize; 3] {
+        [self.blocks, self.block, self.border]
+    }
+
     /// Number of unknowns n·b + g.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -44,26 +49,20 @@ impl Shape {
     /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds its blocks in order,
     /// a block its columns.
     fn starts(&self) -> [usize; 7] {
-        let (square, strip) = (
-            self.blocks * self.block * self.block,
-            self.blocks * self.block * self.border,
-        );
+        let [n, b, g] = self.sizes();
+        let (square, strip) = (n * b * b, n * b * g);
         let mut start = 0;
         let mut next = |size: usize| {
             start += size;
             start - size
         };
-        [square, square, square, strip, strip, self.border * self.border, 0].map(&mut next)
+        [square, square, square, strip, strip, g * g, 0].map(&mut next)
     }
 
     /// Place of an entry in the storage of an [`Arrow`], if it is in the band.
     #[must_use]
     pub fn index(&self, row: usize, column: usize) -> Option<usize> {
-        let Self {
-            blocks: n,
-            block: b,
-            border: g,
-        } = *self;
+        let [n, b, g] = self.sizes();
         let [d, u, l, r, s, c, _] = self.starts();
         let split = n * b;
         let (row_block, i) = (row / b, row % b);
@@ -220,11 +219,7 @@ impl Arrow {
     /// # Panics
     /// If an index is not in the border.
     pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
+        let [n, b, g] = self.shape.sizes();
         let (into, from) = (into - n * b, from - n * b);
         let bottom = self.shape.starts()[4];
         for column in self.values[bottom..].chunks_exact_mut(g) {
@@ -249,11 +244,7 @@ impl Arrow {
     }
 
     fn multiply_in_order(&self, x: &[f64], out: &mut [f64]) {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
+        let [n, b, g] = self.shape.sizes();
         let Parts {
             diagonal,
             upper,

@@ -3,7 +3,7 @@
 use super::real::Real;
 use super::soft_tail::{FAR, MANTISSA, soft_tail};
 use num_traits::{One, Zero};
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 #[cfg(not(target_feature = "avx"))]
 use wide::f64x2 as Pack;
 #[cfg(target_feature = "avx")]
@@ -121,44 +121,7 @@ impl Neg for Lanes {
     }
 }
 
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl SubAssign for Lanes {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl MulAssign for Lanes {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: Self) {
-        *self = *self * other;
-    }
-}
-
-impl Zero for Lanes {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::from(0.0)
-    }
-
-    fn is_zero(&self) -> bool {
-        *self == Self::zero()
-    }
-}
-
-impl One for Lanes {
-    #[inline(always)]
-    fn one() -> Self {
-        Self::from(1.0)
-    }
-}
+super::in_place!([] Lanes);
 
 impl Real for Lanes {
     type Constant = Self;

@@ -1,5 +1,41 @@
 //! The scalar type that every law is generic over: a plain number, a pack of them, or either with derivatives.
 
+/// Zero, one and the operators that change a scalar in place, all by its conversion and its other operators.
+macro_rules! in_place {
+    ([$($generic:tt)*] $type:ty) => {
+        super::in_place!([$($generic)*] $type, AddAssign add_assign +);
+        super::in_place!([$($generic)*] $type, SubAssign sub_assign -);
+        super::in_place!([$($generic)*] $type, MulAssign mul_assign *);
+
+        impl<$($generic)*> num_traits::Zero for $type {
+            #[inline(always)]
+            fn zero() -> Self {
+                Self::from(0.0)
+            }
+
+            fn is_zero(&self) -> bool {
+                *self == Self::zero()
+            }
+        }
+
+        impl<$($generic)*> num_traits::One for $type {
+            #[inline(always)]
+            fn one() -> Self {
+                Self::from(1.0)
+            }
+        }
+    };
+    ([$($generic:tt)*] $type:ty, $name:ident $method:ident $operator:tt) => {
+        impl<$($generic)*> std::ops::$name for $type {
+            #[inline(always)]
+            fn $method(&mut self, other: Self) {
+                *self = *self $operator other;
+            }
+        }
+    };
+}
+use in_place;
+
 mod lanes;
 mod real;
 mod smooth;

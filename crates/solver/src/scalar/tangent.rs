@@ -2,9 +2,8 @@
 
 use super::lanes::Lanes;
 use super::real::Real;
-use num_traits::{One, Zero};
 use std::array::from_fn;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The chain rule: the sum of slopes times the variations of what they are slopes by.
 #[inline(always)]
@@ -145,7 +144,7 @@ where
     fn if_positive(self, yes: Self, no: Self) -> Self {
         Self {
             re: self.re.if_positive(yes.re, no.re),
-            eps: std::array::from_fn(|k| self.re.if_positive(yes.eps[k], no.eps[k])),
+            eps: from_fn(|k| self.re.if_positive(yes.eps[k], no.eps[k])),
         }
     }
 
@@ -179,27 +178,21 @@ impl<const N: usize, L: Real> Neg for Tangent<N, L> {
     }
 }
 
-impl<const N: usize, L: Real> Add for Tangent<N, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self {
-            re: self.re + other.re,
-            eps: from_fn(|i| self.eps[i] + other.eps[i]),
+macro_rules! entry_by_entry {
+    ($($name:ident $method:ident),*) => {$(
+        impl<const N: usize, L: Real> $name for Tangent<N, L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self {
+                    re: self.re.$method(other.re),
+                    eps: from_fn(|i| self.eps[i].$method(other.eps[i])),
+                }
+            }
         }
-    }
+    )*};
 }
-
-impl<const N: usize, L: Real> Sub for Tangent<N, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self {
-            re: self.re - other.re,
-            eps: from_fn(|i| self.eps[i] - other.eps[i]),
-        }
-    }
-}
+entry_by_entry!(Add add, Sub sub);
 
 impl<const N: usize, L: Real> Mul for Tangent<N, L> {
     type Output = Self;
@@ -251,44 +244,7 @@ macro_rules! with_constants {
 with_constants!([, L: Real] f64, L);
 with_constants!([] Lanes, Lanes);
 
-impl<const N: usize, L: Real> AddAssign for Tangent<N, L> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl<const N: usize, L: Real> SubAssign for Tangent<N, L> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl<const N: usize, L: Real> MulAssign for Tangent<N, L> {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: Self) {
-        *self = *self * other;
-    }
-}
-
-impl<const N: usize, L: Real> Zero for Tangent<N, L> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::plain(L::zero())
-    }
-
-    fn is_zero(&self) -> bool {
-        *self == Self::zero()
-    }
-}
-
-impl<const N: usize, L: Real> One for Tangent<N, L> {
-    #[inline(always)]
-    fn one() -> Self {
-        Self::plain(L::one())
-    }
-}
+super::in_place!([const N: usize, L: Real] Tangent<N, L>);
 
 #[cfg(test)]
 mod tests {

@@ -36,10 +36,7 @@ pub trait Equations<const N: usize> {
 /// A problem whose solution is known for all times.
 pub trait Solved<const N: usize>: Equations<N> {
     /// y and q of the solution.
-    fn exact(&self, time: f64) -> [[f64; N]; 2];
-
-    /// ẏ of the solution.
-    fn rate(&self, time: f64) -> [f64; N];
+    fn exact<T: Real>(&self, time: T) -> [[T; N]; 2];
 }
 
 /// Equations as a system; unknowns of the loop that stand before them stay 0.
@@ -102,11 +99,11 @@ impl<E: Equations<N>, const N: usize> Test<E, N> {
 impl<E: Solved<N>, const N: usize> Test<E, N> {
     /// The solution.
     pub fn state(&self, time: f64) -> State {
-        let [y, q] = self.equations.exact(time);
+        let [y, q] = self.equations.exact(Dual64::new(time, 1.0));
         State {
-            y: self.unknowns(y),
-            y_dot: self.unknowns(self.equations.rate(time)),
-            q: self.unknowns(q),
+            y: self.unknowns(y.map(|y| y.re)),
+            y_dot: self.unknowns(y.map(|y| y.eps)),
+            q: self.unknowns(q.map(|q| q.re)),
         }
     }
 
@@ -219,12 +216,8 @@ impl Equations<1> for Decay {
 }
 
 impl Solved<1> for Decay {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
-        [[(-time).exp()], [0.0]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        [-(-time).exp()]
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
+        [[(-time).exp()], [T::zero()]]
     }
 }
 
@@ -240,12 +233,8 @@ impl Equations<1> for Quadrature {
 }
 
 impl Solved<1> for Quadrature {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
-        [[time.sin()], [1.0 - time.cos()]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        [time.cos()]
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
+        [[time.sin()], [-time.cos() + 1.0]]
     }
 }
 
@@ -261,12 +250,8 @@ impl Equations<1> for Swelling {
 }
 
 impl Solved<1> for Swelling {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
-        [[time.sin().exp()], [0.0]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        [time.cos() * time.sin().exp()]
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
+        [[time.sin().exp()], [T::zero()]]
     }
 }
 
@@ -284,14 +269,9 @@ impl Equations<1> for Oscillator {
 }
 
 impl Solved<1> for Oscillator {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
         let w = self.frequency;
-        [[-w * (w * time).sin()], [(w * time).cos()]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        let w = self.frequency;
-        [-w * w * (w * time).cos()]
+        [[(time * w).sin() * -w], [(time * w).cos()]]
     }
 }
 
@@ -308,13 +288,9 @@ impl Equations<1> for Forced {
 }
 
 impl Solved<1> for Forced {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
-        let (sin, cos) = (2.0 * time).sin_cos();
-        [[2.0 * cos], [sin]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        [-4.0 * (2.0 * time).sin()]
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
+        let (sin, cos) = (time * 2.0).sin_cos();
+        [[cos * 2.0], [sin]]
     }
 }
 
@@ -333,12 +309,8 @@ impl Equations<1> for ProtheroRobinson {
 }
 
 impl Solved<1> for ProtheroRobinson {
-    fn exact(&self, time: f64) -> [[f64; 1]; 2] {
-        [[time.cos()], [0.0]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 1] {
-        [-time.sin()]
+    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
+        [[time.cos()], [T::zero()]]
     }
 }
 
@@ -354,12 +326,8 @@ impl Equations<2> for Constrained {
 }
 
 impl Solved<2> for Constrained {
-    fn exact(&self, time: f64) -> [[f64; 2]; 2] {
-        [[(-time).exp(); 2], [0.0; 2]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; 2] {
-        [-(-time).exp(); 2]
+    fn exact<T: Real>(&self, time: T) -> [[T; 2]; 2] {
+        [[(-time).exp(); 2], [T::zero(); 2]]
     }
 }
 
@@ -408,13 +376,9 @@ impl Equations<CELLS> for Heat {
 }
 
 impl Solved<CELLS> for Heat {
-    fn exact(&self, time: f64) -> [[f64; CELLS]; 2] {
-        let left = (-Self::decay() * time).exp();
-        [std::array::from_fn(|i| left * mode(i)), [0.0; CELLS]]
-    }
-
-    fn rate(&self, time: f64) -> [f64; CELLS] {
-        self.exact(time)[0].map(|y| -Self::decay() * y)
+    fn exact<T: Real>(&self, time: T) -> [[T; CELLS]; 2] {
+        let left = (time * -Self::decay()).exp();
+        [std::array::from_fn(|i| left * mode(i)), [T::zero(); CELLS]]
     }
 }
 
@@ -434,18 +398,13 @@ impl Equations<CELLS> for Wave {
 }
 
 impl Solved<CELLS> for Wave {
-    fn exact(&self, time: f64) -> [[f64; CELLS]; 2] {
+    fn exact<T: Real>(&self, time: T) -> [[T; CELLS]; 2] {
         let w = Heat::decay().sqrt();
-        let (sin, cos) = (w * time).sin_cos();
+        let (sin, cos) = (time * w).sin_cos();
         [
-            std::array::from_fn(|i| -w * sin * mode(i)),
+            std::array::from_fn(|i| sin * (-w * mode(i))),
             std::array::from_fn(|i| cos * mode(i)),
         ]
-    }
-
-    fn rate(&self, time: f64) -> [f64; CELLS] {
-        let square = Heat::decay();
-        self.exact(time)[1].map(|q| -square * q)
     }
 }
 
