@@ -12,7 +12,6 @@ from pushbelt.fmu.geometry import Array
 
 from .table import AMPLITUDE, FIELD, MEAN, PULLEYS, Table
 
-
 OTHERS = "other cycles"
 """Part of a stress along the ring, besides its largest cycle."""
 
@@ -24,8 +23,7 @@ class Cycles:
     amplitude: Array
     mean: Array
     count: Array
-    column: str
-    """Column of the mean stress."""
+    column: str  # Column of the mean stress.
 
 
 def count_loop(stress: Array) -> list[tuple[float, float, float]]:
@@ -45,15 +43,9 @@ def cycles(table: Table) -> dict[str, Cycles]:
     No cycle spans several revolutions.
     """
     if table.field is None:
-        return {
-            f"{pulley} pulley": Cycles(
-                table[AMPLITUDE.format(pulley)][:, None],
-                table[MEAN.format(pulley)][:, None],
-                np.ones((len(table.lines), 1)),
-                MEAN.format(pulley),
-            )
-            for pulley in PULLEYS
-        }
+        columns = {p: (AMPLITUDE.format(p), MEAN.format(p)) for p in PULLEYS}
+        once = np.ones((len(table.lines), 1))
+        return {f"{p} pulley": Cycles(table[a][:, None], table[m][:, None], once, m) for p, (a, m) in columns.items()}
     counted = [count_loop(row) for row in table.field]
     most = max(2, *(len(row) for row in counted))
     padded = np.array([row + [(0.0, 0.0, 0.0)] * (most - len(row)) for row in counted])
