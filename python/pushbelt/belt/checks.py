@@ -63,9 +63,6 @@ def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, s
             except SteadyStateError as error:
                 found.append(Stress(ratio, force, reason=str(error)))
                 continue
-            cycles = (
-                steel.equivalent(state[f"ring.stressAmplitude.{pulley}"], state[f"ring.stressMean.{pulley}"])
-                for pulley in PULLEYS
-            )
-            found.append(Stress(ratio, force, state["ring.stressMax"], max(cycles)))
+            cycles = ([state[f"ring.{what}.{pulley}"] for what in ("stressAmplitude", "stressMean")] for pulley in PULLEYS)
+            found.append(Stress(ratio, force, state["ring.stressMax"], max(steel.equivalent(*one) for one in cycles)))
     return found
