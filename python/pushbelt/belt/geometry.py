@@ -16,42 +16,25 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import BELT_LENGTH
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 
-SETS = 2
-"""Ring sets of a belt."""
-WIDTH = 0.024
-"""Width of the elements to which the engineering values of stiffness and film apply, m."""
-THICKNESS = 0.0015
-"""Thickness of the elements to which the engineering values of the film apply, m."""
-PILLAR = 0.006
-"""Width of an element that its two ring slots leave to the pillar and the margins, m."""
-HEIGHT = 0.012
-"""Height of an element, m."""
-FILL = 0.59
-"""Share of width × height that an element covers: 24 mm × 12 mm × 1.5 mm then weighs 2.0 g."""
-ELEMENT_DENSITY = 7800.0
-"""Density of the elements' steel, kg/m³."""
-ROCKING_EDGE = 0.001
-"""Distance of an element's centre of mass from its rocking edge, m."""
-SADDLE = 0.00017
-"""Height of the saddle, on which the ring rests, above the rocking edge, m."""
-PLAY = 0.0002
-"""End play of the unstretched ring, m."""
-MOST_PLAY = 0.003
-"""Largest plausible end play, m."""
-STEEL = 2.06e11
-"""Young's modulus of the elements, Pa."""
-FLANK = 0.007
-"""Height of an element's flank, m."""
-SHEAVE = 1.2e11
-"""Stiffness of a sheave's face as an elastic half-space, N/m²."""
-PUSH_STIFFNESS = 1e7
-"""Push stiffness of elements of `WIDTH`, N."""
+SETS = 2  # Ring sets of a belt
+WIDTH = 0.024  # Width of the elements to which the engineering values of stiffness and film apply, m
+THICKNESS = 0.0015  # Thickness of the elements to which the engineering values of the film apply, m
+PILLAR = 0.006  # Width of an element that its two ring slots leave to the pillar and the margins, m
+HEIGHT = 0.012  # Height of an element, m
+FILL = 0.59  # Share of width × height that an element covers: 24 mm × 12 mm × 1.5 mm then weighs 2.0 g
+ELEMENT_DENSITY = 7800.0  # Density of the elements' steel, kg/m³
+ROCKING_EDGE = 0.001  # Distance of an element's centre of mass from its rocking edge, m
+SADDLE = 0.00017  # Height of the saddle, on which the ring rests, above the rocking edge, m
+PLAY = 0.0002  # End play of the unstretched ring, m
+MOST_PLAY = 0.003  # Largest plausible end play, m
+STEEL = 2.06e11  # Young's modulus of the elements, Pa
+FLANK = 0.007  # Height of an element's flank, m
+SHEAVE = 1.2e11  # Stiffness of a sheave's face as an elastic half-space, N/m²
+PUSH_STIFFNESS = 1e7  # Push stiffness of elements of `WIDTH`, N
 FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 750.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
-CLEARANCE = 0.004
-"""Distance of the two pulleys at the largest radii, m."""
-MIN_RADIUS = 0.03
-"""Smallest pitch radius, m."""
+CLEARANCE = 0.004  # Distance of the two pulleys at the largest radii, m
+MIN_RADIUS = 0.03  # Smallest pitch radius, m
 
 
 class BeltError(PushbeltError, ValueError):

@@ -43,12 +43,9 @@ from pushbelt.tables.faults import TableError
 
 from . import model, parameters
 
-MISFIT = 3
-"""Exit code of a bad fit."""
-ITERATIONS = 12
-"""Number of iterations of a fit that the progress bar assumes."""
-SOLUTION = 0.03
-"""Processor time of a steady state, s."""
+MISFIT = 3  # Exit code of a bad fit
+ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
+SOLUTION = 0.03  # Processor time of a steady state, s
 SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
 """Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 

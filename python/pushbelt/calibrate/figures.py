@@ -17,14 +17,11 @@ from pushbelt.report.style import BLUE, MUTED, ORANGE
 
 from .residuals import Residual
 
-SURE = 2.0
-"""Half-width of the shaded band, in standard deviations."""
-LEAST_REACH = 3.0
-"""Least reach of the axis of residuals, in standard deviations."""
+SURE = 2.0  # Half-width of the shaded band, in standard deviations
+LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
 FAR = 6.0
 """Residual of an outlier, in medians of the absolute residuals. That is four standard deviations of a normal distribution."""
-INSET = 0.02
-"""Distance of the marks of outliers from the border, as a share of the axis."""
+INSET = 0.02  # Distance of the marks of outliers from the border, as a share of the axis
 LOOKS = ({"colour": BLUE, "size": 7}, {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8})
 """Looks of the leading set and of the other one."""
 ARROWS = {(0, 1): "triangle-up", (0, -1): "triangle-down", (1, 0): "triangle-right", (-1, 0): "triangle-left"}

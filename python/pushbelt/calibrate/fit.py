@@ -19,14 +19,10 @@ from .worker import Found
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0
 """Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
-MISFIT = 3.0
-"""Root mean square of the residuals, in standard deviations, above which a fit is bad."""
-LOST_SHARE = 1.0 / 3.0
-"""Share of values at points without a steady state above which a fit is bad."""
-RAISE = 1.1
-"""Factor by which the friction is raised while points have no steady state at the start values."""
-PARTNER = 0.9
-"""Correlation above which two parameters can hardly be separated."""
+MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above which a fit is bad
+LOST_SHARE = 1.0 / 3.0  # Share of values at points without a steady state above which a fit is bad
+RAISE = 1.1  # Factor by which the friction is raised while points have no steady state at the start values
+PARTNER = 0.9  # Correlation above which two parameters can hardly be separated
 
 
 class FitError(PushbeltError, RuntimeError):
@@ -37,10 +33,8 @@ class FitError(PushbeltError, RuntimeError):
 class Undetermined:
     """Reason why a parameter was reset to its start value."""
 
-    half: float
-    """Half-width of its interval in its coordinate; infinite if it has no influence."""
-    partner: str | None
-    """Parameter from which it cannot be separated."""
+    half: float  # Half-width of its interval in its coordinate; infinite if it has no influence
+    partner: str | None  # Parameter from which it cannot be separated
     correlation: float
 
 
@@ -76,10 +70,8 @@ class Spread:
 
     halves: Array
     correlations: Array
-    singular_values: Array
-    """Of the Jacobian of the residuals, in standard deviations per unit of coordinate."""
-    factor: float
-    """Factor of the standard deviations in the intervals."""
+    singular_values: Array  # Of the Jacobian of the residuals, in standard deviations per unit of coordinate
+    factor: float  # Factor of the standard deviations in the intervals
 
 
 @dataclass(frozen=True)
@@ -87,22 +79,16 @@ class Fit:
     """Result of the fit. Counts and sums of squares are those before and after, without outliers."""
 
     estimates: tuple[Estimate, ...]
-    spread: Spread
-    """Of the parameters that have an interval, in their order."""
-    chi_squared: tuple[float, float]
-    """Sum of squares of the points with a steady state."""
-    used: tuple[int, int]
-    """Values at points with a steady state."""
-    freedom: int
-    """Degrees of freedom: values used and priors minus parameters."""
+    spread: Spread  # Of the parameters that have an interval, in their order
+    chi_squared: tuple[float, float]  # Sum of squares of the points with a steady state
+    used: tuple[int, int]  # Values at points with a steady state
+    freedom: int  # Degrees of freedom: values used and priors minus parameters
     before: tuple[Found, ...]
     after: tuple[Found, ...]
     evaluations: int
     converged: bool
-    kept: tuple[bool, ...]
-    """For each measured value, whether it is no outlier."""
-    rms_of_all: float
-    """Root mean square of the residuals after, with the outliers."""
+    kept: tuple[bool, ...]  # For each measured value, whether it is no outlier
+    rms_of_all: float  # Root mean square of the residuals after, with the outliers
 
     @property
     def rms(self) -> tuple[float, float]:

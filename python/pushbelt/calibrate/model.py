@@ -24,22 +24,18 @@ central differences agree within about 1e-3. The limited accuracy of shift rates
 LOST = 100.0
 """Residual of a point without a steady state, in standard deviations. It is so large that no fit improves by losing a point that
 the belt can carry. It is constant, so a lost point has no slope and does not influence the fit."""
-FAR = 10.0
-"""Upper limit of a residual in the comparison of start points, in standard deviations."""
+FAR = 10.0  # Upper limit of a residual in the comparison of start points, in standard deviations
 OUTSTANDING = 3.0
 """A one-sided slope above this multiple of the upper quartile of its quantity is checked by a step to the other side."""
-CONTRADICTION = 0.5
-"""One-sided slopes contradict each other if they differ by more than this share of the larger one."""
-CHUNK = 6
-"""Number of points per job of a process."""
+CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by more than this share of the larger one
+CHUNK = 6  # Number of points per job of a process
 
 
 @dataclass(frozen=True)
 class Value:
     """A measured value and its point."""
 
-    point: int
-    """Index of the point."""
+    point: int  # Index of the point
     measured: Measured
 
     def of(self, state: Found) -> float | None:
@@ -54,12 +50,10 @@ class Model:
         """`solve` solves jobs: values of variables, and a point."""
         self.points = tuple(points)
         self.values = tuple(Value(place, one) for place, point in enumerate(self.points) for one in point.measured)
-        self.measured = np.array([value.measured.value for value in self.values])
-        """Measured values."""
+        self.measured = np.array([value.measured.value for value in self.values])  # Measured values
         self.deviations = np.array([value.measured.deviation for value in self.values])
         """Standard deviations of the measured values."""
-        self.solves = 0
-        """Number of steady states and recorded shifts solved so far."""
+        self.solves = 0  # Number of steady states and recorded shifts solved so far
         self._solve_jobs = solve
 
     def _solve(self, jobs: Sequence[Job]) -> list[Found]:

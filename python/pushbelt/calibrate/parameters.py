@@ -10,8 +10,7 @@ from typing import Any
 
 from pushbelt.errors import PushbeltError
 
-DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
-"""Parameters that are fitted by default."""
+DEFAULT = ("friction.pulley", "friction.ring", "belt.play")  # Parameters that are fitted by default
 
 PULLEYS = ("primary", "secondary")
 
@@ -27,17 +26,14 @@ class Parameter:
     The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start.
     """
 
-    name: str
-    """Name as specified."""
-    variables: tuple[str, ...]
-    """Variables of the FMU that are set to the value."""
+    name: str  # Name as specified
+    variables: tuple[str, ...]  # Variables of the FMU that are set to the value
     unit: str
     meaning: str
     start: float
     low: float
     high: float
-    prior: tuple[float, float] | None = None
-    """Value and standard deviation that are known without the table."""
+    prior: tuple[float, float] | None = None  # Value and standard deviation that are known without the table
 
     @property
     def logarithmic(self) -> bool:

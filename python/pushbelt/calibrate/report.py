@@ -19,31 +19,23 @@ from .fit import Estimate, Fit
 from .model import Value
 from .residuals import Residual
 
-WORST = 10
-"""Number of values with the largest residuals in the list."""
+WORST = 10  # Number of values with the largest residuals in the list
 
 
 @dataclass(frozen=True)
 class Results:
     """The fit and its table."""
 
-    table: str
-    """Name of the table's file."""
-    version: str
-    """Version of the FMU."""
-    variator: str
-    """Parameter set of the start values."""
-    base: Mapping[str, float]
-    """Values of the parameter set, with the additional settings."""
+    table: str  # Name of the table's file
+    version: str  # Version of the FMU
+    variator: str  # Parameter set of the start values
+    base: Mapping[str, float]  # Values of the parameter set, with the additional settings
     points: tuple[Point, ...]
     values: tuple[Value, ...]
     fit: Fit
-    solves: int
-    """Steady states solved."""
-    seconds: float
-    """Wall-clock time."""
-    notes: tuple[str, ...] = ()
-    """What was computed, ignored or left out of the table."""
+    solves: int  # Steady states solved
+    seconds: float  # Wall-clock time
+    notes: tuple[str, ...] = ()  # What was computed, ignored or left out of the table
 
     @cached_property
     def before(self) -> list[Residual]:

@@ -20,12 +20,9 @@ class Residual:
 
     point: Point
     measured: Measured
-    found: float | None
-    """Value of the model; None without a steady state."""
-    reason: str | None = None
-    """Why there is no steady state."""
-    kept: bool = True
-    """Whether the fit contains it; it does not contain outliers."""
+    found: float | None  # Value of the model; None without a steady state
+    reason: str | None = None  # Why there is no steady state
+    kept: bool = True  # Whether the fit contains it; it does not contain outliers
 
     @property
     def value(self) -> float | None:
@@ -74,15 +71,11 @@ class Score:
 
     quantity: str
     variator: str
-    count: int
-    """Values at points with a steady state."""
-    lost: int
-    """Values at points without one."""
+    count: int  # Values at points with a steady state
+    lost: int  # Values at points without one
     rms: float
-    bias: float
-    """Mean of model minus measurement."""
-    relative: float
-    """Root mean square in standard deviations."""
+    bias: float  # Mean of model minus measurement
+    relative: float  # Root mean square in standard deviations
     explained: float
     """1 minus the residual sum of squares over that about the measured mean; NaN for a constant quantity."""
 

@@ -31,22 +31,17 @@ RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
 """Relative tolerances of the speed ratio at the first estimate of the slip and after a correction, and largest number of steady states
 in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
 
-Job = tuple[Mapping[str, float], Point]
-"""Values of the fitted variables, and a point."""
+Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
 
 
 @dataclass(frozen=True)
 class Found:
     """Results of the model at a point."""
 
-    values: Mapping[str, float]
-    """Model values by quantity; empty without a steady state."""
-    reason: str | None = None
-    """Reason why there is no steady state."""
-    share: float = 1.0
-    """Share of the torque that the belt carries, if there is no steady state."""
-    solves: int = 1
-    """Number of steady states that were solved."""
+    values: Mapping[str, float]  # Model values by quantity; empty without a steady state
+    reason: str | None = None  # Reason why there is no steady state
+    share: float = 1.0  # Share of the torque that the belt carries, if there is no steady state
+    solves: int = 1  # Number of steady states that were solved
 
     @property
     def missing(self) -> float:
@@ -54,8 +49,7 @@ class Found:
         return 0.0 if self.reason is None else 2.0 - self.share
 
 
-_open: dict[Path, SteadyStates] = {}
-"""Instances in this process, by unpacked FMU."""
+_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:

@@ -19,8 +19,7 @@ LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED,
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
-GROUP = "drive"
-"""Group name of charts and belt that share a cursor."""
+GROUP = "drive"  # Group name of charts and belt that share a cursor
 
 
 def drive(run: Run, group: str = "") -> Chart:

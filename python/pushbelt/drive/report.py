@@ -20,8 +20,7 @@ from .simulate import LOSSES, OF_STEPS, STEP, Run
 from .thrust_map import FORCE
 from .vehicle import demo_car
 
-CSV_STEP = 0.1
-"""Time between the rows of the results, s."""
+CSV_STEP = 0.1  # Time between the rows of the results, s
 
 
 def speed_error(run: Run) -> tuple[float, float]:

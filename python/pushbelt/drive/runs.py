@@ -18,11 +18,9 @@ from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 from .vehicle import demo_car
 
-LOW_FRICTION = 0.7
-"""Friction in the runs with low friction, relative to the coefficient that the controllers assume."""
+LOW_FRICTION = 0.7  # Friction in the runs with low friction, relative to the coefficient that the controllers assume
 
-FRAMES = 600
-"""Largest number of times in a drive at which the belt is recorded."""
+FRAMES = 600  # Largest number of times in a drive at which the belt is recorded
 
 
 def moments(start: float, stop: float) -> tuple[float, ...]:
@@ -35,22 +33,15 @@ def moments(start: float, stop: float) -> tuple[float, ...]:
 class Plan:
     """The runs of a report."""
 
-    cycle: tuple[float, float]
-    """Section of the cycle for both clamping strategies, s."""
-    close_up: tuple[float, float]
-    """Section that is repeated on the FMU's default mesh, s."""
-    ring: str = "ALE"
-    """Ring model of the runs on the coarse mesh."""
+    cycle: tuple[float, float]  # Section of the cycle for both clamping strategies, s
+    close_up: tuple[float, float]  # Section that is repeated on the FMU's default mesh, s
+    ring: str = "ALE"  # Ring model of the runs on the coarse mesh
     low_friction: tuple[float, float] = (10.0, 20.0)
     """Section for both strategies with less friction than they assume, s."""
-    trace: str = "wltc"
-    """The cycle, a name in `CYCLES`."""
-    variator: str = simulate.VARIATOR
-    """Name or file of the parameter set."""
-    clamping: float = 1.0
-    """Factor on the secondary clamping force that the strategies demand."""
-    maps: Path | None = None
-    """File of maps from which the controllers take their map; None to measure it on the FMU."""
+    trace: str = "wltc"  # The cycle, a name in `CYCLES`
+    variator: str = simulate.VARIATOR  # Name or file of the parameter set
+    clamping: float = 1.0  # Factor on the secondary clamping force that the strategies demand
+    maps: Path | None = None  # File of maps from which the controllers take their map; None to measure it on the FMU
 
     @property
     def title(self) -> str:
@@ -86,11 +77,9 @@ class Results:
 
     plan: Plan
     version: str
-    units: Mapping[str, str]
-    """Units of the columns of the runs by name."""
+    units: Mapping[str, str]  # Units of the columns of the runs by name
     thrust_map: ThrustMap
-    runs: Sequence[Run]
-    """In the order of `Plan.setups`."""
+    runs: Sequence[Run]  # In the order of `Plan.setups`
 
 
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:

@@ -22,8 +22,7 @@ from .thrust_map import ThrustMap
 from .transmission import RATIO_LIMITS, START_PRESSURE, PressureCircuit, TransmissionControl
 from .vehicle import Car, Vehicle
 
-STEP = 0.01
-"""Default communication and control step, s."""
+STEP = 0.01  # Default communication and control step, s
 COARSE = {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3}
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": COARSE,
@@ -72,15 +71,12 @@ SIGNALS: Mapping[str, str] = {
     "distance": "m",
 }
 """Units of the recorded signals that are no variables of the FMU."""
-OF_STEPS = ("work.engine", "loss.clutch")
-"""Signals that are energies of one step."""
+OF_STEPS = ("work.engine", "loss.clutch")  # Signals that are energies of one step
 COLUMNS = (*OUTPUTS, "macroSlip", "primary.pressure", "secondary.pressure", *SIGNALS)
 
-INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")
-"""Inputs of the FMU."""
+INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")  # Inputs of the FMU
 
-VARIATOR = "bench168"
-"""Parameter set of the drives."""
+VARIATOR = "bench168"  # Parameter set of the drives
 
 
 @dataclass(frozen=True)
@@ -88,21 +84,15 @@ class Setup:
     """Configuration of a run."""
 
     name: str
-    strategy: str
-    """`safety` for the fixed safety factor or `slip` for slip control."""
+    strategy: str  # `safety` for the fixed safety factor or `slip` for slip control
     cycle: Cycle
     ring: str = "ALE"
     mesh: str = "coarse"
-    snapshots: tuple[float, ...] = ()
-    """Times of the whole cycle at which the fields along the belt are recorded, s."""
-    friction: float = 1.0
-    """Friction coefficient of the belt relative to the one assumed by the controllers."""
-    variator: str = VARIATOR
-    """Name or file of the parameter set."""
-    clamping: float = 1.0
-    """Factor on the secondary clamping force that the strategy demands."""
-    step: float = STEP
-    """Communication and control step, s."""
+    snapshots: tuple[float, ...] = ()  # Times of the whole cycle at which the fields along the belt are recorded, s
+    friction: float = 1.0  # Friction coefficient of the belt relative to the one assumed by the controllers
+    variator: str = VARIATOR  # Name or file of the parameter set
+    clamping: float = 1.0  # Factor on the secondary clamping force that the strategy demands
+    step: float = STEP  # Communication and control step, s
     parallel: bool = False
     """Whether vehicle, control and FMU step in parallel (Jacobi scheme), as units in a master do: each uses the signals of the
     previous step and holds them. Otherwise they step in sequence (Gauss-Seidel scheme), each with the latest signals, and torques
@@ -114,17 +104,12 @@ class Run:
     """Results of a run."""
 
     setup: Setup
-    time: Array
-    """Time in the whole cycle, s, shape (n,)."""
-    columns: Mapping[str, Array]
-    """Recorded signals by name, each of shape (n,), in SI units."""
-    snapshots: Mapping[float, BeltState]
-    """Fields along the belt by time in the whole cycle, s."""
+    time: Array  # Time in the whole cycle, s, shape (n,)
+    columns: Mapping[str, Array]  # Recorded signals by name, each of shape (n,), in SI units
+    snapshots: Mapping[float, BeltState]  # Fields along the belt by time in the whole cycle, s
     interventions: int
-    processor_time: float
-    """Processor time of the run, s."""
-    messages: tuple[str, ...] = field(default=())
-    """Warnings of the FMU."""
+    processor_time: float  # Processor time of the run, s
+    messages: tuple[str, ...] = field(default=())  # Warnings of the FMU
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]

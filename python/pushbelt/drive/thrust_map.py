@@ -20,18 +20,12 @@ from .piecewise import clip, interpolate, interval
 if TYPE_CHECKING:
     from pushbelt.maps.data import Maps
 
-SPEED = 200.0
-"""Primary speed of the map, rad/s. The thrust ratio depends on it only weakly."""
-FORCE = 12e3
-"""Secondary clamping force of the map, N."""
-SHIFT_UTILISATIONS = (-0.3, 0.3)
-"""Torque utilisations at which the shift rate is measured."""
-OTHER_FORCE = 5e3
-"""Secondary clamping force of the second shift rates, N. They determine the dependence on force."""
-STILL = 1e-4
-"""Least change of slip over an interval of the utilisation whose ends are both steady states."""
-NEARBY = 0.2
-"""Range of the excess about its expected value in which the shift gain is taken."""
+SPEED = 200.0  # Primary speed of the map, rad/s. The thrust ratio depends on it only weakly
+FORCE = 12e3  # Secondary clamping force of the map, N
+SHIFT_UTILISATIONS = (-0.3, 0.3)  # Torque utilisations at which the shift rate is measured
+OTHER_FORCE = 5e3  # Secondary clamping force of the second shift rates, N. They determine the dependence on force
+STILL = 1e-4  # Least change of slip over an interval of the utilisation whose ends are both steady states
+NEARBY = 0.2  # Range of the excess about its expected value in which the shift gain is taken
 
 
 def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
@@ -48,16 +42,11 @@ def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[fl
 class ThrustMap:
     """Steady states over ratio × torque utilisation. Values are bilinear between the points and constant beyond them."""
 
-    ratios: Array
-    """Shape (m,), ascending."""
-    utilisations: Array
-    """Torque utilisations, shape (n,), ascending; positive where the primary pulley drives."""
-    thrust: Array
-    """Thrust ratio, shape (m, n)."""
-    slips: Array
-    """Slip, shape (m, n)."""
-    excesses: Array
-    """ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them."""
+    ratios: Array  # Shape (m,), ascending
+    utilisations: Array  # Torque utilisations, shape (n,), ascending; positive where the primary pulley drives
+    thrust: Array  # Thrust ratio, shape (m, n)
+    slips: Array  # Slip, shape (m, n)
+    excesses: Array  # ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them
     shift_rates: Array
     """R of d(ln i)/dt = −ω_P F R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
     ε, 0 at ε = 0. F is the acting force."""

@@ -15,11 +15,9 @@ from pushbelt.steel import Material
 from .fatigue import OTHERS, Cycles, cycles
 from .table import PULLEYS, Table
 
-CLAMPING = (0.9, 1.0, 1.1)
-"""Factors on the clamping forces."""
+CLAMPING = (0.9, 1.0, 1.1)  # Factors on the clamping forces
 RATIOS = ((0.0, 0.8, "overdrive, ratio below 0.8"), (0.8, 1.25, "0.8 to 1.25"), (1.25, np.inf, "underdrive, above 1.25"))
-AMPLITUDES = 1e6, 5e9
-"""Amplitudes of the stress of a ring that runs over pulleys, Pa. Bending alone is some 100 MPa."""
+AMPLITUDES = 1e6, 5e9  # Amplitudes of the stress of a ring that runs over pulleys, Pa. Bending alone is some 100 MPa
 BANDS = ((0.0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, np.inf))
 """Bands of torque and speed, relative to the largest value."""
 

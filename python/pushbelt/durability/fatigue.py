@@ -12,8 +12,7 @@ from pushbelt.fmu.geometry import Array
 
 from .table import AMPLITUDE, FIELD, MEAN, PULLEYS, Table
 
-OTHERS = "other cycles"
-"""Part of a stress along the ring, besides its largest cycle."""
+OTHERS = "other cycles"  # Part of a stress along the ring, besides its largest cycle
 
 
 @dataclass(frozen=True)

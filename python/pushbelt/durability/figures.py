@@ -14,8 +14,7 @@ from .damage import Damage
 
 COLOURS = (BLUE, ORANGE)
 MEGA = 1e-6
-MOST_POINTS = 1500
-"""Largest number of points of a cloud. The largest amplitudes are among them."""
+MOST_POINTS = 1500  # Largest number of points of a cloud. The largest amplitudes are among them
 
 
 def over_time(result: Damage) -> Chart:

@@ -16,8 +16,7 @@ from typing import Any
 from ..errors import PushbeltError
 
 SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
-OF_A_VARIABLE = "[SI]"
-"""End of the title of a column whose rows are values of different variables."""
+OF_A_VARIABLE = "[SI]"  # End of the title of a column whose rows are values of different variables
 
 
 class TitleError(PushbeltError, ValueError):

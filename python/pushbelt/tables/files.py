@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
-LARGEST = 1_000_000_000
-"""Largest file, bytes."""
-HEAD = 60
-"""Rows in which the header is searched."""
+LARGEST = 1_000_000_000  # Largest file, bytes
+HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
 """Encodings by the bytes with which files start; those of UTF-32 start with those of UTF-16."""
@@ -42,10 +40,8 @@ class Cells(NamedTuple):
     frame: pd.DataFrame
     """Text, or numbers and `Percent` of a spreadsheet. An empty cell is an empty text. The columns are counted from 0, and the index has the
     line of each row in the file, from 1."""
-    source: str
-    """Encoding and separator, or the name of the sheet, for people."""
-    separator: str = ""
-    """Sign between columns; empty in a spreadsheet."""
+    source: str  # Encoding and separator, or the name of the sheet, for people
+    separator: str = ""  # Sign between columns; empty in a spreadsheet
 
     def head(self) -> list[list[str]]:
         """The first rows as text without blanks around the cells."""

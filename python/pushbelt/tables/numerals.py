@@ -23,14 +23,11 @@ MISSING = frozenset(
     "#wert! #bezug! #zahl! #spill! #calc! #getting_data invalid overflow overrange -- --- ---- ? * error fehler nodata no_data".split()
 )
 """Texts of cells without a value, in small letters."""
-SENTINELS = (-999.0, -9999.0, -99999.0, -999999.0)
-"""Numbers that loggers write where nothing was measured."""
-SIGNS = {"point": ".", "comma": ","}
-"""Decimal signs by name."""
+SENTINELS = (-999.0, -9999.0, -99999.0, -999999.0)  # Numbers that loggers write where nothing was measured
+SIGNS = {"point": ".", "comma": ","}  # Decimal signs by name
 EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Numbers without a unit that are above the first value are a time since 1970 in this unit."""
-SAMPLE = 50
-"""Cells that decide whether times are numbers."""
+SAMPLE = 50  # Cells that decide whether times are numbers
 
 
 class Percent(float):

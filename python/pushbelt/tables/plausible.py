@@ -24,30 +24,23 @@ Values = Mapping[str, Array]
 
 USUAL = "bench168"
 """Parameter set for radii and capacity. Those of other variators for cars differ by less than the limits allow."""
-SLOWEST = 3.0
-"""Belt speed that the fastest point of a table has at least, m/s: about 500 rpm."""
-FASTEST = 40.0
-"""Median belt speed above which another unit of speed is likely, m/s."""
+SLOWEST = 3.0  # Belt speed that the fastest point of a table has at least, m/s: about 500 rpm
+FASTEST = 40.0  # Median belt speed above which another unit of speed is likely, m/s
 UNCERTAIN = frozenset({"fast", "slip sign", "small slip", "thrust law"})
 """Doubts that count only if another reading removes them."""
-CARRIED = 1.5 * BEYOND
-"""Largest utilisation at the usual friction."""
-IDLE = 0.0012
-"""Largest utilisation of a table whose torques are in a wrong unit."""
-LOADED = 0.1
-"""Utilisation above which slip, thrust ratio and efficiency have the sign of the torque."""
+CARRIED = 1.5 * BEYOND  # Largest utilisation at the usual friction
+IDLE = 0.0012  # Largest utilisation of a table whose torques are in a wrong unit
+LOADED = 0.1  # Utilisation above which slip, thrust ratio and efficiency have the sign of the torque
 FORCES = (300.0, 150e3)
 THRUST = (0.2, 5.0)
 SLIP = 0.05
 EFFICIENCY = (0.3, 1.005)
-AGREE = 0.1
-"""Difference of the logarithms of a ratio and the speeds' ratio."""
+AGREE = 0.1  # Difference of the logarithms of a ratio and the speeds' ratio
 OFF = 0.3
 """Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
 INVERTED = ("ratio.geometric", "ratio.speed", "thrustRatio")
 SIGNED = ("primary.torque", "slip")
-READ_AS = ("speed", "torque", "force", "pressure")
-"""Dimensions of which other units are tried."""
+READ_AS = ("speed", "torque", "force", "pressure")  # Dimensions of which other units are tried
 PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
@@ -182,10 +175,8 @@ class Other:
     """Another reading of some columns."""
 
     text: str
-    columns: Mapping[str, Taken]
-    """What columns would be, by the known names that they have now."""
-    unit: bool = False
-    """Whether it is another unit."""
+    columns: Mapping[str, Taken]  # What columns would be, by the known names that they have now
+    unit: bool = False  # Whether it is another unit
 
     @property
     def options(self) -> dict[str, str]:

@@ -20,8 +20,7 @@ from .names import DEVIATION
 from .sheet import Reading, Sheet
 
 Array = np.ndarray
-AGREE = 0.05
-"""Relative difference below which a geometric ratio and n_P/n_S are the same ratio."""
+AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
 
 
 @dataclass(frozen=True)
@@ -29,16 +28,11 @@ class Measured:
     """A measured value."""
 
     quantity: str
-    value: float
-    """SI."""
-    deviation: float
-    """Standard deviation, SI."""
-    given: bool
-    """Whether the standard deviation is from the table."""
-    key: str = ""
-    """Name of the model's value; empty if it is the quantity."""
-    time: float | None = None
-    """Time of a sample, s."""
+    value: float  # SI
+    deviation: float  # Standard deviation, SI
+    given: bool  # Whether the standard deviation is from the table
+    key: str = ""  # Name of the model's value; empty if it is the quantity
+    time: float | None = None  # Time of a sample, s
 
 
 @dataclass(frozen=True)
@@ -47,21 +41,14 @@ class Point:
 
     line: int
     name: str
-    ratio: float | None
-    """Geometric ratio r_S/r_P."""
-    speed_ratio: float | None
-    """Primary speed/secondary speed."""
-    speed: float
-    """Primary speed, rad/s."""
-    torque: float
-    """Torque on the primary shaft, N·m."""
-    force: float
-    """Secondary clamping force, N."""
-    primary_force: float | None
-    """Primary clamping force, N; only with a shift rate."""
+    ratio: float | None  # Geometric ratio r_S/r_P
+    speed_ratio: float | None  # Primary speed/secondary speed
+    speed: float  # Primary speed, rad/s
+    torque: float  # Torque on the primary shaft, N·m
+    force: float  # Secondary clamping force, N
+    primary_force: float | None  # Primary clamping force, N; only with a shift rate
     measured: tuple[Measured, ...]
-    slip: float = 0.0
-    """Estimate of the model's slip, from which the search for a speed ratio starts."""
+    slip: float = 0.0  # Estimate of the model's slip, from which the search for a speed ratio starts
 
     @property
     def shifting(self) -> bool:
@@ -111,8 +98,7 @@ class Rig:
 
     sheet: Sheet
     points: list[Point]
-    remarks: list[str]
-    """What was computed from other columns, and warnings."""
+    remarks: list[str]  # What was computed from other columns, and warnings
 
     @property
     def recorded(self) -> bool:
@@ -146,8 +132,7 @@ class _Points:
         self.sheet, self.oil = sheet, oil
         self.remarks: list[str] = []
         self.values: dict[str, Array] = dict(sheet.values)
-        self.lost: set[int] = set()
-        """Rows that are left out because of a computed value."""
+        self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.checked: dict[str, Array] = {}
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
 

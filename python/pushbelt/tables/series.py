@@ -13,21 +13,15 @@ from .sheet import Sheet
 
 Array = np.ndarray
 
-FEWEST = 20
-"""Rows from which a table with ascending times may be a time series."""
-MANY = 200
-"""Rows from which a table is one in any case: so many points are not measured one by one."""
+FEWEST = 20  # Rows from which a table with ascending times may be a time series
+MANY = 200  # Rows from which a table is one in any case: so many points are not measured one by one
 HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
-WITHOUT_TIME = 25
-"""Samples of a window if the table has no times."""
-NOISE = 5.0
-"""A change above this multiple of the usual scatter of the differences ends a plateau …"""
-LEAST, LARGEST = 0.003, 0.02
-"""… but not one below the first share of the channel's level, and any above the second."""
-SPIKE = 8.0
-"""A sample that is further from the plateau's median, in standard deviations, is not averaged."""
+WITHOUT_TIME = 25  # Samples of a window if the table has no times
+NOISE = 5.0  # A change above this multiple of the usual scatter of the differences ends a plateau …
+LEAST, LARGEST = 0.003, 0.02  # … but not one below the first share of the channel's level, and any above the second
+SPIKE = 8.0  # A sample that is further from the plateau's median, in standard deviations, is not averaged
 
 
 def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:

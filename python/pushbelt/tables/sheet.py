@@ -25,45 +25,35 @@ if TYPE_CHECKING:
 Array = np.ndarray
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
-SAMPLE = 500
-"""Rows that suffice to settle the decimal sign if all their numbers agree."""
-SEVERAL = 3
-"""Least number of values without a unit that are read as per cent."""
+SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
+SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
-HEADERS = 4
-"""Rows below the titles in which units and descriptions are searched."""
+HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
 
 @dataclass(frozen=True)
 class Reading:
     """Choices of the user."""
 
-    decimal: str | None = None
-    """`point` or `comma`; None: determined from the file."""
+    decimal: str | None = None  # `point` or `comma`; None: determined from the file
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
-    sheet: str | None = None
-    """Sheet of a spreadsheet."""
-    as_written: bool = False
-    """Whether values that are not plausible are taken as they are written."""
+    sheet: str | None = None  # Sheet of a spreadsheet
+    as_written: bool = False  # Whether values that are not plausible are taken as they are written
 
 
 @dataclass(frozen=True)
 class Taken:
     """A column that is used."""
 
-    title: str
-    """Title in the file."""
-    name: str
-    """Known name, with `.sd` for standard deviations."""
-    unit: str
-    """Unit as written; empty without one."""
+    title: str  # Title in the file
+    name: str  # Known name, with `.sd` for standard deviations
+    unit: str  # Unit as written; empty without one
     place: int
     scale: Unit
     column: Column
-    turned: str = ""
-    """`1/` if the file has the inverse, `-` if it has the opposite sign."""
+    turned: str = ""  # `1/` if the file has the inverse, `-` if it has the opposite sign
 
     @property
     def deviation(self) -> bool:
@@ -101,24 +91,16 @@ class Sheet:
     path: Path
     source: str
     decimal: str = "unknown"
-    taken: dict[str, Taken] = field(default_factory=dict)
-    """Columns by known name."""
-    ignored: list[str] = field(default_factory=list)
-    """Titles of unknown columns."""
+    taken: dict[str, Taken] = field(default_factory=dict)  # Columns by known name
+    ignored: list[str] = field(default_factory=list)  # Titles of unknown columns
     remarks: list[str] = field(default_factory=list)
-    values: dict[str, Array] = field(default_factory=dict)
-    """SI values by name; NaN where a cell is empty."""
-    texts: dict[str, Array] = field(default_factory=dict)
-    """Columns of texts by name."""
-    lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))
-    """Line of each row."""
-    left_out: list[Fault] = field(default_factory=list)
-    """Rows that are not used, and why."""
+    values: dict[str, Array] = field(default_factory=dict)  # SI values by name; NaN where a cell is empty
+    texts: dict[str, Array] = field(default_factory=dict)  # Columns of texts by name
+    lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))  # Line of each row
+    left_out: list[Fault] = field(default_factory=list)  # Rows that are not used, and why
     faults: list[Fault] = field(default_factory=list)
-    failed: set[str] = field(default_factory=set)
-    """Known names of columns that have faults and are not in `taken`."""
-    errors: dict[str, Array] = field(default_factory=dict)
-    """Standard errors of averaged values by name."""
+    failed: set[str] = field(default_factory=set)  # Known names of columns that have faults and are not in `taken`
+    errors: dict[str, Array] = field(default_factory=dict)  # Standard errors of averaged values by name
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -219,8 +201,7 @@ class _Reader:
         self.titles, self.units, row, first, remarks = found
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
-        self.clocks: list[Taken] = []
-        """Columns of times, if each channel has its own."""
+        self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
 
     def read(self) -> Sheet:
         sheet = self.sheet
