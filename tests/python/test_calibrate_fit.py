@@ -76,7 +76,7 @@ def test_a_parameter_that_the_data_do_not_see_keeps_its_start_value() -> None:
     # Also one that has moved before the scatter shows that it is not determined.
     faint = model(lambda v, u: v[0] * u + 0.01 * v[1] * np.cos(3.0 * u), (1.2, 2.0), "ab")
     off = [with_value(point, point.measured[0].value + 0.05 * np.sin(9.0 * point.torque)) for point in faint.points]
-    _, second = fit.fit(faint.with_points(off, {}), [parameter("a"), parameter("b")]).estimates
+    _, second = fit.fit(Model(off, faint.solve), [parameter("a"), parameter("b")]).estimates
     assert second.undetermined is not None and second.value == 1.0
 
 
@@ -96,7 +96,7 @@ def test_a_bad_fit_says_so() -> None:
     assert good.fits and good.misfit is None
     wrong = model(lambda v, u: v[0] * u, (1.2,), "a")
     values = [with_value(point, value=np.sin(9.0 * point.torque)) for point in wrong.points]
-    bad = fit.fit(wrong.with_points(values, {}), [parameter("a")])
+    bad = fit.fit(Model(values, wrong.solve), [parameter("a")])
     assert not bad.fits
     assert "above 3" in bad.misfit
 
@@ -111,7 +111,7 @@ def noisy(count: int, seed: int, shifts: dict[int, float], truth: Sequence[float
     opened = model(lambda v, u: v[0] * u + v[1] * np.exp(-u), truth, "ab", count)
     noise = 0.01 * np.random.default_rng(seed).standard_normal(count)
     values = [p.measured[0].value + n + shifts.get(k, 0.0) for k, (p, n) in enumerate(zip(opened.points, noise, strict=True))]
-    return opened.with_points([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], {})
+    return Model([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], opened.solve)
 
 
 TWO = [parameter("a"), parameter("b")]
@@ -124,7 +124,7 @@ def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
     found = fit.fit(opened, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == sorted(shifts)
     others = [point for k, point in enumerate(opened.points) if k not in shifts]
-    alone = fit.fit(opened.with_points(others, {}), TWO)
+    alone = fit.fit(Model(others, opened.solve), TWO)
     assert all(alone.kept)
     for one, other in zip(found.estimates, alone.estimates, strict=True):
         assert one.value == pytest.approx(other.value, rel=1e-3)
@@ -138,7 +138,7 @@ def test_noise_and_an_unfit_model_have_no_outliers() -> None:
     assert sum(not all(fit.fit(noisy(30, seed, {}), TWO).kept) for seed in range(40)) <= 4
     wrong = model(lambda v, u: v[0] * u, (1.2,), "a")
     values = [with_value(point, np.sin(9.0 * point.torque)) for point in wrong.points]
-    found = fit.fit(wrong.with_points(values, {}), [parameter("a")])
+    found = fit.fit(Model(values, wrong.solve), [parameter("a")])
     assert all(found.kept) and not found.fits
 
 
@@ -146,7 +146,7 @@ def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
     """One value of a row is far off; the other may depend on the same faulty cell."""
     opened = noisy(30, 1, {7: 1.0})
     points = [replace(point, measured=(*point.measured, replace(point.measured[0], deviation=1.0))) for point in opened.points]
-    double = opened.with_points(points, {})
+    double = Model(points, opened.solve)
     found = fit.fit(double, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15]
     shown = report.Results("t.csv", "1", "v", {}, double.points, double.values, found, 1, 1.0)

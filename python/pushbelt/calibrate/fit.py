@@ -93,8 +93,8 @@ class Fit:
     @property
     def rms(self) -> tuple[float, float]:
         """Root mean square of the residuals in standard deviations, before and after."""
-        first, last = (float(np.sqrt(total / max(used, 1))) for total, used in zip(self.chi_squared, self.used, strict=True))
-        return first, last
+        before, after = np.sqrt(np.array(self.chi_squared) / np.maximum(self.used, 1)).tolist()
+        return before, after
 
     @property
     def misfit(self) -> str | None:
@@ -168,19 +168,11 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     model, kept = search.model, search.kept[: len(search.model.values)]
     sums, used = zip(*(_sum_of_squares(model, states, kept) for states in (before, search.states)), strict=True)
     total, everything = _sum_of_squares(model, search.states, kept | True)
+    freedom, rms = used[1] + len(search.kept) - len(kept) - len(spread.halves), float(np.sqrt(total / max(everything, 1)))
     return Fit(
-        estimates=estimates,
-        spread=spread,
-        chi_squared=sums,
-        used=used,
-        freedom=used[1] + len(search.kept) - len(kept) - len(spread.halves),
-        before=tuple(before),
-        after=tuple(search.states),
-        evaluations=search.evaluations,
-        converged=search.converged,
-        kept=tuple(kept.tolist()),
-        rms_of_all=float(np.sqrt(total / max(everything, 1))),
-    )
+        estimates, spread, sums, used, freedom, tuple(before), tuple(search.states), search.evaluations, search.converged,
+        tuple(kept.tolist()), rms,
+    )  # fmt: skip
 
 
 def _sum_of_squares(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:
@@ -189,9 +181,7 @@ def _sum_of_squares(model: Model, states: Sequence[Found], kept: Array) -> tuple
     return float(np.nansum(found**2)), sum(states[model.values[k].point].reason is None for k in np.flatnonzero(kept))
 
 
-def _carrying(
-    model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]
-) -> tuple[Array, list[Found]]:
+def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:
     """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
     friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
@@ -268,5 +258,4 @@ def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> Undetermi
     correlations = spread.correlations[worst] * (np.arange(len(names)) != worst)
     nearest = int(np.argmax(np.abs(correlations)))
     near = abs(correlations[nearest]) >= PARTNER
-    half = float(spread.halves[worst])
-    return Undetermined(half, names[nearest], float(correlations[nearest])) if near else Undetermined(half, None, 0.0)
+    return Undetermined(float(spread.halves[worst]), names[nearest] if near else None, float(correlations[nearest]))

@@ -55,9 +55,8 @@ class Results:
     @property
     def outliers(self) -> list[Residual]:
         """For each row or sample of the table that was left out, its value with the largest residual."""
-        found: dict[tuple[int, float], Residual] = {}
-        for row in sorted((row for row in self.rows if not row.kept), key=lambda row: -abs(row.relative or 0.0)):
-            found.setdefault((row.point.line, row.measured.time or 0.0), row)
+        out = sorted((row for row in self.rows if not row.kept), key=lambda row: abs(row.relative or 0.0))
+        found = {(row.point.line, row.measured.time or 0.0): row for row in out}
         return [found[place] for place in sorted(found)]
 
 
@@ -101,18 +100,15 @@ def why_undetermined(estimate: Estimate) -> str:
 
 def write_parameters(results: Results, path: Path) -> None:
     """Writes all parameters in the form of `resources/parameters/`, which the other programs read."""
-    fitted = {name: estimate for estimate in results.fit.estimates for name in estimate.parameter.variables}
-    entries: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys((*results.base, *fitted)):
-        estimate = fitted.get(name)
-        if estimate is None or estimate.undetermined is not None:
-            value = results.base.get(name, estimate.parameter.start if estimate else None)
-            entries[name] = {"value": value, "origin": "start"}
-        else:
-            origin = "bound" if estimate.at_bound else "calibrated"
-            entries[name] = {"value": estimate.value, "unit": estimate.parameter.unit, "origin": origin}
-            if estimate.interval is not None:
-                entries[name]["interval95"] = list(estimate.interval)
+    entries: dict[str, dict[str, Any]] = {name: {"value": value, "origin": "start"} for name, value in results.base.items()}
+    for estimate in results.fit.estimates:
+        parameter = estimate.parameter
+        entry: dict[str, Any] = {"value": estimate.value, "unit": parameter.unit, "origin": "bound" if estimate.at_bound else "calibrated"}
+        if estimate.interval is not None:
+            entry["interval95"] = list(estimate.interval)
+        for name in parameter.variables:
+            kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
+            entries[name] = entry if estimate.undetermined is None else kept
     document = {
         "id": path.stem,
         "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
@@ -155,9 +151,7 @@ def write_html(results: Results, path: Path) -> None:
     found, rows = results.fit, results.rows
     used = [row for row in rows if row.found is not None and row.kept]
     context = {
-        "results": results,
-        "fit": found,
-        "used": len(used),
+        "results": results, "fit": found, "used": len(used),
         "outliers": outliers(results),
         "rms": found.rms,
         "lost_values": sum(row.reason is not None for row in rows),
@@ -167,12 +161,9 @@ def write_html(results: Results, path: Path) -> None:
         "worst": sorted(used, key=lambda row: -abs(row.relative))[:WORST],
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "why": why_undetermined,
-        "step": model.STEP,
-        "lost_residual": model.LOST,
-        "undetermined": fit.UNDETERMINED,
-        "settling": worker.SETTLING,
-        "window": worker.WINDOW,
-    }
+        "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
+        "settling": worker.SETTLING, "window": worker.WINDOW,
+    }  # fmt: skip
     page.write_html("calibrate/calibrate.html.j2", context, path, plain=plain)
 
 

@@ -45,9 +45,7 @@ class Residual:
         return self.point.ratio or self.point.speed_ratio
 
 
-def residuals(
-    points: Sequence[Point], values: Sequence[Value], states: Sequence[Found], kept: Sequence[bool] = ()
-) -> list[Residual]:
+def residuals(points: Sequence[Point], values: Sequence[Value], states: Sequence[Found], kept: Sequence[bool] = ()) -> list[Residual]:
     """All measured values, in the order of the table."""
     return [
         Residual(points[one.point], one.measured, one.of(states[one.point]), states[one.point].reason, own)

@@ -78,26 +78,21 @@ def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -
         return _record(states, parameters, point)
     if point.shifting:
         return _shift(states, parameters, point)
-    if point.ratio is not None:
-        return _steady(states, parameters, point, point.ratio)
-    return _at_speed_ratio(states, parameters, point)
+    return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
 
 
-def _start_values(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
-    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio."""
+def _start_values(
+    parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float | None = None
+) -> dict[str, float]:
+    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio, or in a shift moves under
+    its force."""
     # The forces of a point are whole: cylinders are in them.
     own = {name: value for name, value in parameters.items() if ".cylinder." not in name}
-    return driven_by_torque({**own, "initial.equilibrium": False}, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
-
-
-def _with_forces(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float) -> dict[str, float]:
-    """Start values of a shift: both clamping forces act."""
-    return {
-        **_start_values(parameters, point, ratio, speed_ratio),
-        "primary.axial": Axial.FORCE,
-        "primary.clampingForce": primary_force,
-        "primary.inertia": SHIFT_INERTIA,
-    }
+    own |= {"initial.equilibrium": False}
+    found = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
+    if primary_force is not None:
+        found |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
+    return found
 
 
 def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
@@ -146,7 +141,7 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     # d(ln i)/dt, also of s = 1/i
     rate = measured.value / point.ratio if measured.quantity == "di/dt" else -measured.value * point.ratio
     begin = point.ratio * math.exp(-rate * (SETTLING + 0.5 * WINDOW) * revolution)
-    values = _with_forces(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
+    values = _start_values(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
     unit = _initialise(states, values, point.torque)
     if isinstance(unit, Found):
         return unit
@@ -168,12 +163,9 @@ def _record(states: SteadyStates, parameters: Mapping[str, float], record: Recor
     The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
     and the secondary pulley turns as recorded, at the primary speed over the ratio.
     """
-    inputs = [
-        (time, (torque, primary_force, force, speed / ratio))
-        for time, speed, torque, primary_force, force, ratio in record.samples
-    ]
+    inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
-    values = _with_forces(parameters, record, ratio, ratio, primary_force)
+    values = _start_values(parameters, record, ratio, ratio, primary_force)
     unit = _initialise(states, values, record.torque)
     if isinstance(unit, Found):
         return unit
