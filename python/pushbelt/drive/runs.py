@@ -51,17 +51,12 @@ class Plan:
     def setups(self) -> tuple[Setup, ...]:
         """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
         whole = CYCLES[self.trace][1]()
-        start, stop = self.cycle
-        cycle = whole.section(start, stop)
-        slippery = whole.section(*self.low_friction)
+        cycle, slippery = whole.section(*self.cycle), whole.section(*self.low_friction)
         setups = (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
-            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(start, stop)),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(*self.cycle)),
             Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
-            *(
-                Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
-                for strategy in ("safety", "slip")
-            ),
+            *(Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION) for strategy in ("safety", "slip")),
         )
         return tuple(replace(setup, variator=self.variator, clamping=self.clamping) for setup in setups)
 
@@ -91,12 +86,8 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     setups = plan.setups()
     with Archive.unpack(fmu) as archive:
         maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
-        done = side_by_side.run_all(
-            [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
-            total=round(sum(setup.cycle.duration for setup in setups)),
-            title="driving",
-            workers=len(setups),
-        )
+        calls = [(_work, (archive, maps[setup.ring], setup)) for setup in setups]
+        done = side_by_side.run_all(calls, round(sum(setup.cycle.duration for setup in setups)), "driving", len(setups))
         return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], done)
 
 

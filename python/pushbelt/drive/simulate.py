@@ -35,38 +35,17 @@ LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "seals", "oth
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
 
 OUTPUTS = (
-    "primary.speed",
-    "secondary.speed",
-    "ratio.geometric",
-    "slip",
-    "primary.radius",
-    "thrustRatio",
-    "torqueUtilisation",
-    "primary.shaftTorque",
-    "primary.axialForce",
-    "secondary.axialForce",
-    "secondary.clampingForceTotal",
-    "primary.power",
-    "secondary.power",
-    "loss.total",
+    *"primary.speed secondary.speed ratio.geometric slip primary.radius thrustRatio torqueUtilisation primary.shaftTorque".split(),
+    *"primary.axialForce secondary.axialForce secondary.clampingForceTotal primary.power secondary.power loss.total".split(),
     *(f"loss.{part}" for part in LOSSES),
-    "stored.energy",
-    "energy.residual",
-    "reference.theta",
-    "pushForce.max",
-    "ring.speed",
-    "ring.stressMax",
+    *"stored.energy energy.residual reference.theta pushForce.max ring.speed ring.stressMax".split(),
     *(f"ring.{kind}.{pulley}" for pulley in ("primary", "secondary") for kind in ("stressAmplitude", "stressMean")),
     "secondary.radius",
 )
 """FMU variables that are recorded."""
 
 SIGNALS: Mapping[str, str] = {
-    **{
-        name: unit
-        for name, unit in vehicle.SIGNALS.items()
-        if name not in ("secondary.torque", "torque.estimated", "power.demand")
-    },
+    **{name: unit for name, unit in vehicle.SIGNALS.items() if name not in ("secondary.torque", "torque.estimated", "power.demand")},
     **dict.fromkeys(("ratio.target", "intervening", "utilisation.signed"), "1"),
     "distance": "m",
 }
@@ -125,8 +104,7 @@ class Run:
             "variator": sum(losses.values()),
             **{f"variator, {part}": loss for part, loss in losses.items()},
             "launch clutch": float(self["loss.clutch"].sum()),
-            "road load": step * float((self["force.road"] * speed).sum()),
-            "brakes": step * float((self["force.brake"] * speed).sum()),
+            **{name: step * float((self[f"force.{force}"] * speed).sum()) for name, force in (("road load", "road"), ("brakes", "brake"))},
         }
 
     @property
@@ -146,17 +124,14 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
     areas = {f"{pulley}.cylinder.area": PressureCircuit.area for pulley in ("primary", "secondary")}
     parameters = {**parameter_set(variator), **areas}
     parameters["secondary.inertia"] += car.inertia
-    model = RingModel[ring]
     chosen = dict(MESHES[mesh])
-    if model == RingModel.ALE0:
+    if RingModel[ring] == RingModel.ALE0:
         # One cell per element instead of two, so that the number of cells is the same.
         chosen |= {name: 2 * count for name, count in chosen.items() if name.startswith("mesh.")}
-    return {**parameters, "ring.model": model, **chosen}
+    return {**parameters, "ring.model": RingModel[ring], **chosen}
 
 
-def run(
-    archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None
-) -> Run:
+def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
 
     Raises UnitError with the time if the FMU rejects a step.
@@ -179,12 +154,7 @@ def run(
 
 
 def _advance(
-    unit: Instance,
-    car: Vehicle,
-    control: TransmissionControl,
-    friction: Friction,
-    setup: Setup,
-    progress: Callable[[float], None],
+    unit: Instance, car: Vehicle, control: TransmissionControl, friction: Friction, setup: Setup, progress: Callable[[float], None]
 ) -> tuple[Array, dict[float, BeltState]]:
     """The loop of communication steps from standstill on: `COLUMNS` at each communication point and over the step that follows, and the
     belt at the times of the set-up."""
@@ -203,9 +173,9 @@ def _advance(
         known = earlier[0] if setup.parallel else driving
         measured = Measured.from_signals(state, known["torque.estimated"])
         signals = driving, control.advance(known["power.demand"], state["secondary.speed"], measured, step)
-        utilisation = {"utilisation.signed": _utilisation(state, friction)}
-        # A variator from maps has fewer outputs.
-        row = {**signals[0], **signals[1], **state, **utilisation}
+        # Utilisation for the friction that the controllers assume. A variator from maps has fewer outputs.
+        capacity = slip_torque(friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
+        row = {**signals[0], **signals[1], **state, "utilisation.signed": -state["primary.shaftTorque"] / max(capacity, 1e-3)}
         rows[k] = [row.get(name, math.nan) for name in COLUMNS]
         if k in moments:
             snapshots[moments[k]] = BeltState(unit.outputs(), unit.profile())
@@ -221,12 +191,6 @@ def _advance(
             raise UnitError(f"{setup.name}, from {start + time:.2f} s on: {error}") from error
         progress(step)
     return rows, snapshots
-
-
-def _utilisation(state: Mapping[str, float], belt: Friction) -> float:
-    """Torque utilisation with the sign of the torque, for the friction coefficient that the controllers assume."""
-    capacity = slip_torque(belt.coefficient, belt.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
-    return -state["primary.shaftTorque"] / max(capacity, 1e-3)
 
 
 def at_rest() -> dict[str, float]:

@@ -57,9 +57,7 @@ class ThrustMap:
     @cached_property
     def _plain(self) -> SimpleNamespace:
         """The tables as plain numbers."""
-        return SimpleNamespace(
-            **{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)}
-        )
+        return SimpleNamespace(**{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)})
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:
@@ -105,9 +103,7 @@ class ThrustMap:
         The thrust ratio falls towards capacity. Its slopes are taken at the middle of their intervals and interpolated linearly.
         """
         m, p = interval(self._plain.ratios, ratio)
-        low, high = (
-            interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2]
-        )
+        low, high = (interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2])
         return (1.0 - p) * low + p * high
 
     def thrust_ratio(self, ratio: float, utilisation: float) -> float:
@@ -144,9 +140,7 @@ class ThrustMap:
         near = slice(max(below - 1, 0), below + 2)
         quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
         clearance = _clearance_of(float(np.median(quotients[quotients > 0.0])))
-        return cls(
-            axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance
-        )
+        return cls(axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance)
 
 
 def _clearance_of(quotient: float) -> float:
