@@ -141,12 +141,7 @@ class Names:
             if not found and (base := without_deviation(written)) is not None:
                 found, end = self.find(base), DEVIATION
             # Without brackets the end of a title is a unit only if the column may have it.
-            fitting = [
-                name
-                for name in found
-                if unit is None or bracketed or units.find(unit, self.columns[name].dimension) is not None
-            ]
-            if fitting:
+            if fitting := [n for n in found if unit is None or bracketed or units.find(unit, self.columns[n].dimension)]:
                 return [(name + end, unit) for name in fitting]
         return []
 

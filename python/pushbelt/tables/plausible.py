@@ -64,8 +64,8 @@ def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_w
 def _curves() -> tuple[Array, Array, Array]:
     """Ratios, with the primary pitch radius, m, and the torque capacity per clamping force, m."""
     parameters, ratios = parameter_set(USUAL), np.geomspace(0.4, 2.5, 15)
-    radii = [pitch_radius(parameters, float(ratio)) for ratio in ratios]
-    return ratios, np.array(radii), np.array([torque_capacity(parameters, float(ratio), 1.0) for ratio in ratios])
+    found = [(ratio, pitch_radius(parameters, ratio), torque_capacity(parameters, ratio, 1.0)) for ratio in ratios.tolist()]
+    return tuple(np.array(found).T)  # type: ignore[return-value]
 
 
 class _Points:

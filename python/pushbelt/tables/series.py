@@ -121,8 +121,7 @@ def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time
 def _kept(values: Array) -> Array:
     """Values without spikes."""
     apart = np.abs(values - np.median(values))
-    # 1.4826 medians of the distances are a standard deviation.
-    limit = SPIKE * 1.4826 * np.median(apart)
+    limit = SPIKE * 1.4826 * np.median(apart)  # 1.4826 medians of the distances are a standard deviation
     return values[apart <= limit] if len(values) > 2 * SAMPLES and limit > 0.0 else values
 
 

@@ -168,18 +168,15 @@ def _is_number(cell: str) -> bool:
 def _is_row_of_words(row: Sequence[str]) -> bool:
     """Words in all cells, which are neither numbers nor signs for a missing value."""
     filled = [cell for cell in row if cell]
-    return bool(filled) and all(
-        any(map(str.isalpha, cell)) and not numerals.missing(cell) and not _is_number(cell) for cell in filled
-    )
+    return bool(filled) and not any(numerals.missing(cell) or _is_number(cell) or not any(map(str.isalpha, cell)) for cell in filled)
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
-    if any(cell != "1" and _is_number(cell) for cell in filled):
-        return False
-    known = [cell for cell in filled if units.is_unit(cell)]
-    return any(cell not in ("1", "-") for cell in known) and 2 * len(known) >= len(filled)
+    known = {cell for cell in filled if units.is_unit(cell)}
+    numbers = any(cell != "1" and _is_number(cell) for cell in filled)
+    return not numbers and bool(known - {"1", "-"}) and 2 * sum(cell in known for cell in filled) >= len(filled)
 
 
 # Columns and values
@@ -204,6 +201,7 @@ class _Reader:
         self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
 
     def read(self) -> Sheet:
+        """The sheet, without the rows that are left out."""
         sheet = self.sheet
         self._take()
         self._extra_cells()
@@ -253,8 +251,8 @@ class _Reader:
             if one is not None:
                 places.setdefault(one.name, []).append(one)
         for name, found in places.items():
+            # What the user wants comes first, then a pulley in the title.
             best = [one for one in found if one.place in renamed] or found
-            # A pulley in the title counts before none.
             best = [one for one in best if one.place in renamed or not self.names.bare(one.title)] or best
             if best[0].column.dimension == "time":
                 # A date beside a clock is not needed.
@@ -267,9 +265,12 @@ class _Reader:
             if len(best) > 1 and self._have_channels(best):
                 self.clocks = best
             elif len(best) > 1:
-                text = f"it appears {len(best)} times: {' and '.join(one.title for one in best)}"
-                self.sheet.faults.append(Fault(text, self.line, name))
+                self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
             self.sheet.taken[name] = best[0]
+
+    def _fault(self, text: str, column: str) -> None:
+        """A fault of a title."""
+        self.sheet.faults.append(Fault(text, self.line, column))
 
     def _have_channels(self, clocks: Sequence[Taken]) -> bool:
         """Whether these are equal titles of times, each with other columns to the right of it."""
@@ -323,8 +324,7 @@ class _Reader:
         self.sheet.failed.add(name)
         usual = units.usual(dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
-        text = f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit
-        self.sheet.faults.append(Fault(text, self.line, title))
+        self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
         return None
 
     def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
@@ -340,15 +340,14 @@ class _Reader:
         return "" if ratio and (self.names.find(found) or self.names.inverse(found)) else found
 
     def _unknown(self, title: str) -> None:
+        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if title.startswith("#") or not title:
             return
-        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if near is None:
             self.sheet.ignored.append(title)
-            return
-        self.sheet.failed.add(near)
-        text = f'there is no such column; {near} is meant? --map "{title}"={near} says so'
-        self.sheet.faults.append(Fault(text, self.line, title))
+        else:
+            self.sheet.failed.add(near)
+            self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
 
     # Numbers
 
@@ -393,25 +392,24 @@ class _Reader:
         if one.column.dimension == "time" and not one.deviation:
             return numerals.seconds(column, one.scale, decimal), []
         numbers = numerals.numbers(column, decimal)
-        values = one.si(numbers)
         shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
-        values[shares] = _shares(one).si(numbers[shares]) if one.column.dimension == "ratio" else np.nan
+        per_cent = _shares(one).si(numbers) if one.column.dimension == "ratio" else np.nan
+        values = np.where(shares, per_cent, one.si(numbers))
         low, high = one.limits
         above = values > low if one.deviation else values >= low
         inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
         empty = column.isin(["", *"-–—"]).to_numpy(dtype=bool)
-        faults: dict[str, list[Fault]] = {"value": [], "word": [], "range": []}
+        faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
         for row in np.flatnonzero(~inside & ~empty):
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
-            own = self.sheet.faults if kind == "sign" else faults[kind]
-            own.append(Fault(text, int(column.index[row]), one.title))
+            faults[kind].append(Fault(text, int(column.index[row]), one.title))
+        self.sheet.faults += faults.pop("sign")
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
         for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
             if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
                 self.sheet.faults += column_has
                 faults[kind].clear()
-        bad = sorted((fault for some in faults.values() for fault in some), key=lambda fault: fault.line or 0)
-        return np.where(inside, values, np.nan), bad
+        return np.where(inside, values, np.nan), sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
