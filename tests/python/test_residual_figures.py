@@ -34,12 +34,8 @@ def ranges(chart: Chart) -> list[tuple[tuple[float, float], tuple[float, float]]
 
 def arrows(panel: Panel) -> list[tuple[str, str, float, float]]:
     """Marker, text and place of the marked points."""
-    return [
-        (one.marker, text, x, y)
-        for one in panel.series
-        if one.texts
-        for text, x, y in zip(one.texts, one.x, one.y, strict=True)
-    ]
+    marked = [one for one in panel.series if one.texts]
+    return [(one.marker, *values) for one in marked for values in zip(one.texts, one.x, one.y, strict=True)]
 
 
 def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others() -> None:
@@ -60,9 +56,7 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
     assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
 
 
-@pytest.mark.parametrize(
-    ("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)]
-)
+@pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
 def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
     assert reach(points(errors)) == pytest.approx(expected)
 
