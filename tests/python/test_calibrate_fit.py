@@ -144,8 +144,7 @@ def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
     found = fit.fit(double, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15]
     shown = report.Results("t.csv", "1", "v", {}, double.points, double.values, found, 1, 1.0)
-    (outlier,) = shown.outliers
-    assert outlier.point.line == 9
+    assert list(shown.outliers["line"]) == [9]
     text = report.outliers(shown)
     assert "line 9, slip" in text and f"{found.rms_of_all:.3g} with them" in text
     report.write_residuals(shown, tmp_path / "residuals.csv")

@@ -196,12 +196,12 @@ def _run(options: argparse.Namespace) -> int:
     report.write_html(results, path)
     if not found.fits:
         print(f"does not fit: {found.misfit}")
-    if results.outliers:
-        print(report.outliers(results))
+    if left_out := report.outliers(results):
+        print(left_out)
     for line in (*results.notes, *map(report.sentence, found.estimates)):
         print(f"  {line}")
-    for lost in results.lost:
-        print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
+    for lost in results.lost.itertuples():
+        print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0 if found.fits or options.accept_misfit else MISFIT
 

@@ -63,6 +63,11 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
         writer.writerows([cell(place, value) for place, value in enumerate(row)] for row in rows)
 
 
+def write_frame(path: Path, header: Iterable[str], rows: Any) -> None:
+    """Writes the columns of a pandas data frame under these titles; a cell without a value is empty."""
+    write(path, header, rows.astype(object).where(rows.notna(), None).itertuples(index=False))
+
+
 def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:
     """Units by the names of the columns, and the rows of a file of `write` or of another tool. Lines that start with `#` are left out."""
     with path.open(encoding="utf-8", newline="") as file:
