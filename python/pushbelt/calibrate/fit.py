@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import t as student
@@ -29,8 +30,7 @@ class FitError(PushbeltError, RuntimeError):
     """There is nothing to fit."""
 
 
-@dataclass(frozen=True)
-class Undetermined:
+class Undetermined(NamedTuple):
     """Reason why a parameter was reset to its start value."""
 
     half: float  # Half-width of its interval in its coordinate; infinite if it has no influence
@@ -64,8 +64,7 @@ class Estimate:
         return self.half is None and self.undetermined is None
 
 
-@dataclass(frozen=True)
-class Spread:
+class Spread(NamedTuple):
     """Confidence intervals of parameters, in their coordinates."""
 
     halves: Array

@@ -157,14 +157,13 @@ def doubts(values: Values, count: int) -> dict[str, str]:
 def _single_rows(values: Values, lines: Array) -> Iterator[str]:
     """What no variator has in single lines."""
     p = _Points(values, len(lines))
-    for text, bad in (
-        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
-        (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
-        (f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}", _outside(p.thrust, THRUST)),
-        (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
-    ):
-        if bad.any():
-            yield f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' if bad.sum() > 10 else ''}"
+    found = {
+        f"the belt speed is above {BELT_SPEED:g} m/s": p.belt_speed > BELT_SPEED,
+        f"the torque is above {CARRIED:.3g} times the capacity of the clamping force": np.abs(p.used) > CARRIED,
+        f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}": _outside(p.thrust, THRUST),
+        f"the slip is above {100.0 * SLIP:g} %": np.abs(p.slip) > SLIP,
+    }
+    return (f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' * int(bad.sum() > 10)}" for text, bad in found.items() if bad.any())
 
 
 # Other readings

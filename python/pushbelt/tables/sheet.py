@@ -5,7 +5,7 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -243,23 +243,20 @@ class _Reader:
     # Titles
 
     def _take(self) -> None:
-        """Chooses a column for each known name."""
-        places: dict[str, list[Taken]] = {}
+        """Chooses a column for each known name: what the user wants, else a title with a pulley, else a clock before a date."""
         renamed = self._renamed()
-        for place, title in enumerate(self.titles):
-            one = self._taken(place, title, renamed.get(place))
-            if one is not None:
-                places.setdefault(one.name, []).append(one)
-        for name, found in places.items():
-            # What the user wants comes first, then a pulley in the title.
-            best = [one for one in found if one.place in renamed] or found
-            best = [one for one in best if one.place in renamed or not self.names.bare(one.title)] or best
-            if best[0].column.dimension == "time":
-                # A date beside a clock is not needed.
-                known = [key(spelled) for spelled in (name, *best[0].column.aliases)]
-                ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in best]
-                best = [one for one, rank in zip(best, ranks, strict=True) if rank == min(ranks)]
-            self.sheet.ignored += [one.title for one in found if one not in best]
+        found = [one for place, title in enumerate(self.titles) if (one := self._taken(place, title, renamed.get(place)))]
+
+        def rank(one: Taken) -> tuple[bool, bool, int]:
+            clocks = [key(word) for word in (one.name, *one.column.aliases) if one.column.dimension == "time"]
+            ranks = [clocks.index(k) for word, _ in splits(one.title) if (k := key(word)) in clocks]
+            free = one.place not in renamed
+            return free, free and self.names.bare(one.title), min(ranks, default=0)
+
+        for name in dict.fromkeys(one.name for one in found):
+            own = [one for one in found if one.name == name]
+            best = [one for one in own if rank(one) == min(map(rank, own))]
+            self.sheet.ignored += [one.title for one in own if one not in best]
             if self.names.bare(best[0].title) and best[0].place not in renamed:
                 self.sheet.remarks.append(f"{best[0].title} is taken as {name}")
             if len(best) > 1 and self._have_channels(best):
@@ -275,8 +272,8 @@ class _Reader:
     def _have_channels(self, clocks: Sequence[Taken]) -> bool:
         """Whether these are equal titles of times, each with other columns to the right of it."""
         apart = np.diff([*(clock.place for clock in clocks), len(self.titles)])
-        equal = len({key(clock.title) for clock in clocks}) == 1
-        return bool((apart > 1).all()) and clocks[0].column.dimension == "time" and equal
+        titles = {(clock.column.dimension, key(clock.title)) for clock in clocks}
+        return len(titles) == 1 and titles.pop()[0] == "time" and bool((apart > 1).all())
 
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
@@ -364,13 +361,11 @@ class _Reader:
         if self.reading.decimal is not None:
             return self.reading.decimal
         places = [one.place for one in self.sheet.taken.values() if one.column.dimension not in ("text", "time")]
-
-        def texts(rows: pd.DataFrame) -> Iterator[str]:
-            return (cell for place in places for cell in rows[place].unique() if isinstance(cell, str))
-
+        first, every = (
+            (cell for place in places for cell in rows[place].unique() if isinstance(cell, str)) for rows in (self.body.iloc[:SAMPLE], self.body)
+        )
         try:
-            first = numerals.settle(texts(self.body.iloc[:SAMPLE]), certainly=True)
-            return first or numerals.settle(texts(self.body), self.cells.separator)
+            return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
         except NumeralError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
@@ -435,8 +430,6 @@ class _Reader:
         """The first unit in which numbers would be in the range of the column, with the option that says so."""
         for unit in units.confused(one.column.dimension) if not one.turned else ():
             scale = units.find(unit, one.column.dimension)
-            if scale is not None and scale != one.scale:
-                si = scale.si(numbers)
-                if ((si >= one.column.low) & (si <= one.column.high)).all():
-                    return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
+            if scale not in (None, one.scale) and (np.clip(scale.si(numbers), one.column.low, one.column.high) == scale.si(numbers)).all():
+                return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
         return ""
