@@ -14,8 +14,8 @@ import pytest
 import reports
 
 from pushbelt import Variator, tables
-from pushbelt.durability import __main__, fatigue
-from pushbelt.durability.damage import Damage, damage
+from pushbelt.durability import __main__
+from pushbelt.durability.damage import Damage, count_loop, damage
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
@@ -105,14 +105,14 @@ def test_mean_stress_costs_and_compression_gains_nothing() -> None:
 
 @pytest.mark.parametrize("shift", [0, 5, 30, 71])
 def test_a_closed_loop_is_counted_once_wherever_it_starts(shift: int) -> None:
-    found = fatigue.count_loop(np.roll(loop(6e8, 4e8, 1e8), shift))
+    found = count_loop(np.roll(loop(6e8, 4e8, 1e8), shift))
     assert np.array(found) == pytest.approx(np.array([(2.5e8, 3.5e8, 1.0), (1.5e8, 2.5e8, 1.0)]))
 
 
 def test_higher_peak_and_lower_valley_are_one_cycle() -> None:
     stress = np.interp(np.arange(40), [0, 10, 20, 30, 40], [6e8, 2e8, 4e8, 1e8, 6e8])
-    assert fatigue.count_loop(stress) == [(2.5e8, 3.5e8, 1.0), (1e8, 3e8, 1.0)]
-    assert fatigue.count_loop(np.full(20, 3e8)) == []
+    assert count_loop(stress) == [(2.5e8, 3.5e8, 1.0), (1e8, 3e8, 1.0)]
+    assert count_loop(np.full(20, 3e8)) == []
 
 
 def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -> None:
@@ -186,7 +186,7 @@ def test_the_cycles_of_the_fmu_are_those_of_its_loop(fmu: Path, ratio: float) ->
     """The 72 places of the profile miss the peaks by up to 2 %."""
     with Variator("bench168", {"initial.ratio": ratio}, fmu=fmu) as belt:
         belt.step(1e-3)
-        (first, second, *others) = fatigue.count_loop(np.array([belt[f"{FIELD}[{k}]"] for k in range(1, 73)]))
+        (first, second, *others) = count_loop(np.array([belt[f"{FIELD}[{k}]"] for k in range(1, 73)]))
         outputs = sorted(((belt[AMPLITUDE.format(p)], belt[MEAN.format(p)]) for p in PULLEYS), reverse=True)
     for (amplitude, mean, count), expected in zip((first, second), outputs, strict=True):
         assert count == 1.0
