@@ -305,7 +305,8 @@ def test_slip_controller_does_not_wind_up() -> None:
 def test_slip_controller_rests_while_it_is_overruled() -> None:
     """A shift requires a larger force than the strategy, so the slip then contains no information on friction."""
     control = SlipControl(FRICTION, MAP, 0.2)
-    assert len({control.force(MEASURED, STEP, overruled=True) for _ in range(300)}) == 1
+    assert len({control.force(changed(slip=0.02), STEP, overruled=True) for _ in range(300)}) == 1
+    assert len({control.force(changed(slip=0.02), STEP) for _ in range(3)}) == 3
 
 
 def test_pressure_control_shortens_the_lag() -> None:

@@ -389,8 +389,10 @@ def test_efficiency_takes_the_torque_of_any_sign_and_overrun_inverts_it(tmp_path
     rows = [[2000, 1000, 50, -96, 10], [2000, 1000, 50, 96, 10], [2000, 1000, -48, 100, 10], [2000, 1000, 0, 3, 10]]
     path = written(tmp_path / "table.csv", [["n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "T_S [Nm]", "F_S [kN]"], *rows])
     assert [p.measured[0].value for p in points.read(path).points] == pytest.approx([0.96, 0.96, 0.96])
-    path = written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "T_P [Nm]", "F_S [kN]", "eta [%]"], [1, 2000, -40, 10, 104]])
-    assert points.read(path).points[0].measured[0].value == pytest.approx(1.0 / 1.04)
+    rows = [[1, 2000, -40, 10, 104], [1, 2000, 40, 10, 96], [1, 2000, 40, 10, 104]]
+    rig = points.read(written(path, [["i_geo", "n_P [rpm]", "T_P [Nm]", "F_S [kN]", "eta [%]"], *rows]))
+    assert [p.measured[0].value for p in rig.points] == pytest.approx([1.0 / 1.04, 0.96])
+    assert [(fault.line, fault.column) for fault in rig.sheet.left_out] == [(4, "eta [%]")]
 
 
 def test_pressures_give_forces(tmp_path: Path) -> None:
