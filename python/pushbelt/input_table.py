@@ -22,10 +22,8 @@ class Ramp(NamedTuple):
 
     begin: dict[str, float]
     end: dict[str, float]
-    time: float
-    """End of the step, s."""
-    duration: float
-    """s."""
+    time: float  # End of the step, s
+    duration: float  # s
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,9 @@ RANGES = {
 class Material:
     """Haigh line and S-N curve. The defaults are engineering values for maraging steel rings (docs/durability.md)."""
 
-    strength: float = 2.0e9
-    """Tensile strength R_m, Pa."""
-    limit: float = 6.0e8
-    """Fatigue limit: amplitude without mean stress that half of the specimens bear, Pa."""
-    knee: float = 1.0e7
-    """Cycles to failure at the fatigue limit."""
+    strength: float = 2.0e9  # Tensile strength R_m, Pa
+    limit: float = 6.0e8  # Fatigue limit: amplitude without mean stress that half of the specimens bear, Pa
+    knee: float = 1.0e7  # Cycles to failure at the fatigue limit
     slope: float = 10.0
     """Exponent k of the S-N curve above the limit: cycles to failure are proportional to amplitude^-k."""
     safety: float = 1.5

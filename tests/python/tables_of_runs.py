@@ -22,8 +22,6 @@ def units_are_those_of(fmu: Path, *paths: Path) -> None:
         texts = {"case", "run", "name"}
         assert all(unit is not None for name, unit in found if name not in texts), titles
         assert {name: unit for name, unit in found if name in known} == {name: known[name] for name, _ in found if name in known}
-        columns = {
-            name: Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None
-        }
+        columns = {name: Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None}
         read = sheet.read(path, columns, misspelled=False)
         assert set(read.taken) == set(columns), path

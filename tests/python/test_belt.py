@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from pathlib import Path
 
 import pytest
@@ -21,15 +22,9 @@ BELT155 = Dimensions(
 WIDE = ["--width", "30", "--layers", "12", "--element-thickness", "1.5", "--length", "0.70", "--center-distance", "0.17"]
 
 
-@pytest.mark.parametrize(
-    ("name", "dimensions", "tolerance"),
-    [
-        # The published numbers are rounded to three digits.
-        ("bench168", BENCH, 6e-3),
-        # Its pushing stiffness, film and contact are those of elements of 24 mm, and its thickness is the nominal one.
-        ("belt155", BELT155, 8e-2),
-    ],
-)
+# The published numbers of `bench168` are rounded to three digits. Pushing stiffness, film and contact of `belt155` are those of elements
+# of 24 mm, and its thickness is the nominal one.
+@pytest.mark.parametrize(("name", "dimensions", "tolerance"), [("bench168", BENCH, 6e-3), ("belt155", BELT155, 8e-2)])
 def test_formulas_give_the_published_sets(name: str, dimensions: Dimensions, tolerance: float) -> None:
     published = data.parameter_set(name)
     entries = Belt(dimensions).entries
@@ -45,11 +40,9 @@ def test_formulas_give_the_published_sets(name: str, dimensions: Dimensions, tol
 def test_what_is_given_is_met_exactly() -> None:
     published = data.parameter_set("belt155")
     entries = Belt(BELT155).entries
-    for key in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength"):
-        assert entries[key].value == pytest.approx(published[key], rel=2e-5)
+    for key in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "belt.massPerLength"):
+        assert entries[key].value == pytest.approx(published[key], rel=1e-4 if "belt" in key else 2e-5)
         assert entries[key].origin == "geometry"
-    assert entries["belt.massPerLength"].value == pytest.approx(published["belt.massPerLength"], rel=1e-4)
-    assert entries["belt.massPerLength"].origin == "geometry"
     assert entries["belt.elementInertia"].origin == "typical"
 
 
@@ -78,25 +71,19 @@ def test_reach_is_where_a_stop_is_met() -> None:
     belt = Belt(BENCH)
     primary, secondary = belt.pitch_radii(belt.reach)
     assert primary == pytest.approx(0.03) or secondary == pytest.approx(0.082)
-    assert primary >= 0.03 - 1e-9
-    assert secondary <= 0.082 + 1e-9
+    assert primary >= 0.03 - 1e-9 and secondary <= 0.082 + 1e-9
     assert belt.pitch_radii(1 / belt.reach) == pytest.approx((secondary, primary))
 
 
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        ({"width": 24.0}, "the width of the elements is 24 m, not within"),
-        ({"length": 0.33}, "does not close around axes 0.168 m apart"),
-        ({"elements": 432, "element_thickness": 1.5e-3}, "leave an end play of 48.70 mm"),
-        ({"elements": 480, "element_thickness": 1.5e-3}, "leave an end play of -23.30 mm"),
-        ({"layer_width": 0.0125}, "not narrower than the elements"),
-        ({"max_radius": 0.09}, "touch each other"),
-        ({"max_radius": 0.03}, "is not below the largest"),
-        ({"min_radius": 0.06}, "no ratio can be reached"),
-        ({"length": 0.9}, "no ratio can be reached"),
+        ({"width": 24.0}, "width of the elements is 24 m"), ({"length": 0.33}, "around axes 0.168 m"),
+        ({"elements": 432, "element_thickness": 1.5e-3}, "play of 48.70 mm"), ({"elements": 480, "element_thickness": 1.5e-3}, "play of -23.30 mm"),
+        ({"layer_width": 0.0125}, "layers of 12.5 mm"), ({"max_radius": 0.09}, "radius of 90 mm"), ({"max_radius": 0.03}, "largest, 30 mm"),
+        ({"min_radius": 0.06}, "stops at 60 and"), ({"length": 0.9}, "stops at 30 and"),
     ],
-)
+)  # fmt: skip
 def test_dimensions_that_do_not_fit_are_refused(changes: dict, why: str) -> None:
     with pytest.raises(BeltError, match=why):
         Belt(Dimensions(**{**vars(BENCH), **changes}))
@@ -126,10 +113,7 @@ def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pyte
     options = ["--fmu", str(fmu), "--output", str(tmp_path), *WIDE]
     assert main(options) == 0
     shown = capsys.readouterr().out
-    assert "* contact.stiffness" in shown
-    assert "  geometry.beltLength" in shown
-    assert "Ratio: 0.396 to 2.526" in shown
-    assert shown.count("passes") == 3
+    assert all(part in shown for part in ("* contact.stiffness", "  geometry.beltLength", "0.396 to 2.526")) and shown.count("passes") == 3
     assert main([*options, "--limit", "300"]) == OUT_OF_LIMITS
     assert "FAILS" in capsys.readouterr().out
     assert (tmp_path / "belt.json").is_file()
@@ -138,21 +122,14 @@ def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pyte
 @pytest.mark.parametrize(
     ("option", "why"),
     [
-        (["--length", "700"], "the length of the belt is 700 m"),
-        (["--ratio", "3.2"], "allow 0.396 to 2.526"),
-        (["--ratio", "nan"], "allow 0.396 to 2.526"),
-        (["--set", "belt.colour=1"], "no parameter belt.colour"),
-        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa is not within 100 to 5000 MPa"),
-        (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa is not below its strength, 2000 MPa"),
-        (["--stress-safety", "0.1"], "safety of the steel: 0.1 is not within 1 to 10"),
-        (["--safety", "0.1"], "safety of the load case: 0.1 is not within 1 to 10"),
-        (["--rpm", "0"], "speed of the load case: 0 rad/s is not within 1 to 2000 rad/s"),
-        (["--torque", "nan"], "torque of the load case: nan N.m is not within"),
+        (["--length", "700"], "length of the belt is 700 m"), (["--ratio", "3.2"], "0.396 to 2.526"), (["--ratio", "nan"], "0.396 to 2.526"),
+        (["--set", "belt.colour=1"], "belt.colour"), (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"),
+        (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa"), (["--stress-safety", "0.1"], "safety of the steel: 0.1"),
+        (["--safety", "0.1"], "safety of the load case: 0.1"), (["--rpm", "0"], "speed of the load case: 0 rad/s"),
+        (["--torque", "nan"], "torque of the load case: nan N.m"),
     ],
-)
-def test_command_refuses(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], why: str
-) -> None:
+)  # fmt: skip
+def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], why: str) -> None:
     assert main(["--fmu", str(fmu), "--output", str(tmp_path), *WIDE, *option]) == 1
     assert why in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
@@ -167,18 +144,11 @@ def test_units_may_follow_a_length(fmu: Path, tmp_path: Path, wide: Path) -> Non
 
 
 def test_layers_alone_are_a_warning(fmu: Path, wide: Path) -> None:
-    def warned(parameters: str, changes: dict) -> list[str]:
-        import warnings
-
+    for parameters, changes, count in (("bench168", {}, 0), (str(wide), {"initial.ratio": 0.5}, 0), ("bench168", {"ring.layers": 12}, 1)):
         with warnings.catch_warnings(record=True) as found, pushbelt.Variator(parameters, changes, fmu=fmu) as variator:
             warnings.simplefilter("always")
             variator.start()
-        return [str(warning.message) for warning in found]
-
-    assert not warned("bench168", {})
-    assert not warned(str(wide), {"initial.ratio": 0.5})
-    (text,) = warned("bench168", {"ring.layers": 12})
-    assert "do not follow from ring.layers" in text
+        assert ["ring.layers" in str(warning.message) for warning in found] == [True] * count
 
 
 def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -76,7 +77,7 @@ def test_a_parameter_that_the_data_do_not_see_keeps_its_start_value() -> None:
     # Also one that has moved before the scatter shows that it is not determined.
     faint = model(lambda v, u: v[0] * u + 0.01 * v[1] * np.cos(3.0 * u), (1.2, 2.0), "ab")
     off = [with_value(point, point.measured[0].value + 0.05 * np.sin(9.0 * point.torque)) for point in faint.points]
-    _, second = fit.fit(faint.with_points(off, {}), [parameter("a"), parameter("b")]).estimates
+    _, second = fit.fit(Model(off, faint.solve), [parameter("a"), parameter("b")]).estimates
     assert second.undetermined is not None and second.value == 1.0
 
 
@@ -92,13 +93,11 @@ def test_a_prior_determines_what_the_data_do_not() -> None:
 
 
 def test_a_bad_fit_says_so() -> None:
-    good = fit.fit(model(lambda v, u: v[0] * u, (1.2,), "a"), [parameter("a")])
-    assert good.fits and good.misfit is None
-    wrong = model(lambda v, u: v[0] * u, (1.2,), "a")
-    values = [with_value(point, value=np.sin(9.0 * point.torque)) for point in wrong.points]
-    bad = fit.fit(wrong.with_points(values, {}), [parameter("a")])
-    assert not bad.fits
-    assert "above 3" in bad.misfit
+    good = model(lambda v, u: v[0] * u, (1.2,), "a")
+    assert fit.fit(good, [parameter("a")]).fits
+    bad = fit.fit(Model([with_value(point, value=np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
+    # No value is an outlier: the scatter of all counts, not the given deviations.
+    assert all(bad.kept) and not bad.fits and bad.misfit
 
 
 def with_value(point: Point, value: float) -> Point:
@@ -111,7 +110,7 @@ def noisy(count: int, seed: int, shifts: dict[int, float], truth: Sequence[float
     opened = model(lambda v, u: v[0] * u + v[1] * np.exp(-u), truth, "ab", count)
     noise = 0.01 * np.random.default_rng(seed).standard_normal(count)
     values = [p.measured[0].value + n + shifts.get(k, 0.0) for k, (p, n) in enumerate(zip(opened.points, noise, strict=True))]
-    return opened.with_points([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], {})
+    return Model([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], opened.solve)
 
 
 TWO = [parameter("a"), parameter("b")]
@@ -124,7 +123,7 @@ def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
     found = fit.fit(opened, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == sorted(shifts)
     others = [point for k, point in enumerate(opened.points) if k not in shifts]
-    alone = fit.fit(opened.with_points(others, {}), TWO)
+    alone = fit.fit(Model(others, opened.solve), TWO)
     assert all(alone.kept)
     for one, other in zip(found.estimates, alone.estimates, strict=True):
         assert one.value == pytest.approx(other.value, rel=1e-3)
@@ -133,39 +132,31 @@ def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
     assert found.evaluations <= alone.evaluations + 6
 
 
-def test_noise_and_an_unfit_model_have_no_outliers() -> None:
-    """The scatter of all counts, not the given deviations."""
+def test_noise_has_few_outliers() -> None:
     assert sum(not all(fit.fit(noisy(30, seed, {}), TWO).kept) for seed in range(40)) <= 4
-    wrong = model(lambda v, u: v[0] * u, (1.2,), "a")
-    values = [with_value(point, np.sin(9.0 * point.torque)) for point in wrong.points]
-    found = fit.fit(wrong.with_points(values, {}), [parameter("a")])
-    assert all(found.kept) and not found.fits
 
 
 def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
     """One value of a row is far off; the other may depend on the same faulty cell."""
-    opened = noisy(30, 1, {7: 1.0})
+    opened = noisy(30, 1, {7: 1.0, 20: -1.0})
     points = [replace(point, measured=(*point.measured, replace(point.measured[0], deviation=1.0))) for point in opened.points]
-    double = opened.with_points(points, {})
+    double = Model(points, opened.solve)
     found = fit.fit(double, TWO)
-    assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15]
+    assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15, 40, 41]
     shown = report.Results("t.csv", "1", "v", {}, double.points, double.values, found, 1, 1.0)
-    (outlier,) = shown.outliers
-    assert outlier.point.line == 9
+    assert list(shown.outliers["line"]) == [9, 22]
     text = report.outliers(shown)
     assert "line 9, slip" in text and f"{found.rms_of_all:.3g} with them" in text
     report.write_residuals(shown, tmp_path / "residuals.csv")
-    assert (tmp_path / "residuals.csv").read_text(encoding="utf-8").count("outlier") == 2
+    assert (tmp_path / "residuals.csv").read_text(encoding="utf-8").count("outlier") == 4
 
 
 def test_samples_of_a_record_are_left_out_alone() -> None:
     opened = noisy(30, 1, {7: 1.0})
 
     def solve(jobs: Sequence[Job]) -> list[Found]:
-        return [
-            Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in enumerate(np.linspace(0.0, 1.0, 30))})
-            for values, _ in jobs
-        ]
+        places = list(enumerate(np.linspace(0.0, 1.0, 30)))
+        return [Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in places}) for values, _ in jobs]
 
     samples = tuple(replace(p.measured[0], key=f"{k}", time=float(k)) for k, p in enumerate(opened.points))
     record = Record(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
@@ -189,7 +180,7 @@ def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 
 def test_too_few_values_are_refused() -> None:
-    with pytest.raises(fit.FitError, match="2 measured values can't determine 2 parameters"):
+    with pytest.raises(fit.FitError, match="2 measured values"):
         fit.fit(model(curve, (1.0, 1.0), "ab", count=2), TWO)
 
 
@@ -208,16 +199,17 @@ def test_options_out_of_range_are_refused(words: tuple[str, str], capsys: pytest
 
 # Below 0.09, where a search starts, waves of the thrust ratio on the coarse mesh of `--short`, of 1 %, hold the search.
 SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
+BASE = {**parameter_set("bench168"), "friction.pulley": FRICTION}
+Solved = list[tuple[float, float, dict[str, float]]]
 
 
 @pytest.fixture(scope="module")
-def solved(fmu: Path, archive) -> list[tuple[float, float, dict[str, float]]]:
+def solved(fmu: Path, archive: Any) -> Solved:
     """Ratio, torque and results of five points with a known friction."""
-    base = {**parameter_set("bench168"), "friction.pulley": FRICTION}
     found = []
     for ratio, torque in ((2.0, 35.0), (1.5, 45.0), (1.0, 40.0), (0.7, 45.0), (0.55, 30.0)):
         point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-        state = worker.solve_or_say_why(fmu, archive.directory, base, point)
+        state = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
         assert state.reason is None
         found.append((ratio, torque, dict(state.values)))
     return found
@@ -227,9 +219,7 @@ def words(path: Path, fmu: Path, out: Path, *more: str) -> list[str]:
     return [str(path), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--fit", "friction.pulley", *more]
 
 
-def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(
-    fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, solved: Solved, tmp_path: Path, capsys: Any) -> None:
     path, out = tmp_path / "rig.csv", tmp_path / "out"
     rows = [f"{1 / i!r};{SPEED};{t};{FORCE};{v['thrustRatio']!r};{v['slip']!r};{v['efficiency']!r}" for i, t, v in solved]
     header = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
@@ -251,15 +241,12 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(
 HEADER = "ratio.geometric,primary.speed [rad/s],primary.torque [Nm],secondary.clampingForce [N],F_P [kN],slip,efficiency"
 
 
-def test_the_first_line_names_a_wrong_value(
-    fmu: Path, solved: list[tuple[float, float, dict[str, float]]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_first_line_names_a_wrong_value(fmu: Path, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A force of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without them."""
     path, out = tmp_path / "rig.csv", tmp_path / "out"
     rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
     path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
     assert __main__.main(words(path, fmu, out)) == 0
-    alone = json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"]["friction.pulley"]
     capsys.readouterr()
     (ratio, torque, values), force = solved[0], 1e-2 * solved[0][2]["thrustRatio"] * FORCE
     wrong = [
@@ -275,21 +262,17 @@ def test_the_first_line_names_a_wrong_value(
     assert "no steady state, not used: line 8" in errors
     document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
     assert document["fits"]
-    found = document["parameters"]["friction.pulley"]
-    assert found["value"] == pytest.approx(alone["value"], rel=1e-3)
-    assert found["value"] == pytest.approx(FRICTION, rel=1e-3)
-    page = reports.stands_alone(out / "report.html")
-    assert "Left out as outliers: line 7" in page
+    assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
+    assert "Left out as outliers: line 7" in reports.stands_alone(out / "report.html")
 
 
-def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: list[tuple[float, float, dict[str, float]]]) -> None:
+def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Solved) -> None:
     """The search starts from the slip of the last one."""
-    base = {**parameter_set("bench168"), "friction.pulley": FRICTION}
     ratio, torque, values = solved[1]
     speed_ratio, measured = ratio / (1.0 - values["slip"]), (Measured("slip", 0.0, 1.0, True),)
     for guess, most in ((0.0, 3), (values["slip"] + 1e-4, 2), (values["slip"], 2)):
         point = Point(0, "", None, speed_ratio, SPEED, torque, FORCE, None, measured, guess)
-        found = worker.solve_or_say_why(fmu, archive.directory, base, point)
+        found = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
         assert found.values == pytest.approx(values, rel=1e-3)
         assert found.solves <= most
 

@@ -39,16 +39,12 @@ def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
 @pytest.mark.parametrize(
     ("point", "why"),
     [
-        ({"torque": 40.0, "force": 9.0}, r"the capacity is 0.09\d+ N·m at 9 N. Is the force in kN\? 9 kN"),
-        ({"torque": -35.0, "force": 14.0}, r"-35 N·m, .* N·m at 14 N. Is the force in kN\? 14 kN are 14000 N"),
-        ({"torque": 45e3, "force": 15e3}, r"Is the torque in N·mm\? 45000 N·mm are 45 N·m"),
-        ({"torque": 70e3}, r"70000 N·m require a clamping force of \d+ kN, above 300 kN. Is the torque in N·mm\?"),
-        ({"torque": 300.0, "force": 9e3}, r"the capacity is \d+\.?\d* N·m at 9000 N$"),
+        ({"torque": 40.0, "force": 9.0}, r"0.09\d+ N·m at 9 N. .* 9 kN"), ({"torque": -35.0, "force": 14.0}, r"-35 N·m, .* at 14 N. .* 14 kN"),
+        ({"torque": 45e3, "force": 15e3}, r"45000 N·mm"), ({"torque": 70e3}, r"70000 N·m .* kN, above 300 kN. .* N·mm"),
+        ({"torque": 300.0, "force": 9e3}, r"\d+\.?\d* N·m at 9000 N$"),
     ],
-)
-def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(
-    belt: Variator, initialised: list[object], point: dict[str, float], why: str
-) -> None:
+)  # fmt: skip
+def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(belt: Variator, initialised: list, point: dict, why: str) -> None:
     for call in (belt.steady, belt.linearize):
         with pytest.raises(SteadyStateError, match=why):
             call(1.0, **point)
@@ -58,13 +54,11 @@ def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(
 @pytest.mark.parametrize(
     ("point", "why"),
     [
-        ({"ratio": -1.0, "torque": 40.0}, "ratio = -1 is out of range"),
-        ({"ratio": 0.0, "torque": 40.0}, "ratio = 0 is out of range"),
-        ({"ratio": 1.0, "torque": float("nan")}, "torque = nan is not finite"),
-        ({"ratio": 1.0, "torque": 40.0, "force": -5e3}, "force = -5000 N is out of range"),
-        ({"ratio": 1.0, "torque": 40.0, "safety": 0.0}, "safety = 0.0 is not a number above 0"),
+        ({"ratio": -1.0, "torque": 40.0}, "ratio = -1"), ({"ratio": 0.0, "torque": 40.0}, "ratio = 0"),
+        ({"ratio": 1.0, "torque": float("nan")}, "torque = nan"), ({"ratio": 1.0, "torque": 40.0, "force": -5e3}, "force = -5000 N"),
+        ({"ratio": 1.0, "torque": 40.0, "safety": 0.0}, "safety = 0.0"),
     ],
-)
+)  # fmt: skip
 def test_a_number_that_is_no_point_is_named(belt: Variator, point: dict[str, float], why: str) -> None:
     with pytest.raises(ValueError, match=why):
         belt.steady(**point)
@@ -93,9 +87,7 @@ def test_inputs_of_a_step_give_a_warning(fmu: Path) -> None:
 
 
 def test_a_speed_in_rpm_gives_a_warning(belt: Variator) -> None:
-    with pytest.warns(
-        VariatorWarning, match=r"belt speed of \d+ m/s, above 60 m/s. Is the speed in rpm\? 3000 rpm are 314.2"
-    ):
+    with pytest.warns(VariatorWarning, match=r"\d+ m/s, above 60 m/s. .* 3000 rpm are 314.2"):
         belt.steady(1.1, 20.0, speed=3000.0, force=9e3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,7 +51,16 @@ MAP = ThrustMap(
 )
 """Its belt shifts by 8e-7/(N·rad) times the excess of the primary force at ratio 1 without torque."""
 MEASURED = Measured(primary_speed=200.0, ratio=1.0, slip=0.005, macro_slip=False, pitch_radius=0.0575, torque=50.0)
+CARRIED = clamping_force(50.0, 0.0575, 0.09, math.radians(11.0), 1.0)
+"""Force that carries the torque of `MEASURED`, N."""
+LIMITS = (2e3, 6e4)
 STEP = simulate.STEP
+
+
+def changed(**values: float) -> Measured:
+    return dataclasses.replace(MEASURED, **values)
+
+
 
 # Numbers
 
@@ -66,16 +76,8 @@ def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
 
 
 def test_intervals_cover_the_grid() -> None:
-    grid = [0.5, 1.0, 2.0]
-    assert [interval(grid, x) for x in (0.1, 0.5, 0.75, 1.0, 1.5, 2.0, 9.0)] == [
-        (0, 0.0),
-        (0, 0.0),
-        (0, 0.5),
-        (0, 1.0),
-        (1, 0.5),
-        (1, 1.0),
-        (1, 1.0),
-    ]
+    expected = [(0.1, 0, 0.0), (0.5, 0, 0.0), (0.75, 0, 0.5), (1.0, 0, 1.0), (1.5, 1, 0.5), (2.0, 1, 1.0), (9.0, 1, 1.0)]
+    assert [(x, *interval([0.5, 1.0, 2.0], x)) for x, *_ in expected] == expected
 
 
 # Figures of merit
@@ -112,9 +114,7 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
 def test_cycle_is_wltc_class_3b() -> None:
     cycle = wltc_class_3b()
     assert 3.6 * cycle.speed.sum() == pytest.approx(83758.6)  # the regulation's check sum
-    assert cycle.duration == 1800.0
-    assert cycle.distance == pytest.approx(23266.0, abs=1.0)
-    assert 3.6 * cycle.speed.max() == pytest.approx(131.3)
+    assert (cycle.duration, cycle.distance, 3.6 * cycle.speed.max()) == pytest.approx((1800.0, 23266.0, 131.3), rel=4e-5)
     assert all(cycle.at(start) == 0.0 for start, _ in PARTS.values())
 
 
@@ -122,16 +122,14 @@ def test_cycle_is_nedc() -> None:
     """The break points give the table of the package `wltp`, which begins with the end of the first second."""
     cycle = nedc()
     assert cycle.distance == pytest.approx(4052.0 + 6955.0, rel=1e-3)  # UN Regulation No. 83
-    assert 3.6 * cycle.speed.max() == pytest.approx(120.0)
-    assert cycle.duration == 1180.0
+    assert (cycle.duration, 3.6 * cycle.speed.max()) == pytest.approx((1180.0, 120.0))
     table = np.array(importlib.import_module("wltp.cycles.nedc").cycle_data()["cycle"])
-    found = [3.6 * cycle.at(1.0 + second) for second in range(len(table))]
-    assert found == pytest.approx(table, abs=1e-3)
+    assert [3.6 * cycle.at(1.0 + second) for second in range(len(table))] == pytest.approx(table, abs=1e-3)
 
 
 def test_without_its_table_the_wltc_says_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wltp.cycles", None)
-    with pytest.raises(CycleMissingError, match=r"pip install --no-deps wltp==.*--cycle nedc"):
+    with pytest.raises(CycleMissingError, match="wltp"):
         wltc_class_3b()
     assert nedc().duration == 1180.0
 
@@ -141,10 +139,9 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     section = cycle.section(1478.0, 1598.0)
     assert (section.time[0], section.start, section.duration) == (0.0, 1478.0, 120.0)
     assert section.at(60.5) == pytest.approx(cycle.at(1538.5))
-    with pytest.raises(ValueError, match="must start at standstill"):
-        cycle.section(100.0 + 1478.0, 1700.0)
-    with pytest.raises(ValueError, match="is not within the cycle"):
-        cycle.section(0.0, 2000.0)
+    for ends, named in (((1578.0, 1700.0), "1578"), ((0.0, 2000.0), "2000")):
+        with pytest.raises(ValueError, match=named):
+            cycle.section(*ends)
 
 
 # Car and driver
@@ -170,13 +167,10 @@ def test_clutch_conserves_angular_momentum() -> None:
     powertrain = Powertrain(CAR)
     powertrain.torque = 60.0
     before, impulse = powertrain.speed, 0.0
-    engine = 0.0
     for _ in range(50):
-        torque_before = powertrain.torque
         impulse += STEP * powertrain.advance(60.0, 40.0, STEP)
-        assert torque_before == pytest.approx(60.0)
-        engine += STEP * powertrain.torque
-    assert CAR.engine_inertia * (powertrain.speed - before) == pytest.approx(engine - impulse)
+        assert powertrain.torque == pytest.approx(60.0)
+    assert CAR.engine_inertia * (powertrain.speed - before) == pytest.approx(50 * STEP * 60.0 - impulse)
     assert impulse > 0.0
 
 
@@ -194,15 +188,13 @@ def test_locked_engine_follows_the_pulley() -> None:
 
 def test_driver_follows_a_ramp() -> None:
     cycle = Cycle(np.array([0.0, 2.0, 22.0, 40.0]), np.array([0.0, 0.0, 20.0, 20.0]))
-    driver, speed = Driver(CAR, cycle), 0.0
-    errors = []
+    driver, speed, errors = Driver(CAR, cycle), 0.0, []
     for step in range(4000):
         time = step * STEP
         force = driver.demand(time, speed, STEP).force
         speed = max(speed + STEP * (force - CAR.road_load(speed)) / CAR.mass, 0.0)
         errors.append(speed - cycle.at(time))
-    assert np.abs(errors).max() < 0.5
-    assert abs(errors[-1]) < 0.02
+    assert np.abs(errors).max() < 0.5 and abs(errors[-1]) < 0.02
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
 
 
@@ -232,9 +224,7 @@ def test_pressure_keeps_its_limits() -> None:
 def test_clamping_force_carries_the_torque() -> None:
     force = clamping_force(-100.0, 0.05, 0.09, math.radians(11.0), 1.3)
     assert 2.0 * 0.09 * force * 0.05 / math.cos(math.radians(11.0)) == pytest.approx(1.3 * 100.0)
-    assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(
-        clamping_force(58.0, 0.0575, 0.09, math.radians(11.0), 1.3)
-    )
+    assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(1.3 * 58.0 / 50.0 * CARRIED)
 
 
 def test_map_is_bilinear_and_constant_beyond() -> None:
@@ -258,20 +248,17 @@ def test_a_clearance_shifts_at_little_force_too() -> None:
     assert clear.shift_gain(1.0, 0.0) == MAP.shift_gain(1.0, 0.0)
     assert clear.shift_gain(1.0, 0.0, secondary=6e3) == pytest.approx(1.5 * MAP.shift_gain(1.0, 0.0, secondary=6e3))
     # Therefore a smaller excess gives the same shift.
-    primary = [RatioControl(FRICTION, table, (2e3, 6e4)).forces(0.9, MEASURED, 6e3, STEP)[0] for table in (MAP, clear)]
+    primary = [RatioControl(FRICTION, table, LIMITS).forces(0.9, MEASURED, 6e3, STEP)[0] for table in (MAP, clear)]
     assert primary[1] < primary[0]
 
 
 def test_gain_is_that_near_the_excess() -> None:
     """A belt that creeps up to twice the force that holds it, and then slides: one law, gains far apart."""
-    rates = 8e-9 * np.array([-1.0, 0.0, 1.0, 300.0])
-    creeping = dataclasses.replace(
-        MAP, excesses=np.log([0.3, 1.0, 2.0, 3.0]), shift_rates=np.broadcast_to(rates, (3, 2, 4)).copy()
-    )
-    held, sliding = (creeping.shift_gain(1.0, 0.0, excess) for excess in (0.0, math.log(2.5)))
-    assert sliding > 100.0 * held
-    # The distance to sliding is within the error of the map.
-    assert creeping.shift_gain(1.0, 0.0, math.log(1.9)) > 100.0 * held
+    rates = np.broadcast_to(8e-9 * np.array([-1.0, 0.0, 1.0, 300.0]), (3, 2, 4))
+    creeping = dataclasses.replace(MAP, excesses=np.log([0.3, 1.0, 2.0, 3.0]), shift_rates=rates)
+    # From 1.9 the distance to sliding is within the error of the map.
+    held, near, sliding = (creeping.shift_gain(1.0, 0.0, excess) for excess in (0.0, math.log(1.9), math.log(2.5)))
+    assert min(near, sliding) > 100.0 * held
 
 
 def test_flywheel_limits_the_utilisation() -> None:
@@ -279,9 +266,7 @@ def test_flywheel_limits_the_utilisation() -> None:
     table = dataclasses.replace(
         MAP,
         utilisations=np.array([-0.9, 0.0, 0.6, 0.8, 0.9, 0.97]),
-        thrust=np.array(
-            [[1.0, 1.4, 1.8, 1.8, 1.7, 1.5], [0.8, 1.0, 1.2, 1.2, 1.1, 0.9], [0.6, 0.7, 0.9, 0.9, 0.9, 0.9]]
-        ),
+        thrust=np.array([[1.0, 1.4, 1.8, 1.8, 1.7, 1.5], [0.8, 1.0, 1.2, 1.2, 1.1, 0.9], [0.6, 0.7, 0.9, 0.9, 0.9, 0.9]]),
         slips=np.array([[-0.01, 0.0, 0.005, 0.008, 0.012, 0.02]] * 2 + [[-0.01, 0.0, 0.005, 0.008, 0.008, 0.008]]),
     )
     limits = [table.stable_utilisation(1.0, flywheel) for flywheel in (0.0, 0.5, 1.0, 4.0)]
@@ -289,10 +274,7 @@ def test_flywheel_limits_the_utilisation() -> None:
     assert (np.diff(limits) < 0.0).all()
     assert table.stable_utilisation(1.0, 1.0) == pytest.approx(0.85)  # half way between 0.8 and 0.9 the slope is −1
     assert table.stable_utilisation(2.0, 0.0) == 0.8  # beyond there is no steady state
-    slow, fast = (
-        SlipControl(FRICTION, table, 0.2).force(dataclasses.replace(MEASURED, primary_speed=speed), STEP)
-        for speed in (100.0, 400.0)
-    )
+    slow, fast = (SlipControl(FRICTION, table, 0.2).force(changed(primary_speed=speed), STEP) for speed in (100.0, 400.0))
     assert fast > 1.1 * slow
 
 
@@ -304,7 +286,7 @@ def test_slip_controller_finds_its_set_point() -> None:
     force, needed = 12000.0, FRICTION.clamping_force(MEASURED, 1.0) / 0.8
     for _ in range(1500):
         slip = wanted * (needed / (0.9 * force)) ** 3
-        force = control.force(dataclasses.replace(MEASURED, slip=slip), STEP)
+        force = control.force(changed(slip=slip), STEP)
     assert slip == pytest.approx(wanted, rel=0.02)
     assert force > 1.2 * FRICTION.clamping_force(MEASURED, 1.0)
 
@@ -312,10 +294,10 @@ def test_slip_controller_finds_its_set_point() -> None:
 def test_slip_controller_does_not_wind_up() -> None:
     control = SlipControl(FRICTION, MAP, 0.2)
     for _ in range(3000):
-        low = control.force(dataclasses.replace(MEASURED, slip=0.0), STEP)
+        low = control.force(changed(slip=0.0), STEP)
     feed_forward = FRICTION.clamping_force(MEASURED, 1.0 / 0.9)
     assert low == pytest.approx(feed_forward)  # beyond 0.9 the map has no steady state
-    slipping = dataclasses.replace(MEASURED, slip=0.03)
+    slipping = changed(slip=0.03)
     forces = [control.force(slipping, STEP) for _ in range(30)]
     assert max(forces) > feed_forward
 
@@ -323,16 +305,13 @@ def test_slip_controller_does_not_wind_up() -> None:
 def test_slip_controller_rests_while_it_is_overruled() -> None:
     """A shift requires a larger force than the strategy, so the slip then contains no information on friction."""
     control = SlipControl(FRICTION, MAP, 0.2)
-    before = control.force(MEASURED, STEP, overruled=True)
-    for _ in range(300):
-        after = control.force(MEASURED, STEP, overruled=True)
-    assert after == before
+    assert len({control.force(changed(slip=0.02), STEP, overruled=True) for _ in range(300)}) == 1
+    assert len({control.force(changed(slip=0.02), STEP) for _ in range(3)}) == 3
 
 
 def test_pressure_control_shortens_the_lag() -> None:
-    circuit = PressureCircuit(1e6)
+    circuit, lag = PressureCircuit(1e6), 0
     control = PressureControl(circuit.lag)
-    lag = 0
     while circuit.force < 1e4 + 2e3 * (1.0 - math.exp(-1.0)):
         circuit.advance(control.demand(1.2e4, circuit.force), STEP)
         lag += 1
@@ -347,7 +326,7 @@ def test_pressure_control_shortens_the_lag() -> None:
 def test_slip_controller_intervenes(change: dict) -> None:
     control = SlipControl(FRICTION, MAP, 0.2)
     calm = control.force(MEASURED, STEP)
-    rescued = control.force(dataclasses.replace(MEASURED, **change), STEP)
+    rescued = control.force(changed(**change), STEP)
     assert control.intervening
     assert rescued > 1.3 * calm
     held = [control.force(MEASURED, STEP) for _ in range(round(0.9 * control.HOLD / STEP))]
@@ -360,18 +339,14 @@ def test_slip_controller_intervenes(change: dict) -> None:
 
 
 def test_ratio_control_holds_by_the_map() -> None:
-    control = RatioControl(FRICTION, MAP, (2e3, 6e4))
+    control = RatioControl(FRICTION, MAP, LIMITS)
     primary, secondary = control.forces(1.0, MEASURED, 8000.0, STEP)
-    share = clamping_force(50.0, 0.0575, 0.09, FRICTION.wedge_angle, 1.0) / 8000.0
-    assert (primary, secondary) == pytest.approx((MAP.thrust_ratio(1.0, share) * 8000.0, 8000.0))
+    assert (primary, secondary) == pytest.approx((MAP.thrust_ratio(1.0, CARRIED / 8000.0) * 8000.0, 8000.0))
 
 
 def test_ratio_control_shifts_both_ways() -> None:
-    still = RatioControl(FRICTION, MAP, (2e3, 6e4)).forces(1.0, MEASURED, 8000.0, STEP)
-    up = RatioControl(FRICTION, MAP, (2e3, 6e4)).forces(0.8, MEASURED, 8000.0, STEP)
-    down = RatioControl(FRICTION, MAP, (2e3, 6e4)).forces(1.5, MEASURED, 8000.0, STEP)
-    assert up[0] > still[0]
-    assert up[1] == still[1]
+    still, up, down = (RatioControl(FRICTION, MAP, LIMITS).forces(to, MEASURED, 8000.0, STEP) for to in (1.0, 0.8, 1.5))
+    assert up[0] > still[0] and up[1] == still[1]
     # The primary force must carry the torque, so the secondary force rises.
     assert down[0] == pytest.approx(FRICTION.clamping_force(MEASURED, 1.1))
     assert down[1] > still[1]
@@ -380,18 +355,17 @@ def test_ratio_control_shifts_both_ways() -> None:
 @pytest.mark.parametrize("target", [0.5, 1.9])
 def test_ratio_control_reaches_its_target(target: float) -> None:
     """On the first-order belt that the control is designed for, with a map that is 10 % wrong and twice the gain."""
-    control = RatioControl(FRICTION, MAP, (2e3, 6e4))
+    control = RatioControl(FRICTION, MAP, LIMITS)
     circuits, pressure = [PressureCircuit(1.2e6), PressureCircuit(8e5)], PressureControl(PressureCircuit.lag)
     log_ratio, trace = 0.0, []
     for _ in range(800):
-        measured = dataclasses.replace(MEASURED, ratio=math.exp(log_ratio))
+        measured = changed(ratio=math.exp(log_ratio))
         wanted = control.forces(target, measured, 8000.0, STEP)
         primary, secondary = (
             circuit.area * circuit.advance(pressure.demand(force, circuit.force), STEP)
             for circuit, force in zip(circuits, wanted, strict=True)
         )
-        share = clamping_force(50.0, 0.0575, 0.09, FRICTION.wedge_angle, 1.0) / secondary
-        balance = 1.1 * MAP.thrust_ratio(measured.ratio, share)
+        balance = 1.1 * MAP.thrust_ratio(measured.ratio, CARRIED / secondary)
         log_ratio -= STEP * 2.0 * 8e-7 * 200.0 * (primary - balance * secondary)
         trace.append(math.exp(log_ratio))
     assert trace[-1] == pytest.approx(target, rel=0.01)
@@ -407,11 +381,8 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
-def test_strategies_are_selected_by_name() -> None:
-    kinds = {"safety": SafetyFactor, "slip": SlipControl}
-    for name, kind in kinds.items():
-        assert isinstance(transmission.strategy_of(name, FRICTION, MAP, 0.2), kind)
-    with pytest.raises(ValueError, match="'Slip' is not a clamping strategy: use safety or slip"):
+def test_an_unknown_strategy_is_named() -> None:
+    with pytest.raises(ValueError, match="Slip"):
         transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
 
 
@@ -443,15 +414,8 @@ def finished(fmu: Path, tmp_path: Path, program: Path) -> subprocess.CompletedPr
     """A run of a program of `examples/drivetrain`, or of a changed copy."""
     (tmp_path / "target").mkdir()
     shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
-    ran = subprocess.run(
-        [sys.executable, program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "python")},
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    ran = subprocess.run([sys.executable, program], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert ran.returncode == 0, ran.stderr
     return ran
 
@@ -463,11 +427,7 @@ def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
 
 @pytest.mark.parametrize(
     ("program", "last"),
-    [
-        ("wiring", "step  1 ms"),
-        ("calibrate", "| `ring.axialStiffness`"),
-        pytest.param("friction_velocity", "5e-05 m/s", marks=pytest.mark.slow),
-    ],
+    [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`"), pytest.param("friction_velocity", "5e-05 m/s", marks=pytest.mark.slow)],
 )
 def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
     assert last in printed(fmu, tmp_path, program)[-1]
@@ -485,11 +445,9 @@ def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
 def test_warnings_are_not_among_the_results(fmu: Path, tmp_path: Path) -> None:
     """The controller with a start where the belt slips through: the unit warns that it finds no steady state."""
     code = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
-    changed = tmp_path / "controller.py"
-    changed.write_text(
-        code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)")
-    )
-    ran = finished(fmu, tmp_path, changed)
+    program = tmp_path / "controller.py"
+    program.write_text(code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)"))
+    ran = finished(fmu, tmp_path, program)
     assert "steady" in ran.stderr
     first, last = ran.stdout.splitlines()
     assert first.startswith("t 0.0 s") and last.startswith("ratio ")
@@ -500,7 +458,7 @@ def test_a_freed_instance_is_not_called(archive: Archive) -> None:
         unit.initialise()
         assert unit.not_steady is None
     for call in (lambda: unit.not_steady, unit.outputs, lambda: unit.step_to(0.1)):
-        with pytest.raises(UnitError, match="has been freed"):
+        with pytest.raises(UnitError):
             call()
 
 
@@ -529,9 +487,7 @@ def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
 
 def test_thrust_map_is_in_order(table: ThrustMap) -> None:
     driving = table.thrust[:, table.utilisations == 0.6].ravel()
-    assert (np.diff(driving) < 0.0).all()
-    assert driving[0] > 1.2
-    assert driving[-1] < 1.1
+    assert (np.diff(driving) < 0.0).all() and driving[0] > 1.2 and driving[-1] < 1.1
     assert (table.slips[:, table.utilisations == 0.6] > 0.0).all()
     assert (table.slips[:, table.utilisations == -0.3] < 0.0).all()
     assert (np.diff(table.shift_rates, axis=2) >= 0.0).all()
@@ -545,23 +501,15 @@ def test_forces_of_the_map_hold_its_ratio(archive: Archive, table: ThrustMap, ra
     torque = 0.5 * torque_capacity(PARAMETERS, ratio, thrust_map.FORCE)
     found = []
     for share in (1.0, 1.1):
-        start = {
-            **PARAMETERS,
-            "initial.ratio": ratio,
-            "initial.primarySpeed": thrust_map.SPEED,
-            "primary.torque": torque,
-            "secondary.torque": -torque * ratio,
-            "primary.clampingForce": share * table.thrust_ratio(ratio, 0.5) * thrust_map.FORCE,
-            "secondary.clampingForce": thrust_map.FORCE,
-        }
+        forces = {"primary.clampingForce": share * table.thrust_ratio(ratio, 0.5) * thrust_map.FORCE, "secondary.clampingForce": thrust_map.FORCE}
+        torques = {"primary.torque": torque, "secondary.torque": -torque * ratio}
+        start = {**PARAMETERS, **forces, **torques, "initial.ratio": ratio, "initial.primarySpeed": thrust_map.SPEED}
         with Instance(archive, start) as unit:
             unit.initialise()
             for step in range(20):
                 unit.step_to((step + 1) * STEP)
             found.append(unit.outputs()["ratio.geometric"])
-    held, shifted = found
-    assert held == pytest.approx(ratio, rel=0.02)
-    assert shifted < 0.98 * held
+    assert found[0] == pytest.approx(ratio, rel=0.02) and found[1] < 0.98 * found[0]
 
 
 @pytest.mark.parametrize("force", [6e3, 20e3])
@@ -571,10 +519,8 @@ def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: T
     expected = table.acting_force(force) / thrust_map.FORCE
     with SteadyStates(archive, {**PARAMETERS, **SHAFTS}) as states:
         for ratio in (0.6, 1.0, 1.7):
-            at_map, found = (
-                np.array(shift_rates(states, Line(at, thrust_map.SPEED, ratio), 0.3, excesses))
-                for at in (thrust_map.FORCE, force)
-            )
+            lines = (Line(at, thrust_map.SPEED, ratio) for at in (thrust_map.FORCE, force))
+            at_map, found = (np.array(shift_rates(states, line, 0.3, excesses)) for line in lines)
             assert found / at_map == pytest.approx(np.full(2, expected), rel=0.25)
 
 
@@ -586,16 +532,17 @@ def ripple(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean((values[left : left + len(smooth)] - smooth) ** 2)) / np.mean(values))
 
 
+def driven(archive: Archive, table: ThrustMap, strategy: str, end: float, **more: Any) -> simulate.Run:
+    """A run over the WLTC from 10 s on."""
+    return simulate.run(archive, CAR, table, simulate.Setup(strategy, strategy, wltc_class_3b().section(10.0, end), **more))
+
+
 @pytest.mark.parametrize("strategy", ["safety", "slip"])
 def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
-    setup = simulate.Setup(strategy, strategy, wltc_class_3b().section(10.0, 20.0), snapshots=(19.0,))
-    run = simulate.run(archive, CAR, table, setup)
+    run = driven(archive, table, strategy, 20.0, snapshots=(19.0,))
     root_mean_square, largest = report.speed_error(run)
-    assert root_mean_square < 0.6
-    assert largest < 2.0
-    assert report.ratio_error(run) < 0.1
-    assert run["macroSlip"].sum() == 0.0
-    assert run.interventions == 0
+    assert root_mean_square < 0.6 and largest < 2.0 and report.ratio_error(run) < 0.1
+    assert run["macroSlip"].sum() == run.interventions == 0
     assert run["ratio.geometric"][-1] < 1.1
     energies = run.energies()
     assert abs(report.balance_gap(run)) < 0.005 * energies["engine, driving"]
@@ -611,10 +558,7 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     assert energies["variator, joints"] == 0.0
     assert run.loss == pytest.approx(run["loss.total"], abs=1e-6 * run["loss.total"].max())
     assert 0.0 < energies["variator"] < 0.1 * energies["engine, driving"]
-    driving = run["primary.power"] > 3000.0
-    utilisation = run["utilisation.signed"][driving]
-    limit = 1.0 / 1.3 if strategy == "safety" else 1.0
-    assert utilisation.max() < 1.05 * limit
+    assert run["utilisation.signed"][run["primary.power"] > 3000.0].max() < 1.05 * (1.0 / 1.3 if strategy == "safety" else 1.0)
     assert ripple(run["primary.pressure"]) < 0.02
     assert (run.time[0], run.time[-1]) == pytest.approx((10.0, 20.0 - STEP))
     assert run.snapshots[19.0]["ratio.geometric"] == run["ratio.geometric"][900]
@@ -623,29 +567,19 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
 
 
 def test_scaled_clamping_raises_force_and_stress(archive: Archive, table: ThrustMap) -> None:
-    section = wltc_class_3b().section(10.0, 18.0)
-    plain, scaled = (
-        simulate.run(archive, CAR, table, simulate.Setup("scaled", "safety", section, clamping=factor))
-        for factor in (1.0, 1.2)
-    )
+    plain, scaled = (driven(archive, table, "safety", 18.0, clamping=factor) for factor in (1.0, 1.2))
     # The pressure has lower limits, where the factor has no effect.
     pressed = plain["secondary.pressure"] > 4e3
     assert pressed.sum() > 100
-    forces = scaled["secondary.pressure"][pressed] / plain["secondary.pressure"][pressed]
-    assert forces.mean() == pytest.approx(1.2, abs=0.05)
+    assert (scaled["secondary.pressure"] / plain["secondary.pressure"])[pressed].mean() == pytest.approx(1.2, abs=0.05)
     mean = MEAN.format("primary")
     assert (scaled[mean] - plain[mean])[pressed].mean() > 0.0
 
 
 def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: ThrustMap) -> None:
     """The controllers assume 0.09, the belt has 0.063: the fixed safety factor of 1.3 doesn't cover that."""
-    section = wltc_class_3b().section(10.0, 19.0)
-    fixed, slip = (
-        simulate.run(archive, CAR, table, simulate.Setup(strategy, strategy, section, friction=0.7))
-        for strategy in ("safety", "slip")
-    )
-    assert fixed["macroSlip"].mean() > 0.2
-    assert slip.interventions > 0
+    fixed, slip = (driven(archive, table, strategy, 19.0, friction=0.7) for strategy in ("safety", "slip"))
+    assert fixed["macroSlip"].mean() > 0.2 and slip.interventions > 0
     assert slip["macroSlip"].sum() < 0.5 * fixed["macroSlip"].sum()
     assert slip.variator_loss < 0.5 * fixed.variator_loss
 
@@ -667,10 +601,8 @@ def in_fast_overdrive(archive: Archive, table: ThrustMap, what: str) -> tuple[si
 def test_fast_overdrive_is_held(archive: Archive, table: ThrustMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """At 110 to 120 km/h the ratio of the belt is unstable; the controllers stabilise it without oscillation."""
     run, late, error = in_fast_overdrive(archive, table, "as it is")
-    assert run["ratio.geometric"][late].max() < 0.6
-    assert run["utilisation.signed"][late].mean() > 0.6
-    assert run["macroSlip"].sum() == 0.0
-    assert run.interventions == 0
+    assert run["ratio.geometric"][late].max() < 0.6 and run["utilisation.signed"][late].mean() > 0.6
+    assert run["macroSlip"].sum() == run.interventions == 0
     assert ripple(run["ratio.geometric"][late]) < 1e-3
 
     advance, kept = transmission.TransmissionControl.advance, []
@@ -686,9 +618,7 @@ def test_fast_overdrive_is_held(archive: Archive, table: ThrustMap, monkeypatch:
     assert error < 0.1 * away
 
 
-def test_pressure_feedback_counts_near_capacity(
-    archive: Archive, table: ThrustMap, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pressure_feedback_counts_near_capacity(archive: Archive, table: ThrustMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """With almost no torque reserve the belt slips through with the valve's lag, but not with pressure feedback."""
     monkeypatch.setattr(simulate, "Friction", lambda *belt: Friction(*belt, reserve=1.0))
     led, late, _ = in_fast_overdrive(archive, table, "1 N·m of reserve")
@@ -702,12 +632,8 @@ def test_pressure_feedback_counts_near_capacity(
 @pytest.mark.slow
 def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table: ThrustMap) -> None:
     """The controller inverts the shift law with F = F_S. It underestimates the shift rate at a small force, and the loop corrects it."""
-    section = wltc_class_3b().section(10.0, 130.0)
     wrong = dataclasses.replace(table, clearance_force=0.0)
-    errors = []
-    for name, law in (("as it is", table), ("F = F_S", wrong)):
-        errors.append(report.ratio_error(simulate.run(archive, CAR, law, simulate.Setup(name, "slip", section))))
-        print(f"{name}: ratio {100 * errors[-1]:.1f} % off")
+    errors = [report.ratio_error(driven(archive, law, "slip", 130.0)) for law in (table, wrong)]
     assert max(errors) < 0.04
     assert errors[1] == pytest.approx(errors[0], rel=0.2)
 
@@ -723,8 +649,7 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
     # Strategies, energy, low friction; drive, map, close-up; and the belt.
     assert reports.figures(page) == 2 + 1 + 3 + 6 + 2 + 6
     assert page.count('<div class="belt"') == 1
-    ends = {"fixed-safety-factor": 14.0, "slip-control": 14.0, "close-up": 20.0}
-    ends |= {"low-friction-safety": 20.0, "low-friction-slip": 20.0}
+    ends = {"fixed-safety-factor": 14.0, "slip-control": 14.0, "close-up": 20.0, "low-friction-safety": 20.0, "low-friction-slip": 20.0}
     for name, end in ends.items():
         (pair,) = compared(*[drive_folder / f"{name}.csv"] * 2)
         assert pair.runs[0].time == pytest.approx(np.arange(10.0, end - 0.05, 0.1))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,8 +14,8 @@ import pytest
 import reports
 
 from pushbelt import Variator, tables
-from pushbelt.durability import __main__, fatigue
-from pushbelt.durability.damage import Damage, damage
+from pushbelt.durability import __main__
+from pushbelt.durability.damage import Damage, count_loop, damage
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
@@ -84,19 +86,16 @@ def test_a_doubled_cycle_has_double_damage(tmp_path: Path) -> None:
     for name in ("time", "distance"):
         twice[name][101:] += once[name][-1]
     first, second = computed(tmp_path / "a.csv", once), computed(tmp_path / "b.csv", twice)
-    assert first.total > 0.0
-    assert second.total == pytest.approx(2.0 * first.total, rel=1e-12)
+    assert second.total == pytest.approx(2.0 * first.total, rel=1e-12) and first.total > 0.0
     assert second.life(second.total) == pytest.approx(first.life(first.total))
 
 
 def test_stress_below_the_limit_does_no_damage(tmp_path: Path) -> None:
+    """The curve that continues ranks the parts."""
     below, above = (computed(tmp_path / "a.csv", run(amplitude=stress)) for stress in (3.99e8, 4.01e8))
-    assert below.total == 0.0
-    assert below.life(below.total) == (np.inf, np.inf)
-    assert above.total == pytest.approx(above.total_without_limit, rel=1e-6)
-    # The curve that continues ranks the parts.
+    assert (below.total, below.life(below.total), below.limited) == (0.0, (np.inf, np.inf), False)
+    assert above.limited and above.total == pytest.approx(above.total_without_limit, rel=1e-6)
     assert below.total_without_limit == pytest.approx(above.total_without_limit * (3.99 / 4.01) ** 8, rel=1e-6)
-    assert not below.limited and above.limited
 
 
 def test_mean_stress_costs_and_compression_gains_nothing() -> None:
@@ -106,16 +105,14 @@ def test_mean_stress_costs_and_compression_gains_nothing() -> None:
 
 @pytest.mark.parametrize("shift", [0, 5, 30, 71])
 def test_a_closed_loop_is_counted_once_wherever_it_starts(shift: int) -> None:
-    found = fatigue.count_loop(np.roll(loop(6e8, 4e8, 1e8), shift))
-    (high, low) = found
-    assert high == pytest.approx((2.5e8, 3.5e8, 1.0))
-    assert low == pytest.approx((1.5e8, 2.5e8, 1.0))
+    found = count_loop(np.roll(loop(6e8, 4e8, 1e8), shift))
+    assert np.array(found) == pytest.approx(np.array([(2.5e8, 3.5e8, 1.0), (1.5e8, 2.5e8, 1.0)]))
 
 
 def test_higher_peak_and_lower_valley_are_one_cycle() -> None:
     stress = np.interp(np.arange(40), [0, 10, 20, 30, 40], [6e8, 2e8, 4e8, 1e8, 6e8])
-    assert fatigue.count_loop(stress) == [(2.5e8, 3.5e8, 1.0), (1e8, 3e8, 1.0)]
-    assert fatigue.count_loop(np.full(20, 3e8)) == []
+    assert count_loop(stress) == [(2.5e8, 3.5e8, 1.0), (1e8, 3e8, 1.0)]
+    assert count_loop(np.full(20, 3e8)) == []
 
 
 def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -> None:
@@ -132,9 +129,7 @@ def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -
     assert counted.total == pytest.approx(outputs.total, rel=1e-9)
     # Both: the outputs are used unless the profile is requested.
     both = write(tmp_path / "c.csv", columns | places)
-    assert read(both).field is None
-    chosen = read(both, profile=True).field
-    assert chosen is not None and chosen.shape == (101, 72)
+    assert read(both).field is None and read(both, profile=True).field.shape == (101, 72)
 
 
 def test_files_with_units_are_read_as_those_without(tmp_path: Path) -> None:
@@ -178,8 +173,7 @@ def test_classes_share_all_damage(tmp_path: Path) -> None:
     found = computed(tmp_path / "a.csv", columns)
     for kind in ("ratio", "torque", "speed of the ring"):
         shares = [found.share(one.rows) for one in found.classes() if one.kind == kind]
-        assert len(shares) >= 3
-        assert sum(shares) == pytest.approx(1.0)
+        assert len(shares) >= 3 and sum(shares) == pytest.approx(1.0)
 
 
 # With the FMU
@@ -192,7 +186,7 @@ def test_the_cycles_of_the_fmu_are_those_of_its_loop(fmu: Path, ratio: float) ->
     """The 72 places of the profile miss the peaks by up to 2 %."""
     with Variator("bench168", {"initial.ratio": ratio}, fmu=fmu) as belt:
         belt.step(1e-3)
-        (first, second, *others) = fatigue.count_loop(np.array([belt[f"{FIELD}[{k}]"] for k in range(1, 73)]))
+        (first, second, *others) = count_loop(np.array([belt[f"{FIELD}[{k}]"] for k in range(1, 73)]))
         outputs = sorted(((belt[AMPLITUDE.format(p)], belt[MEAN.format(p)]) for p in PULLEYS), reverse=True)
     for (amplitude, mean, count), expected in zip((first, second), outputs, strict=True):
         assert count == 1.0
@@ -223,39 +217,37 @@ def test_estimate_of_clamping_is_near_the_fmu(fmu: Path, ratio: float, torque: f
 
 
 @pytest.mark.parametrize(
-    ("line", "column", "text", "message"),
+    ("line", "column", "text"),
     [
-        (7, "ring.speed", "nan", r"line 7, column ring\.speed: 'nan' is no value"),
-        (7, "ring.speed", "", r"line 7, column ring\.speed: the cell is empty"),
-        (8, AMPLITUDE.format("primary"), "-1", r"line 8, column ring\.stressAmplitude\.primary: -1 is not within 0 to 1e\+11 Pa"),
-        (9, "ring.speed", "inf", r"line 9, column ring\.speed: 'inf' is no value"),
-        (9, "ring.speed", "501", r"line 9, column ring\.speed: 501 is not within -500 to 500 m/s"),
-        (9, "time", "0.2", r"line 9, column time: 0\.2 s is not after 0\.6 s"),
-        (102, "time", "12", r"line 102, column time: 12 s is 2\.1 s after the row before; a gap is longer than 1 s"),
-        (20, "distance", "1", r"line 20, column distance: 1 m is below the 20\.4 m"),
-        (5, MEAN.format("secondary"), "2e9", r"line 5, column ring\.stressMean\.secondary: the mean stress, 2e\+09 Pa, is not below the strength"),
-        (5, MEAN.format("primary"), "1.6e9", r"line 5, column ring\.stressMean\.primary: the largest stress, 2\.1e\+09 Pa"),
+        (7, "ring.speed", "nan"), (7, "ring.speed", ""), (8, AMPLITUDE.format("primary"), "-1"), (9, "ring.speed", "inf"),
+        (9, "ring.speed", "501"), (9, "time", "0.2"), (102, "time", "12"), (20, "distance", "1"),
+        (5, MEAN.format("secondary"), "2e9"), (5, MEAN.format("primary"), "1.6e9"), (9, AMPLITUDE.format("secondary"), "500"),
+        (9, AMPLITUDE.format("secondary"), "5e5"), (9, AMPLITUDE.format("secondary"), "6e9"),
     ],
 )  # fmt: skip
-def test_bad_cells_are_refused_by_line_and_column(tmp_path: Path, line: int, column: str, text: str, message: str) -> None:
-    path = changed(write(tmp_path / "a.csv", run()), line, column, text)
-    with pytest.raises(DurabilityError, match=message):
-        damage(read(path), MATERIAL, BENCH)
+def test_bad_cells_are_refused_by_line_and_column(tmp_path: Path, line: int, column: str, text: str) -> None:
+    """No number, out of range, times that do not ascend or leave a gap, stress above the strength; MPa or kPa in a column of Pa."""
+    path, material = write(tmp_path / "a.csv", run()), dataclasses.replace(MATERIAL, strength=5e9 if text == "6e9" else 2e9)
+    damage(read(path), material, BENCH)
+    with pytest.raises(DurabilityError, match=re.escape(f"line {line}, column {column}: ")):
+        damage(read(changed(path, line, column, text)), material, BENCH)
+
+
+def test_a_ring_at_rest_may_have_any_amplitude(tmp_path: Path) -> None:
+    path = changed(write(tmp_path / "a.csv", run()), 2, AMPLITUDE.format("secondary"), "500")
+    assert damage(read(path), MATERIAL, BENCH).total > 0.0
 
 
 def test_missing_and_repeated_columns_are_named_in_one_error(tmp_path: Path) -> None:
     columns = run()
     del columns["ring.speed"], columns[MEAN.format("primary")]
-    with pytest.raises(DurabilityError, match=r"line 1: no column ring\.speed .*m/s\), ring\.stressMean\.primary"):
+    with pytest.raises(DurabilityError, match=r"ring\.speed .*m/s\), ring\.stressMean\.primary"):
         read(write(tmp_path / "a.csv", columns))
-    path = write(tmp_path / "b.csv", run())
-    path.write_text(path.read_text(encoding="utf-8").replace("distance", "time", 1), encoding="utf-8")
-    with pytest.raises(DurabilityError, match="line 1, column time: it appears 2 times"):
-        read(path)
-    short = tmp_path / "c.csv"
-    short.write_text(write(path, run()).read_text(encoding="utf-8") + "1,2\n", encoding="utf-8")
-    with pytest.raises(DurabilityError, match="line 103, column .*: the cell is empty"):
-        read(short)
+    text = write(tmp_path / "b.csv", run()).read_text(encoding="utf-8")
+    for changed_text, named in ((text.replace("distance", "time", 1), "line 1, column time"), (text + "1,2\n", "line 103, column ")):
+        (tmp_path / "b.csv").write_text(changed_text, encoding="utf-8")
+        with pytest.raises(DurabilityError, match=named):
+            read(tmp_path / "b.csv")
 
 
 def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -275,14 +267,11 @@ def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa is not within 100 to 5000 MPa"),
-        (["--strength", "2e9Pa", "--limit", "2500MPa"], "limit of the steel: 2500 MPa is not below its strength, 2000 MPa"),
-        (["--limit", "6e8"], "limit of the steel: 6e+08 MPa is not within 10 to 3000 MPa"),
-        (["--knee", "10"], "knee of the steel: 10 is not within 1000 to 1e+12"),
-        (["--slope", "nan"], "slope of the steel: nan is not within 1 to 50"),
-        (["--safety", "0.1"], "safety of the steel: 0.1 is not within 1 to 10"),
+        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"), (["--limit", "6e8"], "limit of the steel: 6e+08 MPa"),
+        (["--strength", "2e9Pa", "--limit", "2500MPa"], "limit of the steel: 2500 MPa"), (["--knee", "10"], "knee of the steel: 10"),
+        (["--slope", "nan"], "slope of the steel: nan"), (["--safety", "0.1"], "safety of the steel: 0.1"),
     ],
-)
+)  # fmt: skip
 def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], named: str) -> None:
     path = write(tmp_path / "a.csv", run())
     assert __main__.main([str(path), "--output", str(tmp_path / "out"), *words]) == 1
@@ -299,17 +288,6 @@ def test_strength_has_the_units_of_belt(tmp_path: Path) -> None:
         found.append(json.loads((tmp_path / "durability.json").read_text(encoding="utf-8"))["material"])
     assert found[0] == found[1] == found[2]
     assert (found[0]["strength"], found[0]["limit"], found[0]["safety"]) == (1.9e9, 5e8, 2.0)
-
-
-@pytest.mark.parametrize("amplitude", [500.0, 5e5, 6e9])
-def test_an_amplitude_that_no_moving_ring_has_is_refused(tmp_path: Path, amplitude: float) -> None:
-    """MPa or kPa in a column of Pa. A ring at rest may have any."""
-    columns = run(amplitude=5e8)
-    columns[AMPLITUDE.format("secondary")][5:] = amplitude
-    columns["ring.speed"][:6] = 0.0
-    path, strong = write(tmp_path / "a.csv", columns), Material(strength=5e9)
-    with pytest.raises(DurabilityError, match=r"line 8, column ring\.stressAmplitude\.secondary: .* within 1e\+06 to 5e\+09 Pa"):
-        damage(read(path), strong, BENCH)
 
 
 # The report

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pushbelt.report import charts
 from pushbelt.report.charts import Chart, Panel
-from pushbelt.calibrate.figures import chart as residuals
+from pushbelt.calibrate.figures import chart as figures
 from pushbelt.calibrate.figures import reach
-from pushbelt.calibrate.residuals import Residual
+from pushbelt.calibrate.model import Value
+from pushbelt.calibrate.residuals import residuals
+from pushbelt.calibrate.worker import Found
 from pushbelt.tables.points import Measured, Point
 
 
-def points(errors: np.ndarray, fifth: float | None = None) -> list[Residual]:
+def points(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
     """Thrust ratios with errors in standard deviations; the fifth one may be measured as something else."""
     found = np.linspace(0.8, 1.4, len(errors))
     measured = found - 0.01 * errors
     if fifth is not None:
         measured[4] = fifth
-    return [
-        Residual(Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, ()), Measured("thrustRatio", m, 0.01, True), f)
-        for k, (m, f) in enumerate(zip(measured, found, strict=True))
+    rows = [
+        Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, (Measured("thrustRatio", m, 0.01, True),)) for k, m in enumerate(measured)
     ]
+    return residuals(rows, [Value(k, row.measured[0]) for k, row in enumerate(rows)], [Found({"thrustRatio": f}) for f in found])
 
 
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
@@ -34,17 +37,13 @@ def ranges(chart: Chart) -> list[tuple[tuple[float, float], tuple[float, float]]
 
 def arrows(panel: Panel) -> list[tuple[str, str, float, float]]:
     """Marker, text and place of the marked points."""
-    return [
-        (one.marker, text, x, y)
-        for one in panel.series
-        if one.texts
-        for text, x, y in zip(one.texts, one.x, one.y, strict=True)
-    ]
+    marked = [one for one in panel.series if one.texts]
+    return [(one.marker, *values) for one in marked for values in zip(one.texts, one.x, one.y, strict=True)]
 
 
 def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others() -> None:
-    sound = residuals("thrustRatio", {"fitted": points(ERRORS)})
-    chart = residuals("thrustRatio", {"fitted": points(ERRORS, fifth=8.0)})
+    sound = figures("thrustRatio", {"fitted": points(ERRORS)})
+    chart = figures("thrustRatio", {"fitted": points(ERRORS, fifth=8.0)})
     compared, torque, ratio = chart.panels
     for (x, y), (others_x, others_y) in zip(ranges(chart)[1:], ranges(sound)[1:], strict=True):
         assert x == others_x and y == pytest.approx(others_y, rel=0.2)
@@ -60,16 +59,14 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
     assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
 
 
-@pytest.mark.parametrize(
-    ("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)]
-)
+@pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
 def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
     assert reach(points(errors)) == pytest.approx(expected)
 
 
 def test_the_other_set_does_not_determine_the_axes_but_is_counted() -> None:
-    chart = residuals("slip", {"fitted": points(ERRORS), "start values": points(ERRORS + 60.0)})
-    assert ranges(chart)[0] == ranges(residuals("slip", {"fitted": points(ERRORS)}))[0]
+    chart = figures("slip", {"fitted": points(ERRORS), "start values": points(ERRORS + 60.0)})
+    assert ranges(chart)[0] == ranges(figures("slip", {"fitted": points(ERRORS)}))[0]
     assert all("10 values of start values are outside" in panel.note for panel in chart.panels[1:])
     assert [one.name for one in chart.panels[1].series] == ["within 2", "start values", "fitted"]
     charts.html(chart)

@@ -84,15 +84,9 @@ def test_one_table_in_every_notation_gives_the_same_points(tmp_path: Path) -> No
     for one in random.Random(52).sample(list(itertools.product(*map(tuple, parts))), 80):
         encoding, separator, numbers, titles, spelled, style, newline, quotes = one
         content = joined([*titled(NAMES[titles], SPELLED[spelled], style), *rows_of(*numbers)], separator, newline, quotes)
-        try:
-            path = file(tmp_path, content, encoding)
-        except UnicodeEncodeError:
-            continue
-        tried += 1
-        try:
-            is_right(points.read(path))
-        except (TableError, AssertionError) as error:
-            pytest.fail(f"{one}\n{content}\n{error}")
+        if encoding != "cp1252" or not set(content) - set(content.encode("cp1252", "ignore").decode("cp1252")):
+            tried += 1
+            is_right(points.read(file(tmp_path, content, encoding)))
     assert tried > 60
 
 
@@ -231,9 +225,9 @@ def test_units_of_the_fmu_have_its_factors(description: Any) -> None:
 
 @pytest.mark.parametrize("title", ["primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency"])
 def test_a_title_close_to_a_known_name_is_a_fault(title: str, tmp_path: Path) -> None:
-    with pytest.raises(TableError, match="is meant") as error:
+    with pytest.raises(TableError) as error:
         points.read(file(tmp_path, long_with(title, "1")))
-    assert [fault.column for fault in error.value.faults] == [title]
+    assert [(fault.line, fault.column) for fault in error.value.faults] == [(1, title)]
 
 
 @pytest.mark.parametrize("title", ["T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor"])
@@ -250,10 +244,9 @@ def test_names_by_the_user(tmp_path: Path) -> None:
         "k": "ratio.geometric", "Drehzahl": "primary.speed [rpm]", "-T_P [Nm]": "Moment vorn", "Kraft hinten": "F_S [kN]", "Kraft vorn": "F_P [kN]",
     }  # fmt: skip
     is_right(points.read(path, Reading(renamed=renamed)))
-    with pytest.raises(TableError, match="there is no column Drehmoment in the file"):
-        points.read(path, Reading(renamed=renamed | {"Drehmoment": "primary.torque"}))
-    with pytest.raises(TableError, match="neither k nor gear is a known name"):
-        points.read(path, Reading(renamed={"k": "gear"}))
+    for wrong, named in ((renamed | {"Drehmoment": "primary.torque"}, "Drehmoment"), ({"k": "gear"}, "k nor gear")):
+        with pytest.raises(TableError, match=named):
+            points.read(path, Reading(renamed=wrong))
 
 
 def test_a_ratio_is_that_of_the_speeds_or_inverse_if_its_title_or_the_user_says_so(tmp_path: Path) -> None:
@@ -289,10 +282,9 @@ def test_the_whole_file_settles_the_decimal_sign(cells: list[str], separator: st
 
 def test_the_user_settles_the_decimal_sign(tmp_path: Path) -> None:
     content = "i_geo;n_P [rpm];T_P [Nm];F_S [kN];thrustRatio\n1,250;1,500;40;10;1,125\n"
-    with pytest.raises(TableError, match="--decimal"):
-        points.read(file(tmp_path, content))
-    with pytest.raises(TableError, match=r"line 2, column n_P \[rpm\]: 1,500 is not within"):
-        points.read(file(tmp_path, content), Reading(decimal="comma"))
+    for decimal, named in ((None, "--decimal"), ("comma", r"line 2, column n_P \[rpm\]: 1,500")):
+        with pytest.raises(TableError, match=named):
+            points.read(file(tmp_path, content), Reading(decimal=decimal))
     (point,) = points.read(file(tmp_path, content.replace("1,500", "1500")), Reading(decimal="comma")).points
     assert (point.ratio, point.measured[0].value) == (1.25, 1.125)
 
@@ -314,39 +306,29 @@ HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.cla
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "the table is empty"),
-        (f"{HEADER},slip\n", "nothing is measured"),
-        (f"{HEADER},slip\n1,2000,50,10,nan\n", "nothing is measured"),
+        ("", "empty"), (f"{HEADER},slip\n", "nothing is measured"), (f"{HEADER},slip\n1,2000,50,10,nan\n", "nothing is measured"),
         (f"{HEADER}\n1,2000,50,10\n", "nothing is measured"),
-        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is not a number"),
-        ("i_geo;n_P [rpm];T_P [Nm];F_S [kN];slip [%]\n1.25;2000;50;10;0,5\n1.5;2000;50;10;1\n", r"line 2, column slip \[%\]: '0,5' is not"),
-        (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
+        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc'"),
+        ("i_geo;n_P [rpm];T_P [Nm];F_S [kN];slip [%]\n1.25;2000;50;10;0,5\n1.5;2000;50;10;1\n", r"line 2, column slip \[%\]: '0,5'"),
+        (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8"),
         (f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n", r"line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 500 kN; plausible is N \(--map"),
-        (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
-        (f"{HEADER},efficiency [%]\n1,2000,50,10,104\n", r"line 2, column efficiency \[%\]: 104 is not within 1 to 100"),
-        (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
-        (f"{HEADER},slip\n1,,50,10,0.01\n", r"line 2, column primary.speed \[rpm\]: the cell is empty"),
+        (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97"),
+        (f"{HEADER},efficiency [%]\n1,2000,50,10,104\n", r"line 2, column efficiency \[%\]: 104"),
+        (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0"),
+        (f"{HEADER},slip\n1,,50,10,0.01\n", r"line 2, column primary.speed \[rpm\]"),
         (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: neither ratio.geometric nor ratio.speed"),
-        (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2: 6 cells, but the header has 5"),
-        (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "there is no column slip"),
-        (f"{HEADER},slip,slip [%]\n1,2000,50,10,.1,1\n", "column slip: it appears 2 times"),
-        (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit of slip is 1 or %, not mm"),
-        (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
-        (f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n", "no column ratio.geometric or ratio.speed"),
-        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt requires a value"),
-        (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
+        (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2: 6 cells"), (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "no column slip"),
+        (f"{HEADER},slip,slip [%]\n1,2000,50,10,.1,1\n", "column slip: "), (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "slip is 1 or %, not mm"),
+        (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\]"),
+        (f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n", "ratio.geometric or ratio.speed"),
+        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt"),
+        (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "ds/dt the ratio moves"),
         (f"{HEADER},p_S [bar],slip\n1,2000,50,,10,0.01\n", r"column p_S \[bar\]: .*secondary\.cylinder\.area"),
-        (b"\xff\xfe", "the table is empty"),
-        (b"\xd0\xcf\x11\xe0rest", "old Excel file"),
-        (b"PK\x03\x04rest", "not a readable .xlsx file"),
-        (b"\x1f\x8brest", "not a whole gzip file"),
-        (b"MDF     4.10    rest", "not a readable MDF file"),
-        (b"PAR1rest", "not a readable .parquet file"),
-        (bytes(range(256)) * 8, "bytes that no text has"),
-        (joined(list(zip(*[TITLES, *rows_of()], strict=True))), "transposed"),
-        (joined(list(zip(*[COLUMNS, UNITS, *rows_of()], strict=True))), "transposed"),
+        (b"\xff\xfe", "empty"), (b"\xd0\xcf\x11\xe0rest", "old Excel"), (b"PK\x03\x04rest", ".xlsx"), (b"\x1f\x8brest", "gzip"),
+        (b"MDF     4.10    rest", "MDF"), (b"PAR1rest", ".parquet"), (bytes(range(256)) * 8, "bytes that no text has"),
+        *((joined(list(zip(*head, *rows_of(), strict=True))), "transposed") for head in ([TITLES], [COLUMNS, UNITS])),
     ],
-)
+)  # fmt: skip
 def test_bad_tables_give_one_clear_error(text: str | bytes, why: str, tmp_path: Path) -> None:
     path = file(tmp_path, text)
     with pytest.raises(TableError, match=why) as error:
@@ -407,8 +389,10 @@ def test_efficiency_takes_the_torque_of_any_sign_and_overrun_inverts_it(tmp_path
     rows = [[2000, 1000, 50, -96, 10], [2000, 1000, 50, 96, 10], [2000, 1000, -48, 100, 10], [2000, 1000, 0, 3, 10]]
     path = written(tmp_path / "table.csv", [["n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "T_S [Nm]", "F_S [kN]"], *rows])
     assert [p.measured[0].value for p in points.read(path).points] == pytest.approx([0.96, 0.96, 0.96])
-    path = written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "T_P [Nm]", "F_S [kN]", "eta [%]"], [1, 2000, -40, 10, 104]])
-    assert points.read(path).points[0].measured[0].value == pytest.approx(1.0 / 1.04)
+    rows = [[1, 2000, -40, 10, 104], [1, 2000, 40, 10, 96], [1, 2000, 40, 10, 104]]
+    rig = points.read(written(path, [["i_geo", "n_P [rpm]", "T_P [Nm]", "F_S [kN]", "eta [%]"], *rows]))
+    assert [p.measured[0].value for p in rig.points] == pytest.approx([1.0 / 1.04, 0.96])
+    assert [(fault.line, fault.column) for fault in rig.sheet.left_out] == [(4, "eta [%]")]
 
 
 def test_pressures_give_forces(tmp_path: Path) -> None:
@@ -446,10 +430,10 @@ def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
     assert [m.time for m in up.measured] == pytest.approx([0.05, 0.1])
     assert up.samples[0][:3] == pytest.approx((0.0, 50 * np.pi, 20.0))
     rows[1][1] = 10
-    with pytest.raises(TableError, match=r"line 3, column time \[ms\]: 0.01 s is not after 0.01 s"):
-        points.read(written(path, [titles, *rows]))
-    with pytest.raises(TableError, match="there is no column primary.clampingForce"):
-        points.read(written(path, [[*titles[:4], *titles[5:]], *([*row[:4], *row[5:]] for row in rows)]))
+    without = [[*row[:4], *row[5:]] for row in (titles, *rows)]
+    for wrong, named in (([titles, *rows], r"line 3, column time \[ms\]: 0.01 s"), (without, "primary.clampingForce")):
+        with pytest.raises(TableError, match=named):
+            points.read(written(path, wrong))
 
 
 # Files
@@ -477,7 +461,7 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
     assert rig.sheet.source == "sheet Points"
     assert [point.line for point in rig.points] == list(range(4, 16))
     assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
-    with pytest.raises(TableError, match="no sheet Data; there are Sheet, Points"):
+    with pytest.raises(TableError, match="Data; .* Sheet, Points"):
         points.read(path, Reading(sheet="Data"))
 
 
@@ -506,12 +490,9 @@ def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys
     assert __main__.main([str(path), "--check"]) == 0
     said = capsys.readouterr().out
     for part in (
-        "CP1252, semicolon between columns, decimal comma",
-        "n_P [rpm]: primary.speed [rpm], 8 values, 150.28 to 261.97 rad/s",
-        "ignored: T_oil [°C]",
-        "left out: 4 lines, 2, 5, 8, 11: column T_P [Nm]: 'n/a' is no value",
-        "8 points: 8 thrustRatio, 8 slip, 8 efficiency",
-    ):
+        "CP1252, semicolon between columns, decimal comma", "n_P [rpm]: primary.speed [rpm], 8 values, 150.28 to 261.97 rad/s",
+        "T_oil [°C]", "4 lines, 2, 5, 8, 11: column T_P [Nm]: 'n/a'", "8 points: 8 thrustRatio, 8 slip, 8 efficiency",
+    ):  # fmt: skip
         assert part in said
     assert __main__.main([str(file(tmp_path, "n_P;slip\n1;2\n")), "--check"]) == 1
     printed = capsys.readouterr()

@@ -108,11 +108,8 @@ def test_a_pause_of_the_recording_and_unequal_times_cost_no_memory(tmp_path: Pat
     """The channels' times differ by less than a microsecond, and the recorder pauses for a year."""
     data = recorded()
     data[500:, 0] += 3e7
-    rows = [
-        cells
-        for row in data
-        for cells in ([f"{row[0]:.3f}", *shown(row[1:5]), "", "", ""], [f"{row[0] + 5e-7:.7f}", "", "", "", "", *shown(row[5:])])
-    ]
+    pairs = (([f"{row[0]:.3f}", *shown(row[1:5]), *[""] * 3], [f"{row[0] + 5e-7:.7f}", *[""] * 4, *shown(row[5:])]) for row in data)
+    rows = [cells for pair in pairs for cells in pair]
     is_right(points.read(written(tmp_path / "series.csv", [HEAD, *rows])), 5, rel=0.01)
 
 

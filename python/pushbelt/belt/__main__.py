@@ -74,10 +74,7 @@ def dimensions(options: argparse.Namespace) -> Dimensions:
 @console.program("belt", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Writes the set and prints its values and checks. Returns 3 if a check of the load case fails."""
-    return _run(parser().parse_args(arguments))
-
-
-def _run(options: argparse.Namespace) -> int:
+    options = parser().parse_args(arguments)
     belt = Belt(dimensions(options))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         raise BeltError(

@@ -12,8 +12,7 @@ from pushbelt.points import SteadyStateError
 from pushbelt.steel import Material
 from pushbelt.variator import Variator
 
-MARGIN = 0.02
-"""Distance of the outer ratios from the end stops, relative."""
+MARGIN = 0.02  # Distance of the outer ratios from the end stops, relative
 PULLEYS = ("primary", "secondary")
 LOADS = {"torque": (-2000.0, 2000.0, " N.m"), "speed": (1.0, 2000.0, " rad/s"), "safety": (*SAFETY_RANGE, "")}
 """Range of each value of a load case."""
@@ -38,11 +37,9 @@ class Stress:
     """Stress of the ring in a steady state, Pa; or the reason for a missing one."""
 
     ratio: float
-    force: float
-    """Secondary clamping force, N."""
+    force: float  # Secondary clamping force, N
     largest: float = math.nan
-    equivalent: float = math.nan
-    """Largest amplitude without mean stress that does the damage of a pulley's cycle."""
+    equivalent: float = math.nan  # Largest amplitude without mean stress that does the damage of a pulley's cycle
     reason: str | None = None
 
     def passes(self, steel: Material) -> bool:
@@ -63,9 +60,6 @@ def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, s
             except SteadyStateError as error:
                 found.append(Stress(ratio, force, reason=str(error)))
                 continue
-            cycles = (
-                steel.equivalent(state[f"ring.stressAmplitude.{pulley}"], state[f"ring.stressMean.{pulley}"])
-                for pulley in PULLEYS
-            )
-            found.append(Stress(ratio, force, state["ring.stressMax"], max(cycles)))
+            cycles = ([state[f"ring.{what}.{pulley}"] for what in ("stressAmplitude", "stressMean")] for pulley in PULLEYS)
+            found.append(Stress(ratio, force, state["ring.stressMax"], max(steel.equivalent(*one) for one in cycles)))
     return found

@@ -16,46 +16,34 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import BELT_LENGTH
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 
-SETS = 2
-"""Ring sets of a belt."""
-WIDTH = 0.024
-"""Width of the elements to which the engineering values of stiffness and film apply, m."""
-THICKNESS = 0.0015
-"""Thickness of the elements to which the engineering values of the film apply, m."""
-PILLAR = 0.006
-"""Width of an element that its two ring slots leave to the pillar and the margins, m."""
-HEIGHT = 0.012
-"""Height of an element, m."""
-FILL = 0.59
-"""Share of width × height that an element covers: 24 mm × 12 mm × 1.5 mm then weighs 2.0 g."""
-ELEMENT_DENSITY = 7800.0
-"""Density of the elements' steel, kg/m³."""
-ROCKING_EDGE = 0.001
-"""Distance of an element's centre of mass from its rocking edge, m."""
-SADDLE = 0.00017
-"""Height of the saddle, on which the ring rests, above the rocking edge, m."""
-PLAY = 0.0002
-"""End play of the unstretched ring, m."""
-MOST_PLAY = 0.003
-"""Largest plausible end play, m."""
-STEEL = 2.06e11
-"""Young's modulus of the elements, Pa."""
-FLANK = 0.007
-"""Height of an element's flank, m."""
-SHEAVE = 1.2e11
-"""Stiffness of a sheave's face as an elastic half-space, N/m²."""
-PUSH_STIFFNESS = 1e7
-"""Push stiffness of elements of `WIDTH`, N."""
+SETS = 2  # Ring sets of a belt
+WIDTH = 0.024  # Width of the elements to which the engineering values of stiffness and film apply, m
+THICKNESS = 0.0015  # Thickness of the elements to which the engineering values of the film apply, m
+PILLAR = 0.006  # Width of an element that its two ring slots leave to the pillar and the margins, m
+HEIGHT = 0.012  # Height of an element, m
+FILL = 0.59  # Share of width × height that an element covers: 24 mm × 12 mm × 1.5 mm then weighs 2.0 g
+ELEMENT_DENSITY = 7800.0  # Density of the elements' steel, kg/m³
+ROCKING_EDGE = 0.001  # Distance of an element's centre of mass from its rocking edge, m
+SADDLE = 0.00017  # Height of the saddle, on which the ring rests, above the rocking edge, m
+PLAY = 0.0002  # End play of the unstretched ring, m
+MOST_PLAY = 0.003  # Largest plausible end play, m
+STEEL = 2.06e11  # Young's modulus of the elements, Pa
+FLANK = 0.007  # Height of an element's flank, m
+SHEAVE = 1.2e11  # Stiffness of a sheave's face as an elastic half-space, N/m²
+PUSH_STIFFNESS = 1e7  # Push stiffness of elements of `WIDTH`, N
 FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 750.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
-CLEARANCE = 0.004
-"""Distance of the two pulleys at the largest radii, m."""
-MIN_RADIUS = 0.03
-"""Smallest pitch radius, m."""
+CLEARANCE = 0.004  # Distance of the two pulleys at the largest radii, m
+MIN_RADIUS = 0.03  # Smallest pitch radius, m
 
 
 class BeltError(PushbeltError, ValueError):
     """Dimensions that do not belong to a belt."""
+
+
+def _require(true: bool, text: str) -> None:
+    if not true:
+        raise BeltError(text)
 
 
 def _of(name: str, low: float, high: float, unit: str = "m", **default: Any) -> Any:
@@ -94,11 +82,9 @@ class Dimensions:
             value, of = getattr(self, one.name), one.metadata
             if value is not None and not of["low"] <= value <= of["high"]:
                 raise BeltError(f"{of['name']} is {value:g} {of['unit']}".rstrip() + f", not within {of['low']:g} to {of['high']:g}")
-        if self.length <= 2.0 * self.center_distance:
-            raise BeltError(
-                f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than "
-                f"{2.0 * self.center_distance:g} m"
-            )
+        closes = self.length > 2.0 * self.center_distance
+        text = f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than"
+        _require(closes, f"{text} {2.0 * self.center_distance:g} m")
 
 
 class Entry(NamedTuple):
@@ -119,38 +105,22 @@ class Belt:
 
     def __init__(self, dimensions: Dimensions) -> None:
         """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
-        self.dimensions = dimensions
-        self._check()
-
-    def _check(self) -> None:
-        d = self.dimensions
-        if self.pitch_length <= 0.0:
-            raise BeltError("the pitch offset is too large for this belt")
-        if not 0.0 <= self.play <= MOST_PLAY:
-            raise BeltError(
-                f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm on a pitch line of {1e3 * self.pitch_length:.2f} mm "
-                f"leave an end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm: specify two of number, "
-                "thickness and play"
-            )
-        if SETS * self.layer_width >= d.width:
-            raise BeltError(
-                f"two layers of {1e3 * self.layer_width:g} mm are not narrower than the elements, {1e3 * d.width:g} mm"
-            )
-        if not d.min_radius < self.max_radius:
-            raise BeltError(
-                f"the smallest pitch radius, {1e3 * d.min_radius:g} mm, is not below the largest, {1e3 * self.max_radius:g} mm"
-            )
-        if 2.0 * self.max_radius >= d.center_distance:
-            raise BeltError(
-                f"pulleys with a pitch radius of {1e3 * self.max_radius:g} mm touch each other at a center distance of "
-                f"{1e3 * d.center_distance:g} mm"
-            )
-        at_one = self.pitch_radii(1.0)[0]
-        if not d.min_radius <= at_one <= self.max_radius:
-            raise BeltError(
-                f"at ratio 1 the pitch radius is {1e3 * at_one:.1f} mm, not within the stops at {1e3 * d.min_radius:g} and "
-                f"{1e3 * self.max_radius:g} mm: no ratio can be reached"
-            )
+        self.dimensions = d = dimensions
+        _require(self.pitch_length > 0.0, "the pitch offset is too large for this belt")
+        low, high, widths = 1e3 * d.min_radius, 1e3 * self.max_radius, (1e3 * self.layer_width, 1e3 * d.width)
+        _require(
+            0.0 <= self.play <= MOST_PLAY,
+            f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm on a pitch line of {1e3 * self.pitch_length:.2f} mm leave an "
+            f"end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm: specify two of number, thickness and play",
+        )
+        text = "two layers of {:g} mm are not narrower than the elements, {:g} mm"
+        _require(SETS * self.layer_width < d.width, text.format(*widths))
+        _require(low < high, f"the smallest pitch radius, {low:g} mm, is not below the largest, {high:g} mm")
+        text = f"pulleys with a pitch radius of {high:g} mm touch each other at a center distance of {1e3 * d.center_distance:g} mm"
+        _require(2.0 * self.max_radius < d.center_distance, text)
+        one = 1e3 * self.pitch_radii(1.0)[0]
+        text = f"at ratio 1 the pitch radius is {one:.1f} mm, not within the stops at {low:g} and {high:g} mm: no ratio can be reached"
+        _require(low <= one <= high, text)
 
     # Elements
 
@@ -175,10 +145,12 @@ class Belt:
     def elements(self) -> int:
         """Number of elements."""
         d = self.dimensions
-        if d.elements is not None:
-            return d.elements
-        thickness = THICKNESS if d.element_thickness is None else d.element_thickness
-        return round((self.pitch_length - (PLAY if d.play is None else d.play)) / thickness)
+        return d.elements if d.elements is not None else round(self._stacked / (d.element_thickness or THICKNESS))
+
+    @property
+    def _stacked(self) -> float:
+        """Length of the pitch line less the given or usual play, m."""
+        return self.pitch_length - (PLAY if self.dimensions.play is None else self.dimensions.play)
 
     @cached_property
     def element_thickness(self) -> float:
@@ -186,7 +158,7 @@ class Belt:
         d = self.dimensions
         if d.elements is not None and d.element_thickness is not None and d.play is None:
             return d.element_thickness
-        return (self.pitch_length - (PLAY if d.play is None else d.play)) / self.elements
+        return self._stacked / self.elements
 
     @cached_property
     def play(self) -> float:
@@ -197,9 +169,7 @@ class Belt:
     def element_mass(self) -> float:
         """Mass of an element, kg."""
         d = self.dimensions
-        if d.element_mass is not None:
-            return d.element_mass
-        return ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
+        return d.element_mass or ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
 
     # Pulleys
 
@@ -279,24 +249,21 @@ class Belt:
         number = f"{self.elements} elements of {1e3 * mass:.4g} g on the pitch line"
         filled = f"{number}, each 59 % of width x {1e3 * d.element_height:g} mm x thickness, 7800 kg/m3"
         wider, thicker = d.width / WIDTH, thickness / THICKNESS
-        scales = {"belt.filmDamping": wider, "belt.squeezeDamping": wider * thicker, "belt.suction": wider}
         saddle = "saddle 0.17 mm above the rocking edge, and half the layers"
         play = "given" if d.play is not None else "geometry" if d.elements and d.element_thickness else "typical"
         inertia = 0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2)
         bar = f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge"
-        per_length = Entry(
-            self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
-        )
+        per_length = self.elements * mass / self.pitch_length
         return {
             "belt.pitchOffset": _chosen(self.pitch_offset, d.pitch_offset is not None, saddle),
             "belt.play": Entry(self.play, play, "of the unstretched ring"),
             "belt.elementThickness": Entry(thickness, "geometry" if counted else "typical", "mean"),
-            "belt.massPerLength": per_length,
+            "belt.massPerLength": Entry(per_length, "geometry", number) if weighed else Entry(per_length, "typical", filled),
             "belt.elementInertia": Entry(inertia, "typical", bar),
             "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
             **{
-                name: Entry(value * scales[name], "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
-                for name, value in FILM.items()
+                name: Entry(value * scale, "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
+                for (name, value), scale in zip(FILM.items(), (wider, wider * thicker, wider), strict=True)
             },
         }
 

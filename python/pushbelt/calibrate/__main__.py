@@ -43,12 +43,9 @@ from pushbelt.tables.faults import TableError
 
 from . import model, parameters
 
-MISFIT = 3
-"""Exit code of a bad fit."""
-ITERATIONS = 12
-"""Number of iterations of a fit that the progress bar assumes."""
-SOLUTION = 0.03
-"""Processor time of a steady state, s."""
+MISFIT = 3  # Exit code of a bad fit
+ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
+SOLUTION = 0.03  # Processor time of a steady state, s
 SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 5.0, 2.0, 1.0
 """Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 
@@ -69,15 +66,11 @@ def limits(text: str) -> tuple[str, tuple[float, float]]:
 
 def prior(text: str) -> tuple[str, tuple[float, float]]:
     """`name=value±sd`."""
-    name, _, both = text.partition("=")
-    value, deviation = (re.split(r"±|\+/?-", both, maxsplit=1) + [""])[:2]
-    try:
-        found = float(value), float(deviation)
-    except ValueError:
-        found = 0.0, 0.0
-    if not name or not math.isfinite(found[0]) or not 0.0 < found[1] < math.inf:
+    number = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+    found = re.fullmatch(rf"(.+?)=\s*({number})\s*(?:±|\+/?-)\s*({number})\s*", text)
+    if not found or not 0.0 < float(found[3]) < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
-    return name, found
+    return found[1], (float(found[2]), float(found[3]))
 
 
 def parser() -> argparse.ArgumentParser:
@@ -112,9 +105,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
+    rig = _understood(options) if options.check else reading_options.read(options.table, options)
     if options.check:
-        return _check(options)
-    return _run(options) if options.hold_out is None else _hold_out(options)
+        print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
+        return 0
+    return _run(options, once(rig)) if options.hold_out is None else _hold_out(options, rig)
+
+
+def _understood(options: argparse.Namespace) -> points.Rig:
+    """The table. Its faults come after what is understood in spite of them."""
+    try:
+        return once(reading_options.read(options.table, options))
+    except TableError as error:
+        if error.found is not None:
+            print("\n".join(points.described(error.found)))
+        raise
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -129,27 +134,16 @@ def once(rig: points.Rig) -> points.Rig:
     return replace(rig, points=list(first.values()), remarks=[*rig.remarks, *[remark] * bool(repeated)])
 
 
-def _check(options: argparse.Namespace) -> int:
-    """Prints what is understood of the table."""
-    try:
-        rig = reading_options.read(options.table, options)
-    except TableError as error:
-        if error.found is not None:
-            print("\n".join(points.described(error.found)))
-        raise
-    counted = once(rig)
-    print("\n".join([*points.understood(counted), f"  {_effort(counted, len(options.fit), options.workers)}"]))
-    return 0
-
-
-def solving_time(rig: points.Rig) -> float:
-    """Processor time of a solution of all points, s."""
+def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
+    """Number of points, and the time that a fit takes."""
     costs = (
         SAMPLE_COST * len(point.measured) if isinstance(point, points.Record)
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-    return SOLUTION * sum(costs)
+    seconds = sets(parameters) * SOLUTION * sum(costs) / workers
+    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
+    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
 def sets(parameters: int) -> int:
@@ -157,19 +151,11 @@ def sets(parameters: int) -> int:
     return 1 + ITERATIONS + 4 * parameters
 
 
-def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
-    """Number of points, and the time that a fit takes."""
-    seconds = sets(parameters) * solving_time(rig) / workers
-    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
-    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
-
-
-def _run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     # Imported here, so that the help needs no packages of the extras.
     from . import report
     from .fit import fit
 
-    rig = once(reading_options.read(options.table, options))
     fmu = options.fmu or default_fmu()
     description = described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
@@ -199,22 +185,21 @@ def _run(options: argparse.Namespace) -> int:
     report.write_html(results, path)
     if not found.fits:
         print(f"does not fit: {found.misfit}")
-    if results.outliers:
-        print(report.outliers(results))
+    if left_out := report.outliers(results):
+        print(left_out)
     for line in (*results.notes, *map(report.sentence, found.estimates)):
         print(f"  {line}")
-    for lost in results.lost:
-        print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
+    for lost in results.lost.itertuples():
+        print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0 if found.fits or options.accept_misfit else MISFIT
 
 
-def _hold_out(options: argparse.Namespace) -> int:
+def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
     """Scores of a parameter set on a table."""
     from . import holdout
 
     begin = time.perf_counter()
-    rig = reading_options.read(options.table, options)
     held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
     path = holdout.write(held, options.output)
     for score in held.scores():

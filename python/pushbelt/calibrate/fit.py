@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import t as student
@@ -19,28 +20,21 @@ from .worker import Found
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0
 """Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
-MISFIT = 3.0
-"""Root mean square of the residuals, in standard deviations, above which a fit is bad."""
-LOST_SHARE = 1.0 / 3.0
-"""Share of values at points without a steady state above which a fit is bad."""
-RAISE = 1.1
-"""Factor by which the friction is raised while points have no steady state at the start values."""
-PARTNER = 0.9
-"""Correlation above which two parameters can hardly be separated."""
+MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above which a fit is bad
+LOST_SHARE = 1.0 / 3.0  # Share of values at points without a steady state above which a fit is bad
+RAISE = 1.1  # Factor by which the friction is raised while points have no steady state at the start values
+PARTNER = 0.9  # Correlation above which two parameters can hardly be separated
 
 
 class FitError(PushbeltError, RuntimeError):
     """There is nothing to fit."""
 
 
-@dataclass(frozen=True)
-class Undetermined:
+class Undetermined(NamedTuple):
     """Reason why a parameter was reset to its start value."""
 
-    half: float
-    """Half-width of its interval in its coordinate; infinite if it has no influence."""
-    partner: str | None
-    """Parameter from which it cannot be separated."""
+    half: float  # Half-width of its interval in its coordinate; infinite if it has no influence
+    partner: str | None  # Parameter from which it cannot be separated
     correlation: float
 
 
@@ -70,16 +64,13 @@ class Estimate:
         return self.half is None and self.undetermined is None
 
 
-@dataclass(frozen=True)
-class Spread:
+class Spread(NamedTuple):
     """Confidence intervals of parameters, in their coordinates."""
 
     halves: Array
     correlations: Array
-    singular_values: Array
-    """Of the Jacobian of the residuals, in standard deviations per unit of coordinate."""
-    factor: float
-    """Factor of the standard deviations in the intervals."""
+    singular_values: Array  # Of the Jacobian of the residuals, in standard deviations per unit of coordinate
+    factor: float  # Factor of the standard deviations in the intervals
 
 
 @dataclass(frozen=True)
@@ -87,28 +78,22 @@ class Fit:
     """Result of the fit. Counts and sums of squares are those before and after, without outliers."""
 
     estimates: tuple[Estimate, ...]
-    spread: Spread
-    """Of the parameters that have an interval, in their order."""
-    chi_squared: tuple[float, float]
-    """Sum of squares of the points with a steady state."""
-    used: tuple[int, int]
-    """Values at points with a steady state."""
-    freedom: int
-    """Degrees of freedom: values used and priors minus parameters."""
+    spread: Spread  # Of the parameters that have an interval, in their order
+    chi_squared: tuple[float, float]  # Sum of squares of the points with a steady state
+    used: tuple[int, int]  # Values at points with a steady state
+    freedom: int  # Degrees of freedom: values used and priors minus parameters
     before: tuple[Found, ...]
     after: tuple[Found, ...]
     evaluations: int
     converged: bool
-    kept: tuple[bool, ...]
-    """For each measured value, whether it is no outlier."""
-    rms_of_all: float
-    """Root mean square of the residuals after, with the outliers."""
+    kept: tuple[bool, ...]  # For each measured value, whether it is no outlier
+    rms_of_all: float  # Root mean square of the residuals after, with the outliers
 
     @property
     def rms(self) -> tuple[float, float]:
         """Root mean square of the residuals in standard deviations, before and after."""
-        first, last = (float(np.sqrt(total / max(used, 1))) for total, used in zip(self.chi_squared, self.used, strict=True))
-        return first, last
+        before, after = np.sqrt(np.array(self.chi_squared) / np.maximum(self.used, 1)).tolist()
+        return before, after
 
     @property
     def misfit(self) -> str | None:
@@ -182,19 +167,11 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     model, kept = search.model, search.kept[: len(search.model.values)]
     sums, used = zip(*(_sum_of_squares(model, states, kept) for states in (before, search.states)), strict=True)
     total, everything = _sum_of_squares(model, search.states, kept | True)
+    freedom, rms = used[1] + len(search.kept) - len(kept) - len(spread.halves), float(np.sqrt(total / max(everything, 1)))
     return Fit(
-        estimates=estimates,
-        spread=spread,
-        chi_squared=sums,
-        used=used,
-        freedom=used[1] + len(search.kept) - len(kept) - len(spread.halves),
-        before=tuple(before),
-        after=tuple(search.states),
-        evaluations=search.evaluations,
-        converged=search.converged,
-        kept=tuple(kept.tolist()),
-        rms_of_all=float(np.sqrt(total / max(everything, 1))),
-    )
+        estimates, spread, sums, used, freedom, tuple(before), tuple(search.states), search.evaluations, search.converged,
+        tuple(kept.tolist()), rms,
+    )  # fmt: skip
 
 
 def _sum_of_squares(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:
@@ -203,9 +180,7 @@ def _sum_of_squares(model: Model, states: Sequence[Found], kept: Array) -> tuple
     return float(np.nansum(found**2)), sum(states[model.values[k].point].reason is None for k in np.flatnonzero(kept))
 
 
-def _carrying(
-    model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]
-) -> tuple[Array, list[Found]]:
+def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:
     """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
     friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
@@ -282,5 +257,4 @@ def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> Undetermi
     correlations = spread.correlations[worst] * (np.arange(len(names)) != worst)
     nearest = int(np.argmax(np.abs(correlations)))
     near = abs(correlations[nearest]) >= PARTNER
-    half = float(spread.halves[worst])
-    return Undetermined(half, names[nearest], float(correlations[nearest])) if near else Undetermined(half, None, 0.0)
+    return Undetermined(float(spread.halves[worst]), names[nearest] if near else None, float(correlations[nearest]))

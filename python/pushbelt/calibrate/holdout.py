@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 from pushbelt import tables
-from pushbelt.report import page
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
+from pushbelt.report import page
 from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
 from . import figures, model
-from .residuals import Residual, Score, of, quantities, residuals, score
+from .residuals import Score, of, quantities, residuals, score
 
 DEFAULT = "bench168"
 SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
@@ -29,7 +31,7 @@ class HoldOut:
 
     rig: Rig
     version: str
-    sets: Mapping[str, Sequence[Residual]]
+    sets: Mapping[str, pd.DataFrame]
 
     @property
     def variators(self) -> list[str]:
@@ -55,30 +57,29 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
 def write(held: HoldOut, folder: Path) -> Path:
     """Writes report.html, holdout.csv, holdout.json and residuals.csv; returns the path of the report."""
     folder.mkdir(parents=True, exist_ok=True)
-    scores = [asdict(one) for one in held.scores()]
-    tables.write(folder / "holdout.csv", SCORES, [list(one.values()) for one in scores])
-    document = [{name: None if value != value else value for name, value in one.items()} for one in scores]
+    scores, first = held.scores(), held.sets[held.variators[0]]
+    tables.write(folder / "holdout.csv", SCORES, scores)
+    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
     (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in held.sets)]
-    rows = [
-        [first.point.line, first.point.name, first.measured.time, first.measured.quantity, first.measured.value,
-         first.measured.deviation, *(row.found for row in (first, *others))]
-        for first, *others in zip(*held.sets.values(), strict=True)
-    ]  # fmt: skip
-    tables.write(folder / "residuals.csv", header, rows)
-    path = folder / "report.html"
+    columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
+    tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in held.sets.values())], axis=1))
     context = {
         "held": held,
         "scores": scores,
         "notes": points.understood(held.rig)[1:],
         "figures": [
-            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in held.sets.items() if (own := of(rows, q))}))
-            for q in dict.fromkeys(one["quantity"] for one in scores if one["count"])
+            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in held.sets.items() if len(own := of(rows, q))}))
+            for q in dict.fromkeys(one.quantity for one in scores if one.count)
         ],
-        "lost": list(dict.fromkeys((row.point, name, row.reason) for name, rows in held.sets.items() for row in rows if row.reason)),
+        "lost": [
+            (name, row)
+            for name, rows in held.sets.items()
+            for row in rows[rows["reason"].notna()].drop_duplicates("line").itertuples()
+        ],
     }
-    page.write_html("calibrate/holdout.html.j2", context, path, plain=plain)
-    return path
+    page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=plain)
+    return folder / "report.html"
 
 
 def plain(value: float) -> str:

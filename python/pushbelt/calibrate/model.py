@@ -24,22 +24,18 @@ central differences agree within about 1e-3. The limited accuracy of shift rates
 LOST = 100.0
 """Residual of a point without a steady state, in standard deviations. It is so large that no fit improves by losing a point that
 the belt can carry. It is constant, so a lost point has no slope and does not influence the fit."""
-FAR = 10.0
-"""Upper limit of a residual in the comparison of start points, in standard deviations."""
+FAR = 10.0  # Upper limit of a residual in the comparison of start points, in standard deviations
 OUTSTANDING = 3.0
 """A one-sided slope above this multiple of the upper quartile of its quantity is checked by a step to the other side."""
-CONTRADICTION = 0.5
-"""One-sided slopes contradict each other if they differ by more than this share of the larger one."""
-CHUNK = 6
-"""Number of points per job of a process."""
+CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by more than this share of the larger one
+CHUNK = 6  # Number of points per job of a process
 
 
 @dataclass(frozen=True)
 class Value:
     """A measured value and its point."""
 
-    point: int
-    """Index of the point."""
+    point: int  # Index of the point
     measured: Measured
 
     def of(self, state: Found) -> float | None:
@@ -54,34 +50,26 @@ class Model:
         """`solve` solves jobs: values of variables, and a point."""
         self.points = tuple(points)
         self.values = tuple(Value(place, one) for place, point in enumerate(self.points) for one in point.measured)
-        self.measured = np.array([value.measured.value for value in self.values])
-        """Measured values."""
+        self.measured = np.array([value.measured.value for value in self.values])  # Measured values
         self.deviations = np.array([value.measured.deviation for value in self.values])
         """Standard deviations of the measured values."""
-        self.solves = 0
-        """Number of steady states and recorded shifts solved so far."""
-        self._solve_jobs = solve
-
-    def _solve(self, jobs: Sequence[Job]) -> list[Found]:
-        found = self._solve_jobs(jobs)
-        self.solves += sum(one.solves for one in found)
-        return found
+        self.solves = 0  # Number of steady states and recorded shifts solved so far
+        self.solve = solve
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
         """Results of the model at all points, for several sets of values."""
-        jobs = [(values, point) for values in assignments for point in self.points]
-        found, count = self._solve(jobs), len(self.points)
-        last = found[-count:]
+        found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
         # The slip of the last set of values is a good estimate for the next one.
         self.points = tuple(
-            replace(point, slip=one.values["slip"]) if point.speed_ratio is not None and "slip" in one.values else point
-            for point, one in zip(self.points, last, strict=True)
+            replace(point, slip=one.values.get("slip", point.slip)) if point.speed_ratio is not None else point
+            for point, one in zip(self.points, found[-count:], strict=True)
         )
         return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
 
-    def with_points(self, points: Sequence[Point], values: Mapping[str, float]) -> Model:
-        """A model of other points, with these values besides the fitted ones. It has its own count of solutions."""
-        return Model(points, lambda jobs: self._solve_jobs([({**values, **own}, point) for own, point in jobs]))
+    def _count(self, jobs: Sequence[Job]) -> list[Found]:
+        found = self.solve(jobs) if jobs else []
+        self.solves += sum(one.solves for one in found)
+        return found
 
     def column(self, states: Sequence[Found]) -> Array:
         """Model values, one for each measured one; NaN where a point has no steady state."""
@@ -100,12 +88,7 @@ class Model:
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
     def slopes(
-        self,
-        parameters: Sequence[Parameter],
-        fixed: Mapping[str, float],
-        at: Array,
-        base: Sequence[Found],
-        central: bool,
+        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
     ) -> Array:
         """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if not
         `central`, one-sided ones, with steps to the other side only for outstanding points.
@@ -113,53 +96,38 @@ class Model:
         A steady state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two
         one-sided slopes contradict each other, the smallest of both and their mean is used. A lost point has no slope.
         """
-        near, far = zip(*(self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)), strict=True)
         carried = [place for place, found in enumerate(base) if found.reason is None]
+        middle = self.column(base)
+
+        def differences(side: int, places: Sequence[Sequence[int]]) -> Array:
+            """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""
+            keys, jobs = [], []
+            for k, (parameter, some) in enumerate(zip(parameters, places, strict=True)):
+                low, high = parameter.bounds
+                inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high]
+                for step in inside[side : side + 1]:
+                    values = {**fixed, **assign(parameters, at + step * (np.arange(len(at)) == k))}
+                    keys += [(place, k, step) for place in some]
+                    jobs += [(values, self.points[place]) for place in some]
+            found = np.full((len(self.values), len(parameters)), np.nan)
+            for (place, k, step), state in zip(keys, self._count(jobs), strict=True):
+                for row, value in enumerate(self.values):
+                    if value.point == place and (moved := value.of(state)) is not None:
+                        found[row, k] = (moved - middle[row]) / step
+            return found
+
         everywhere = [carried] * len(parameters)
-        one = self._differences(parameters, fixed, at, base, near, everywhere)
-        again = everywhere if central else [self._outstanding(one[:, k], carried) for k in range(len(parameters))]
-        other = self._differences(parameters, fixed, at, base, far, again)
-        return _agreed(one, other) / self.deviations[:, np.newaxis]
-
-    @staticmethod
-    def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
-        """Steps to both sides; None where a step would leave the bounds."""
-        low, high = parameter.bounds
-        inside = [step for step in (STEP, -STEP) if low <= place + step <= high]
-        return inside[0], inside[1] if len(inside) > 1 else None
-
-    def _differences(
-        self,
-        parameters: Sequence[Parameter],
-        fixed: Mapping[str, float],
-        at: Array,
-        base: Sequence[Found],
-        steps: Sequence[float | None],
-        places: Sequence[Sequence[int]],
-    ) -> Array:
-        """One-sided slopes of the model values, one column per parameter; NaN where nothing was solved."""
-        keys, jobs = [], []
-        for k, (step, some) in enumerate(zip(steps, places, strict=True)):
-            if step is not None:
-                values = {**fixed, **assign(parameters, np.where(np.arange(len(at)) == k, at + step, at))}
-                keys += [(place, k, step) for place in some]
-                jobs += [(values, self.points[place]) for place in some]
-        middle, found = self.column(base), np.full((len(self.values), len(parameters)), np.nan)
-        for (place, k, step), state in zip(keys, self._solve(jobs) if jobs else [], strict=True):
-            for row in (row for row, value in enumerate(self.values) if value.point == place):
-                moved = self.values[row].of(state)
-                found[row, k] = np.nan if moved is None else (moved - middle[row]) / step
-        return found
+        one = differences(0, everywhere)
+        again = everywhere if central else [self._outstanding(column, carried) for column in one.T]
+        return _agreed(one, differences(1, again)) / self.deviations[:, np.newaxis]
 
     def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
         """Indices, among the points with a steady state, of points whose slope is much larger than that of others, or is missing."""
-        found = ~np.isfinite(slopes)
-        for quantity in {value.measured.quantity for value in self.values}:
-            own = np.array([value.measured.quantity == quantity for value in self.values])
+        found, quantities = ~np.isfinite(slopes), np.array([value.measured.quantity for value in self.values])
+        for own in (quantities == quantity for quantity in np.unique(quantities)):
             usual = np.nanquantile(np.abs(slopes[own]), 0.75) if np.isfinite(slopes[own]).any() else 0.0
             found |= own & (np.abs(slopes) > OUTSTANDING * usual)
-        there = {value.point for value, outstanding in zip(self.values, found, strict=True) if outstanding}
-        return sorted(there.intersection(carried))
+        return sorted({self.values[row].point for row in np.flatnonzero(found)}.intersection(carried))
 
 
 def _agreed(one: Array, other: Array) -> Array:

@@ -10,10 +10,10 @@ from typing import Any
 
 from pushbelt.errors import PushbeltError
 
-DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
-"""Parameters that are fitted by default."""
+DEFAULT = ("friction.pulley", "friction.ring", "belt.play")  # Parameters that are fitted by default
 
 PULLEYS = ("primary", "secondary")
+Pair = tuple[float, float]
 
 
 class ParameterError(PushbeltError, ValueError):
@@ -27,17 +27,14 @@ class Parameter:
     The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start.
     """
 
-    name: str
-    """Name as specified."""
-    variables: tuple[str, ...]
-    """Variables of the FMU that are set to the value."""
+    name: str  # Name as specified
+    variables: tuple[str, ...]  # Variables of the FMU that are set to the value
     unit: str
     meaning: str
     start: float
     low: float
     high: float
-    prior: tuple[float, float] | None = None
-    """Value and standard deviation that are known without the table."""
+    prior: tuple[float, float] | None = None  # Value and standard deviation that are known without the table
 
     @property
     def logarithmic(self) -> bool:
@@ -56,22 +53,17 @@ class Parameter:
     @property
     def bounds(self) -> tuple[float, float]:
         """Lower and upper bound of the coordinate."""
-        low, high = sorted(map(self.coordinate, (self.low, self.high)))
-        return low, high
+        return tuple(sorted(map(self.coordinate, (self.low, self.high))))  # type: ignore[return-value]
 
     def interval(self, coordinate: float, half: float) -> tuple[float, float]:
         """Lower and upper value of an interval of the coordinate."""
-        low, high = sorted((self.value(coordinate - half), self.value(coordinate + half)))
-        return low, high
+        return tuple(sorted((self.value(coordinate - half), self.value(coordinate + half))))  # type: ignore[return-value]
 
 
 def choose(
-    wanted: Mapping[str, float | None],
-    limits: Mapping[str, tuple[float, float]],
-    variables: Mapping[str, Any],
-    values: Mapping[str, float],
-    priors: Mapping[str, tuple[float, float]] | None = None,
-) -> list[Parameter]:
+    wanted: Mapping[str, float | None], limits: Mapping[str, Pair], variables: Mapping[str, Any], values: Mapping[str, float],
+    priors: Mapping[str, Pair] | None = None,
+) -> list[Parameter]:  # fmt: skip
     """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`, else the FMU's.
 
     A name without its pulley, such as `tiltStiffness`, means both pulleys.
@@ -88,12 +80,7 @@ def choose(
 
 
 def _parameter(
-    name: str,
-    start: float | None,
-    limits: tuple[float, float] | None,
-    prior: tuple[float, float] | None,
-    variables: Mapping[str, Any],
-    values: Mapping[str, float],
+    name: str, start: float | None, limits: Pair | None, prior: Pair | None, variables: Mapping[str, Any], values: Mapping[str, float]
 ) -> Parameter:
     known = {full: one for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"}
     names = (name,) if name in variables else tuple(f"{pulley}.{name}" for pulley in PULLEYS)

@@ -9,6 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from pushbelt import tables
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
@@ -17,56 +19,46 @@ from pushbelt.tables.points import Point
 from . import figures, fit, model, residuals, worker
 from .fit import Estimate, Fit
 from .model import Value
-from .residuals import Residual
 
-WORST = 10
-"""Number of values with the largest residuals in the list."""
+WORST = 10  # Number of values with the largest residuals in the list
 
 
 @dataclass(frozen=True)
 class Results:
     """The fit and its table."""
 
-    table: str
-    """Name of the table's file."""
-    version: str
-    """Version of the FMU."""
-    variator: str
-    """Parameter set of the start values."""
-    base: Mapping[str, float]
-    """Values of the parameter set, with the additional settings."""
+    table: str  # Name of the table's file
+    version: str  # Version of the FMU
+    variator: str  # Parameter set of the start values
+    base: Mapping[str, float]  # Values of the parameter set, with the additional settings
     points: tuple[Point, ...]
     values: tuple[Value, ...]
     fit: Fit
-    solves: int
-    """Steady states solved."""
-    seconds: float
-    """Wall-clock time."""
-    notes: tuple[str, ...] = ()
-    """What was computed, ignored or left out of the table."""
+    solves: int  # Steady states solved
+    seconds: float  # Wall-clock time
+    notes: tuple[str, ...] = ()  # What was computed, ignored or left out of the table
 
     @cached_property
-    def before(self) -> list[Residual]:
+    def before(self) -> pd.DataFrame:
         """All measured values with the start values of the parameters, in the order of the table."""
         return residuals.residuals(self.points, self.values, self.fit.before, self.fit.kept)
 
     @cached_property
-    def rows(self) -> list[Residual]:
+    def rows(self) -> pd.DataFrame:
         """All measured values with the fitted parameters."""
         return residuals.residuals(self.points, self.values, self.fit.after, self.fit.kept)
 
     @property
-    def lost(self) -> list[Residual]:
+    def lost(self) -> pd.DataFrame:
         """One row for each point without a steady state after the fit."""
-        return list({row.point.line: row for row in self.rows if row.reason is not None}.values())
+        return self.rows[self.rows["reason"].notna()].drop_duplicates("line")
 
     @property
-    def outliers(self) -> list[Residual]:
+    def outliers(self) -> pd.DataFrame:
         """For each row or sample of the table that was left out, its value with the largest residual."""
-        found: dict[tuple[int, float], Residual] = {}
-        for row in sorted((row for row in self.rows if not row.kept), key=lambda row: -abs(row.relative or 0.0)):
-            found.setdefault((row.point.line, row.measured.time or 0.0), row)
-        return [found[place] for place in sorted(found)]
+        out = self.rows[~self.rows["kept"]]
+        largest_first = out.loc[out["relative"].abs().fillna(0.0).sort_values(ascending=False, kind="stable").index]
+        return largest_first.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
 
 
 def sentence(estimate: Estimate) -> str:
@@ -82,18 +74,16 @@ def sentence(estimate: Estimate) -> str:
 
 def outliers(results: Results) -> str:
     """The rows that were left out, in one line; empty without any."""
-    if not results.outliers:
-        return ""
-    return (
-        f"left out as outliers: {'; '.join(map(_outlier, results.outliers))}. The root mean square of the residuals is "
+    found = []
+    for row in results.outliers.itertuples():
+        place = f"line {row.line}" + (f" at {row.time:g} s" if row.time == row.time else "")
+        model = f" ({abs(row.relative):.3g} standard deviations from {row.found:.5g})" if row.found == row.found else ""
+        found.append(f"{place}, {row.quantity} {row.measured:.5g}{model}")
+    text = (
+        f"left out as outliers: {'; '.join(found)}. The root mean square of the residuals is "
         f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
     )
-
-
-def _outlier(row: Residual) -> str:
-    place = f"line {row.point.line}" + (f" at {row.measured.time:g} s" if row.measured.time is not None else "")
-    text = f"{place}, {row.measured.quantity} {row.measured.value:.5g}"
-    return text if row.found is None else f"{text} ({abs(row.relative):.3g} standard deviations from {row.found:.5g})"
+    return text if found else ""
 
 
 def why_undetermined(estimate: Estimate) -> str:
@@ -109,18 +99,15 @@ def why_undetermined(estimate: Estimate) -> str:
 
 def write_parameters(results: Results, path: Path) -> None:
     """Writes all parameters in the form of `resources/parameters/`, which the other programs read."""
-    fitted = {name: estimate for estimate in results.fit.estimates for name in estimate.parameter.variables}
-    entries: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys((*results.base, *fitted)):
-        estimate = fitted.get(name)
-        if estimate is None or estimate.undetermined is not None:
-            value = results.base.get(name, estimate.parameter.start if estimate else None)
-            entries[name] = {"value": value, "origin": "start"}
-        else:
-            origin = "bound" if estimate.at_bound else "calibrated"
-            entries[name] = {"value": estimate.value, "unit": estimate.parameter.unit, "origin": origin}
-            if estimate.interval is not None:
-                entries[name]["interval95"] = list(estimate.interval)
+    entries: dict[str, dict[str, Any]] = {name: {"value": value, "origin": "start"} for name, value in results.base.items()}
+    for estimate in results.fit.estimates:
+        parameter = estimate.parameter
+        entry: dict[str, Any] = {"value": estimate.value, "unit": parameter.unit, "origin": "bound" if estimate.at_bound else "calibrated"}
+        if estimate.interval is not None:
+            entry["interval95"] = list(estimate.interval)
+        for name in parameter.variables:
+            kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
+            entries[name] = entry if estimate.undetermined is None else kept
     document = {
         "id": path.stem,
         "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
@@ -133,20 +120,15 @@ def write_parameters(results: Results, path: Path) -> None:
 
 def write_residuals(results: Results, path: Path) -> None:
     """Writes every measured value with the model's, SI."""
-    header = [
-        "line", "name", "time [s]", "ratio.geometric [1]", "ratio.speed [1]", "primary.speed [rad/s]", "primary.torque [N.m]",
-        "secondary.clampingForce [N]", "primary.clampingForce [N]", "quantity", "unit", "measured [SI]", "sd [SI]", "before [SI]",
-        "after [SI]", "residual [SI]", "residual/sd [1]", "reason",
-    ]  # fmt: skip
-    rows = [
-        [
-            p.line, p.name, m.time, p.ratio, p.speed_ratio, p.speed, p.torque, p.force, p.primary_force, m.quantity, _unit(m.quantity) or "1",
-            m.value, m.deviation, before.found, row.found, row.value, row.relative, row.reason if row.kept else "outlier",
-        ]
-        for before, row in zip(results.before, results.rows, strict=True)
-        for p, m in [(row.point, row.measured)]
-    ]  # fmt: skip
-    tables.write(path, header, rows)
+    rows = results.rows.assign(before=results.before["found"], unit=[_unit(quantity) or "1" for quantity in results.rows["quantity"]])
+    rows["reason"] = rows["reason"].where(rows["kept"], "outlier")
+    titles = {
+        "line": "line", "name": "name", "time": "time [s]", "ratio": "ratio.geometric [1]", "speed_ratio": "ratio.speed [1]",
+        "speed": "primary.speed [rad/s]", "torque": "primary.torque [N.m]", "force": "secondary.clampingForce [N]",
+        "primary_force": "primary.clampingForce [N]", "quantity": "quantity", "unit": "unit", "measured": "measured [SI]", "sd": "sd [SI]",
+        "before": "before [SI]", "found": "after [SI]", "residual": "residual [SI]", "relative": "residual/sd [1]", "reason": "reason",
+    }  # fmt: skip
+    tables.write_frame(path, titles.values(), rows[list(titles)])
 
 
 def _unit(quantity: str) -> str:
@@ -161,39 +143,33 @@ def plain(value: float | None) -> str:
 def write_html(results: Results, path: Path) -> None:
     """Writes the report."""
     found, rows = results.fit, results.rows
-    used = [row for row in rows if row.found is not None and row.kept]
+    used = rows[rows["found"].notna() & rows["kept"]]
     context = {
-        "results": results,
-        "fit": found,
-        "used": len(used),
+        "results": results, "fit": found, "used": len(used),
         "outliers": outliers(results),
         "rms": found.rms,
-        "lost_values": sum(row.reason is not None for row in rows),
-        "quantities": [_quantity(results, q) for q in residuals.quantities(rows) if residuals.of(rows, q)],
-        "assumed": list(dict.fromkeys(row.measured.quantity for row in rows if not row.measured.given)),
+        "lost_values": int(rows["reason"].notna().sum()),
+        "quantities": [_quantity(results, q) for q in residuals.quantities(rows) if len(residuals.of(rows, q))],
+        "assumed": list(rows["quantity"][~rows["given"]].unique()),
         "correlated": _correlated(found),
-        "worst": sorted(used, key=lambda row: -abs(row.relative))[:WORST],
+        "worst": list(used.loc[(-used["relative"].abs()).sort_values(kind="stable").index[:WORST]].itertuples()),
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "why": why_undetermined,
-        "step": model.STEP,
-        "lost_residual": model.LOST,
-        "undetermined": fit.UNDETERMINED,
-        "settling": worker.SETTLING,
-        "window": worker.WINDOW,
-    }
+        "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
+        "settling": worker.SETTLING, "window": worker.WINDOW,
+    }  # fmt: skip
     page.write_html("calibrate/calibrate.html.j2", context, path, plain=plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     """Scores and figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
     after, before = residuals.of(results.rows, quantity), residuals.of(results.before, quantity)
-    kept = [row for row in after if row.kept] or after
-    lines = {(row.point.line, row.measured.time) for row in kept}
+    kept = after[after["kept"]] if after["kept"].any() else after
     return {
         "meaning": MEASURED[quantity].meaning,
         "unit": _unit(quantity),
         "score": residuals.score(kept, quantity),
-        "before": residuals.score([row for row in before if (row.point.line, row.measured.time) in lines], quantity).rms,
+        "before": residuals.score(before[before.index.isin(kept.index)], quantity).rms,
         "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
     }
 

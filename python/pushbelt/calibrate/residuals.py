@@ -3,99 +3,67 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from pushbelt.tables.columns import MEASURED
-from pushbelt.tables.points import Measured, Point
+from pushbelt.tables.points import Point
 
 from .model import Value
 from .worker import Found
 
-
-@dataclass(frozen=True)
-class Residual:
-    """A measured value, SI, with the model's."""
-
-    point: Point
-    measured: Measured
-    found: float | None
-    """Value of the model; None without a steady state."""
-    reason: str | None = None
-    """Why there is no steady state."""
-    kept: bool = True
-    """Whether the fit contains it; it does not contain outliers."""
-
-    @property
-    def value(self) -> float | None:
-        """Model minus measurement."""
-        return None if self.found is None else self.found - self.measured.value
-
-    @property
-    def relative(self) -> float | None:
-        """Model minus measurement, in standard deviations."""
-        return None if self.value is None else self.value / self.measured.deviation
-
-    @property
-    def label(self) -> str:
-        """Name of the point."""
-        return self.point.name or f"line {self.point.line}"
-
-    @property
-    def ratio(self) -> float | None:
-        """Geometric ratio of the point, or its speed ratio."""
-        return self.point.ratio or self.point.speed_ratio
+COLUMNS = (
+    "line", "name", "time", "ratio", "speed_ratio", "speed", "torque", "force", "primary_force", "quantity", "measured", "sd", "given",
+    "found", "reason",
+)  # fmt: skip
 
 
-def residuals(
-    points: Sequence[Point], values: Sequence[Value], states: Sequence[Found], kept: Sequence[bool] = ()
-) -> list[Residual]:
-    """All measured values, in the order of the table."""
-    return [
-        Residual(points[one.point], one.measured, one.of(states[one.point]), states[one.point].reason, own)
-        for one, own in zip(values, kept or [True] * len(values), strict=True)
-    ]
+def residuals(points: Sequence[Point], values: Sequence[Value], states: Sequence[Found], kept: Sequence[bool] | bool = True) -> pd.DataFrame:
+    """A row for each measured value, SI, in the order of the table: its point, measured value, standard deviation and whether it is given,
+    the model's value or why there is no steady state, and whether the fit contains it. `residual` is model minus measurement, `relative`
+    the same in standard deviations."""
+    pairs = ((points[one.point], one.measured, one.of(states[one.point]), states[one.point].reason) for one in values)
+    rows = [
+        (p.line, p.name, m.time, p.ratio, p.speed_ratio, p.speed, p.torque, p.force, p.primary_force, m.quantity, m.value, m.deviation,
+         m.given, found, reason)
+        for p, m, found, reason in pairs
+    ]  # fmt: skip
+    numbers = ("time", "ratio", "speed_ratio", "primary_force", "measured", "sd", "found")
+    frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(numbers, float)).assign(kept=kept)
+    frame["residual"] = frame["found"] - frame["measured"]
+    return frame.assign(relative=frame["residual"] / frame["sd"])
 
 
-def quantities(rows: Sequence[Residual]) -> list[str]:
+def quantities(rows: pd.DataFrame) -> list[str]:
     """Measured quantities, in the order of the table of quantities."""
-    return [quantity for quantity in MEASURED if any(row.measured.quantity == quantity for row in rows)]
+    return [quantity for quantity in MEASURED if (rows["quantity"] == quantity).any()]
 
 
-def of(rows: Sequence[Residual], quantity: str) -> list[Residual]:
+def of(rows: pd.DataFrame, quantity: str) -> pd.DataFrame:
     """Those of a quantity that have a model value."""
-    return [row for row in rows if row.measured.quantity == quantity and row.found is not None]
+    return rows[(rows["quantity"] == quantity) & rows["found"].notna()]
 
 
-@dataclass(frozen=True)
-class Score:
+class Score(NamedTuple):
     """Residuals of a quantity with a parameter set, SI; NaN without any."""
 
     quantity: str
     variator: str
-    count: int
-    """Values at points with a steady state."""
-    lost: int
-    """Values at points without one."""
+    count: int  # Values at points with a steady state
+    lost: int  # Values at points without one
     rms: float
-    bias: float
-    """Mean of model minus measurement."""
-    relative: float
-    """Root mean square in standard deviations."""
-    explained: float
-    """1 minus the residual sum of squares over that about the measured mean; NaN for a constant quantity."""
+    bias: float  # Mean of model minus measurement
+    relative: float  # Root mean square in standard deviations
+    explained: float  # 1 minus the residual sum of squares over that about the measured mean; NaN for a constant quantity
 
 
-def score(rows: Sequence[Residual], quantity: str, variator: str = "") -> Score:
+def score(rows: pd.DataFrame, quantity: str, variator: str = "") -> Score:
     """The score of a quantity."""
     known = of(rows, quantity)
-    lost = sum(row.measured.quantity == quantity for row in rows) - len(known)
-    if not known:
-        return Score(quantity, variator, 0, lost, *[float("nan")] * 4)
-    errors, measured = np.array([(row.value, row.measured.value) for row in known], dtype=float).T
-    relative = np.array([row.relative for row in known], dtype=float)
-    spread = float(np.sum((measured - measured.mean()) ** 2))
-    explained = 1.0 - float(np.sum(errors**2)) / spread if spread else float("nan")
-    rms, sd = (float(np.sqrt(np.mean(some**2))) for some in (errors, relative))
-    return Score(quantity, variator, len(known), lost, rms, float(errors.mean()), sd, explained)
+    squares, spread = known["residual"] ** 2, ((known["measured"] - known["measured"].mean()) ** 2).sum()
+    explained = 1.0 - squares.sum() / spread if spread else np.nan
+    rms, bias, relative = np.sqrt(squares.mean()), known["residual"].mean(), np.sqrt((known["relative"] ** 2).mean())
+    lost = int((rows["quantity"] == quantity).sum()) - len(known)
+    return Score(quantity, variator, len(known), lost, *map(float, (rms, bias, relative, explained)))

@@ -15,20 +15,16 @@ from .worker import Found
 
 TOLERANCE = 1e-4, 1e-4
 """A search ends where its next step is expected to reduce the sum of squares by less than the first value plus this share of it."""
-CONFIRMED = 10.0
-"""The derivatives at the end may expect a reduction of this multiple of the tolerance."""
+CONFIRMED = 10.0  # The derivatives at the end may expect a reduction of this multiple of the tolerance
 MOST_EVALUATIONS = 40
-MOST_JACOBIANS = 6
-"""Largest number of times that a search computes all derivatives."""
-REACH = 0.3, 1.0, 1e-5
-"""First, largest and smallest length of a step in a coordinate."""
+MOST_JACOBIANS = 6  # Largest number of times that a search computes all derivatives
+REACH = 0.3, 1.0, 1e-5  # First, largest and smallest length of a step in a coordinate
 NEAR = 0.05
 """Length of steps, in the coordinate of the parameter with the largest influence, within which derivatives hold."""
 DAMPING = 0.01
 """Weight of the squared step. It is far below that of a determined parameter, and shortens steps along directions that the data
 do not see."""
-AT_BOUND = 1e-3
-"""Distance within which a coordinate counts as at its bound."""
+AT_BOUND = 1e-3  # Distance within which a coordinate counts as at its bound
 
 
 class Search:
@@ -46,14 +42,11 @@ class Search:
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
         self.residuals = self._all_residuals(place, states)
-        self.kept = np.ones(len(self.residuals), dtype=bool)
-        """Which measured values, and priors, are no outliers."""
+        self.kept = np.ones(len(self.residuals), dtype=bool)  # Which measured values, and priors, are no outliers
         self._robust = False
         self.slopes = self._differences(range(len(place)), central=False)
-        self._length = 0.0
-        """Length of the last step, as the reach counts."""
-        self._moved = np.inf
-        """Length of all steps since the last central differences."""
+        self._length = 0.0  # Length of the last step, as the reach counts
+        self._moved = np.inf  # Length of all steps since the last central differences
 
     # Residuals and derivatives, of the measured values and the priors
 

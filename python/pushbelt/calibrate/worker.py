@@ -31,22 +31,17 @@ RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
 """Relative tolerances of the speed ratio at the first estimate of the slip and after a correction, and largest number of steady states
 in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
 
-Job = tuple[Mapping[str, float], Point]
-"""Values of the fitted variables, and a point."""
+Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
 
 
 @dataclass(frozen=True)
 class Found:
     """Results of the model at a point."""
 
-    values: Mapping[str, float]
-    """Model values by quantity; empty without a steady state."""
-    reason: str | None = None
-    """Reason why there is no steady state."""
-    share: float = 1.0
-    """Share of the torque that the belt carries, if there is no steady state."""
-    solves: int = 1
-    """Number of steady states that were solved."""
+    values: Mapping[str, float]  # Model values by quantity; empty without a steady state
+    reason: str | None = None  # Reason why there is no steady state
+    share: float = 1.0  # Share of the torque that the belt carries, if there is no steady state
+    solves: int = 1  # Number of steady states that were solved
 
     @property
     def missing(self) -> float:
@@ -54,8 +49,7 @@ class Found:
         return 0.0 if self.reason is None else 2.0 - self.share
 
 
-_open: dict[Path, SteadyStates] = {}
-"""Instances in this process, by unpacked FMU."""
+_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -84,26 +78,21 @@ def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -
         return _record(states, parameters, point)
     if point.shifting:
         return _shift(states, parameters, point)
-    if point.ratio is not None:
-        return _steady(states, parameters, point, point.ratio)
-    return _at_speed_ratio(states, parameters, point)
+    return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
 
 
-def _start_values(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
-    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio."""
+def _start_values(
+    parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float | None = None
+) -> dict[str, float]:
+    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio, or in a shift moves under
+    its force."""
     # The forces of a point are whole: cylinders are in them.
     own = {name: value for name, value in parameters.items() if ".cylinder." not in name}
-    return driven_by_torque({**own, "initial.equilibrium": False}, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
-
-
-def _with_forces(parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float) -> dict[str, float]:
-    """Start values of a shift: both clamping forces act."""
-    return {
-        **_start_values(parameters, point, ratio, speed_ratio),
-        "primary.axial": Axial.FORCE,
-        "primary.clampingForce": primary_force,
-        "primary.inertia": SHIFT_INERTIA,
-    }
+    own |= {"initial.equilibrium": False}
+    found = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
+    if primary_force is not None:
+        found |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
+    return found
 
 
 def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
@@ -152,7 +141,7 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     # d(ln i)/dt, also of s = 1/i
     rate = measured.value / point.ratio if measured.quantity == "di/dt" else -measured.value * point.ratio
     begin = point.ratio * math.exp(-rate * (SETTLING + 0.5 * WINDOW) * revolution)
-    values = _with_forces(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
+    values = _start_values(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
     unit = _initialise(states, values, point.torque)
     if isinstance(unit, Found):
         return unit
@@ -174,12 +163,9 @@ def _record(states: SteadyStates, parameters: Mapping[str, float], record: Recor
     The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
     and the secondary pulley turns as recorded, at the primary speed over the ratio.
     """
-    inputs = [
-        (time, (torque, primary_force, force, speed / ratio))
-        for time, speed, torque, primary_force, force, ratio in record.samples
-    ]
+    inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
-    values = _with_forces(parameters, record, ratio, ratio, primary_force)
+    values = _start_values(parameters, record, ratio, ratio, primary_force)
     unit = _initialise(states, values, record.torque)
     if isinstance(unit, Found):
         return unit

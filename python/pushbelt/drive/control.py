@@ -20,17 +20,12 @@ from .thrust_map import ThrustMap
 class Measured:
     """Measured values at a control step."""
 
-    primary_speed: float
-    """rad/s."""
-    ratio: float
-    """Geometric ratio r_S/r_P."""
-    slip: float
-    """1."""
+    primary_speed: float  # rad/s
+    ratio: float  # Geometric ratio r_S/r_P
+    slip: float  # 1
     macro_slip: bool
-    pitch_radius: float
-    """Primary running radius, m."""
-    torque: float
-    """Larger of the present and the demanded primary torque, with the sign of the present one, N·m."""
+    pitch_radius: float  # Primary running radius, m
+    torque: float  # Larger of the present and the demanded primary torque, with the sign of the present one, N·m
 
     @classmethod
     def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
@@ -43,10 +38,8 @@ class Measured:
 class Friction:
     """Parameters of the belt in the clamping law."""
 
-    coefficient: float
-    """μ."""
-    wedge_angle: float
-    """β, rad."""
+    coefficient: float  # μ
+    wedge_angle: float  # β, rad
     reserve: float = 8.0
     """Torque added for effects that the estimate neglects (inertia of the pulley, drag of the shaft, errors), N·m."""
 
@@ -93,15 +86,11 @@ class SlipControl:
     fixed safety factor is used.
     """
 
-    PROPORTIONAL = 10.0
-    """Gain of the relative force over slip."""
-    INTEGRAL = 25.0
-    """Integral gain of the relative force over slip, 1/s."""
+    PROPORTIONAL = 10.0  # Gain of the relative force over slip
+    INTEGRAL = 25.0  # Integral gain of the relative force over slip, 1/s
     LOW, HIGH, RESCUE = 0.9, 1.6, 1.5
-    HOLD = 0.3
-    """Least duration of an intervention, s."""
-    LEAST_SPEED = 60.0
-    """Least speed of the primary pulley for slip control, rad/s."""
+    HOLD = 0.3  # Least duration of an intervention, s
+    LEAST_SPEED = 60.0  # Least speed of the primary pulley for slip control, rad/s
 
     def __init__(
         self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3
@@ -176,20 +165,13 @@ class RatioControl:
     that carries the torque: for a faster shift down the secondary force rises instead. A standing belt is held the same way.
     """
 
-    APPROACH = 3.0
-    """k, 1/s."""
-    FASTEST = 1.0
-    """λ_max, 1/s."""
-    PROPORTIONAL, INTEGRAL = 0.8, 3.0
-    """k_p, 1, and k_i, 1/s."""
-    MOST_FORCE = 20e3
-    """Largest C, N·s."""
-    RESERVE = 1.1
-    """Safety of the primary force against slip."""
-    LEAST_SPEED = 40.0
-    """Below this speed, rad/s, the belt hardly shifts and only the map is used."""
-    FILTER = 0.01
-    """Time constant of the measured shift speed, s."""
+    APPROACH = 3.0  # k, 1/s
+    FASTEST = 1.0  # λ_max, 1/s
+    PROPORTIONAL, INTEGRAL = 0.8, 3.0  # k_p, 1, and k_i, 1/s
+    MOST_FORCE = 20e3  # Largest C, N·s
+    RESERVE = 1.1  # Safety of the primary force against slip
+    LEAST_SPEED = 40.0  # Below this speed, rad/s, the belt hardly shifts and only the map is used
+    FILTER = 0.01  # Time constant of the measured shift speed, s
 
     def __init__(self, friction: Friction, thrust_map: ThrustMap, limits: tuple[float, float]) -> None:
         self.friction, self.map, self.limits = friction, thrust_map, limits

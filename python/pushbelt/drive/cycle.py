@@ -21,12 +21,9 @@ PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra hi
 class Cycle:
     """A speed trace. Speed is linear between its points."""
 
-    time: Array
-    """s, shape (n,), ascending."""
-    speed: Array
-    """m/s, shape (n,), at least 0."""
-    start: float = 0.0
-    """Start time of this section within the whole cycle, s."""
+    time: Array  # s, shape (n,), ascending
+    speed: Array  # m/s, shape (n,), at least 0
+    start: float = 0.0  # Start time of this section within the whole cycle, s
 
     @property
     def duration(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
@@ -19,8 +21,7 @@ LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED,
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
-GROUP = "drive"
-"""Group name of charts and belt that share a cursor."""
+GROUP = "drive"  # Group name of charts and belt that share a cursor
 
 
 def drive(run: Run, group: str = "") -> Chart:
@@ -29,34 +30,18 @@ def drive(run: Run, group: str = "") -> Chart:
     def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
         return Series(name, run.time, values, colour, width=width)
 
-    slip = {"y_range": (-3.0, 4.0)}
+    losses = [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()]
     rows = [
-        (
-            "Speed (km/h)",
-            [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)],
-            {},
-        ),
+        ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
         (
             "Ratio r_S/r_P",
             [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)],
             {"scale": "log", "y_ticks": RATIO_TICKS},
         ),
-        (
-            "Speeds (rpm)",
-            [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)],
-            {},
-        ),
-        (
-            "Pressures (bar)",
-            [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))],
-            {},
-        ),
-        ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], slip),
-        (
-            "Loss of the variator (W)",
-            [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()],
-            {},
-        ),
+        ("Speeds (rpm)", [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)], {}),
+        ("Pressures (bar)", [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))], {}),
+        ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], {"y_range": (-3.0, 4.0)}),
+        ("Loss of the variator (W)", losses, {}),
     ]
     macro = intervals(run.time, run["macroSlip"], gap=0.2)
     shades = [Shade(start, stop + STEP, RED, opacity=0.25) for start, stop in macro]
@@ -71,15 +56,17 @@ def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
     return over_time(moments, columns, run.snapshots, parameters)
 
 
+LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})
+"""Looks of the fixed safety factor and of slip control."""
+
+
 def savings(fixed: Run, slip: Run) -> Chart:
     """Accumulated variator loss of the two clamping strategies, and the distribution of utilisation over time."""
     edges = np.arange(0.0, 1.15, 0.025)
     loss, share = [], []
-    for run, colour, dash in ((fixed, ORANGE, "dash"), (slip, BLUE, "")):
-        look = {"colour": colour, "dash": dash}
+    for run, look in zip((fixed, slip), LOOKS, strict=True):
         loss.append(Series(run.setup.name, run.time, 1e-3 * STEP * np.cumsum(run.loss), **look))
-        driving = run["primary.power"] > 1000.0
-        counts = STEP * np.histogram(run["utilisation.signed"][driving], edges)[0]
+        counts = STEP * np.histogram(run["utilisation.signed"][run["primary.power"] > 1000.0], edges)[0]
         share.append(Series(run.setup.name, np.repeat(edges, 2)[1:-1], np.repeat(counts, 2), **look))
     panels = [
         Panel("Variator loss, added up (kJ)", loss, TIME, height=270),
@@ -91,71 +78,50 @@ def savings(fixed: Run, slip: Run) -> Chart:
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
     """Distribution of the engine's work."""
-    parts = (
-        ("road load", BLUE),
-        ("brakes", VIOLET),
-        ("launch clutch", GREEN),
-        *((f"variator, {part}", colour) for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)),
-    )
-    runs = (slip, fixed)
-    energies = [run.energies() for run in runs]
+    losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
+    colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
+    energies = [run.energies() for run in (slip, fixed)]
     series = [
         Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
-        for part, colour in parts
+        for part, colour in colours.items()
         if any(e[part] for e in energies)
     ]
-    ticks = tuple((float(k), run.setup.name) for k, run in enumerate(runs))
+    ticks = ((0.0, slip.setup.name), (1.0, fixed.setup.name))
     return Chart([Panel("Energy (kJ)", series, y_ticks=ticks, stacked=True, height=170)], "Shares of energy")
 
 
 def low_friction(fixed: Run, slip: Run) -> Chart:
     """Slip, secondary force and loss of both strategies on a belt with less friction than they assume."""
-
-    def lines(values) -> list[Series]:
-        return [
-            Series(run.setup.strategy, run.time, values(run), colour, dash=dash)
-            for run, colour, dash in ((fixed, ORANGE, "dash"), (slip, BLUE, ""))
-        ]
-
-    rows = (
-        ("Slip (%)", lambda run: 100.0 * run["slip"]),
-        ("Secondary clamping force (kN)", lambda run: 1e-3 * run["secondary.clampingForceTotal"]),
-        ("Variator loss, added up (kJ)", lambda run: 1e-3 * STEP * np.cumsum(run.loss)),
-    )
-    label = "Slip, secondary force and loss of both strategies with low friction"
-    return Chart([Panel(title, lines(values), TIME) for title, values in rows], label, columns=3, linked=True)
+    runs = list(zip((fixed, slip), LOOKS, strict=True))
+    rows: dict[str, Callable[[Run], Array]] = {
+        "Slip (%)": lambda run: 100.0 * run["slip"],
+        "Secondary clamping force (kN)": lambda run: 1e-3 * run["secondary.clampingForceTotal"],
+        "Variator loss, added up (kJ)": lambda run: 1e-3 * STEP * np.cumsum(run.loss),
+    }
+    panels = [
+        Panel(title, [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs], TIME) for title, of in rows.items()
+    ]
+    return Chart(panels, "Slip, secondary force and loss of both strategies with low friction", columns=3, linked=True)
 
 
 def operating_points(table: ThrustMap, run: Run) -> Chart:
     """The thrust-ratio map and the operating points of the car on it."""
-    some = slice(None, None, 50)
-    moving = run["primary.speed"][some] > 60.0
-    ratio, utilisation, thrust = (
-        run[name][some][moving] for name in ("ratio.geometric", "utilisation.signed", "thrustRatio")
-    )
-    times = [f"{time:.1f} s" for time in run.time[some][moving]]
+    some = np.arange(0, len(run.time), 50)
+    some = some[run["primary.speed"][some] > 60.0]
+    ratio, utilisation, thrust = (run[name][some] for name in ("ratio.geometric", "utilisation.signed", "thrustRatio"))
     expected = [table.thrust_ratio(i, u) for i, u in zip(ratio, utilisation, strict=True)]
-    low, high = float(table.thrust.min()), float(table.thrust.max())
-    points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": times}
-    ideal = Series("as in the map", [low, high], [low, high], INK, width=0.9)
+    ends = [float(table.thrust.min()), float(table.thrust.max())]
+    points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": [f"{time:.1f} s" for time in run.time[some]]}
+    lines = Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)
     panels = [
         Panel(
-            "Thrust ratio of the map, and operating points",
-            [Series("worked at", ratio, utilisation, **points)],
-            "ratio",
-            "torque utilisation",
-            fields=[Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)],
-            x_scale="log",
-            x_ticks=RATIO_TICKS,
-            height=350,
+            "Thrust ratio of the map, and operating points", [Series("worked at", ratio, utilisation, **points)], "ratio",
+            "torque utilisation", fields=[lines], x_scale="log", x_ticks=RATIO_TICKS, height=350,
         ),
         Panel(
             "Thrust ratio while driving",
-            [Series("belt", expected, thrust, **points), ideal],
-            "of the map (steady)",
-            "of the belt",
-            y_range=(low - 0.5, high + 0.5),
-            height=350,
+            [Series("belt", expected, thrust, **points), Series("as in the map", ends, ends, INK, width=0.9)],
+            "of the map (steady)", "of the belt", y_range=(ends[0] - 0.5, ends[1] + 0.5), height=350,
         ),
-    ]
+    ]  # fmt: skip
     return Chart(panels, "Contours of the thrust ratio with operating points", columns=2)

@@ -25,8 +25,7 @@ GRID = Grid(
     excess=tuple(map(math.log, SHARES)),
 )
 """Axes of the maps."""
-LEAST = 3
-"""Least number of steady states at a ratio."""
+LEAST = 3  # Least number of steady states at a ratio
 
 
 def measure(fmu: Path, parameters: Mapping[str, float], folder: Path) -> Maps:

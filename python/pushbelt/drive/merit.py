@@ -22,12 +22,9 @@ class Pump:
     are typical; they are not from a source.
     """
 
-    displacement: float = 12e-6
-    """V, m³ per revolution."""
-    margin: float = 2e5
-    """Pressure lost on the way, Pa."""
-    efficiency: float = 0.85
-    """η."""
+    displacement: float = 12e-6  # V, m³ per revolution
+    margin: float = 2e5  # Pressure lost on the way, Pa
+    efficiency: float = 0.85  # η
 
     def power(self, run: Run) -> Array:
         """Power that the pump takes from the engine over time, W."""
@@ -42,14 +39,10 @@ class Merit:
 
     supplied: float
     """Energy that the shafts carry into the variator, at the primary while driving and at the secondary in overrun, J."""
-    lost: float
-    """Energy lost in the variator, J."""
-    pump: float
-    """Energy that the pump takes from the engine, J."""
-    distance: float
-    """m."""
-    pressure: float
-    """Mean pressure in the secondary circuit, Pa."""
+    lost: float  # Energy lost in the variator, J
+    pump: float  # Energy that the pump takes from the engine, J
+    distance: float  # m
+    pressure: float  # Mean pressure in the secondary circuit, Pa
 
     @property
     def efficiency(self) -> float:

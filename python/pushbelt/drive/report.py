@@ -20,8 +20,7 @@ from .simulate import LOSSES, OF_STEPS, STEP, Run
 from .thrust_map import FORCE
 from .vehicle import demo_car
 
-CSV_STEP = 0.1
-"""Time between the rows of the results, s."""
+CSV_STEP = 0.1  # Time between the rows of the results, s
 
 
 def speed_error(run: Run) -> tuple[float, float]:
@@ -70,26 +69,16 @@ def context(results: Results) -> dict[str, Any]:
     """Values for the template."""
     parameters = parameter_set(results.plan.variator)
     fixed, slip, close_up, *slippery = results.runs
-    belt = belt_view(
-        figures.belt_over_time(slip, parameters),
-        parameters,
-        "The belt on its pulleys during the drive",
-        group=figures.GROUP,
-        start=0.5 * (results.plan.cycle[0] + results.plan.cycle[1]),
-    )
+    motion, title = figures.belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
+    belt = belt_view(motion, parameters, title, group=figures.GROUP, start=0.5 * sum(results.plan.cycle))
     return {
         "version": results.version,
         "plan": results.plan,
         "car": demo_car(),
         "rows": [
             {
-                "run": run,
-                "energies": run.energies(),
-                "speed": speed_error(run),
-                "ratio": ratio_error(run),
-                "macro": STEP * float(run["macroSlip"].sum()),
-                "gap": balance_gap(run),
-                "merit": merit(run),
+                "run": run, "energies": run.energies(), "speed": speed_error(run), "ratio": ratio_error(run),
+                "macro": STEP * float(run["macroSlip"].sum()), "gap": balance_gap(run), "merit": merit(run),
             }
             for run in results.runs
         ],
@@ -110,4 +99,4 @@ def context(results: Results) -> dict[str, Any]:
             "low_friction": figures.low_friction(*slippery),
             "map": figures.operating_points(results.thrust_map, slip),
         },
-    }
+    }  # fmt: skip

@@ -18,11 +18,9 @@ from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 from .vehicle import demo_car
 
-LOW_FRICTION = 0.7
-"""Friction in the runs with low friction, relative to the coefficient that the controllers assume."""
+LOW_FRICTION = 0.7  # Friction in the runs with low friction, relative to the coefficient that the controllers assume
 
-FRAMES = 600
-"""Largest number of times in a drive at which the belt is recorded."""
+FRAMES = 600  # Largest number of times in a drive at which the belt is recorded
 
 
 def moments(start: float, stop: float) -> tuple[float, ...]:
@@ -35,22 +33,15 @@ def moments(start: float, stop: float) -> tuple[float, ...]:
 class Plan:
     """The runs of a report."""
 
-    cycle: tuple[float, float]
-    """Section of the cycle for both clamping strategies, s."""
-    close_up: tuple[float, float]
-    """Section that is repeated on the FMU's default mesh, s."""
-    ring: str = "ALE"
-    """Ring model of the runs on the coarse mesh."""
+    cycle: tuple[float, float]  # Section of the cycle for both clamping strategies, s
+    close_up: tuple[float, float]  # Section that is repeated on the FMU's default mesh, s
+    ring: str = "ALE"  # Ring model of the runs on the coarse mesh
     low_friction: tuple[float, float] = (10.0, 20.0)
     """Section for both strategies with less friction than they assume, s."""
-    trace: str = "wltc"
-    """The cycle, a name in `CYCLES`."""
-    variator: str = simulate.VARIATOR
-    """Name or file of the parameter set."""
-    clamping: float = 1.0
-    """Factor on the secondary clamping force that the strategies demand."""
-    maps: Path | None = None
-    """File of maps from which the controllers take their map; None to measure it on the FMU."""
+    trace: str = "wltc"  # The cycle, a name in `CYCLES`
+    variator: str = simulate.VARIATOR  # Name or file of the parameter set
+    clamping: float = 1.0  # Factor on the secondary clamping force that the strategies demand
+    maps: Path | None = None  # File of maps from which the controllers take their map; None to measure it on the FMU
 
     @property
     def title(self) -> str:
@@ -60,17 +51,12 @@ class Plan:
     def setups(self) -> tuple[Setup, ...]:
         """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
         whole = CYCLES[self.trace][1]()
-        start, stop = self.cycle
-        cycle = whole.section(start, stop)
-        slippery = whole.section(*self.low_friction)
+        cycle, slippery = whole.section(*self.cycle), whole.section(*self.low_friction)
         setups = (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
-            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(start, stop)),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(*self.cycle)),
             Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
-            *(
-                Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
-                for strategy in ("safety", "slip")
-            ),
+            *(Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION) for strategy in ("safety", "slip")),
         )
         return tuple(replace(setup, variator=self.variator, clamping=self.clamping) for setup in setups)
 
@@ -86,11 +72,9 @@ class Results:
 
     plan: Plan
     version: str
-    units: Mapping[str, str]
-    """Units of the columns of the runs by name."""
+    units: Mapping[str, str]  # Units of the columns of the runs by name
     thrust_map: ThrustMap
-    runs: Sequence[Run]
-    """In the order of `Plan.setups`."""
+    runs: Sequence[Run]  # In the order of `Plan.setups`
 
 
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
@@ -102,12 +86,8 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     setups = plan.setups()
     with Archive.unpack(fmu) as archive:
         maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
-        done = side_by_side.run_all(
-            [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
-            total=round(sum(setup.cycle.duration for setup in setups)),
-            title="driving",
-            workers=len(setups),
-        )
+        calls = [(_work, (archive, maps[setup.ring], setup)) for setup in setups]
+        done = side_by_side.run_all(calls, round(sum(setup.cycle.duration for setup in setups)), "driving", len(setups))
         return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], done)
 
 

@@ -22,8 +22,7 @@ from .thrust_map import ThrustMap
 from .transmission import RATIO_LIMITS, START_PRESSURE, PressureCircuit, TransmissionControl
 from .vehicle import Car, Vehicle
 
-STEP = 0.01
-"""Default communication and control step, s."""
+STEP = 0.01  # Default communication and control step, s
 COARSE = {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3}
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": COARSE,
@@ -36,51 +35,27 @@ LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "seals", "oth
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
 
 OUTPUTS = (
-    "primary.speed",
-    "secondary.speed",
-    "ratio.geometric",
-    "slip",
-    "primary.radius",
-    "thrustRatio",
-    "torqueUtilisation",
-    "primary.shaftTorque",
-    "primary.axialForce",
-    "secondary.axialForce",
-    "secondary.clampingForceTotal",
-    "primary.power",
-    "secondary.power",
-    "loss.total",
+    *"primary.speed secondary.speed ratio.geometric slip primary.radius thrustRatio torqueUtilisation primary.shaftTorque".split(),
+    *"primary.axialForce secondary.axialForce secondary.clampingForceTotal primary.power secondary.power loss.total".split(),
     *(f"loss.{part}" for part in LOSSES),
-    "stored.energy",
-    "energy.residual",
-    "reference.theta",
-    "pushForce.max",
-    "ring.speed",
-    "ring.stressMax",
+    *"stored.energy energy.residual reference.theta pushForce.max ring.speed ring.stressMax".split(),
     *(f"ring.{kind}.{pulley}" for pulley in ("primary", "secondary") for kind in ("stressAmplitude", "stressMean")),
     "secondary.radius",
 )
 """FMU variables that are recorded."""
 
 SIGNALS: Mapping[str, str] = {
-    **{
-        name: unit
-        for name, unit in vehicle.SIGNALS.items()
-        if name not in ("secondary.torque", "torque.estimated", "power.demand")
-    },
+    **{name: unit for name, unit in vehicle.SIGNALS.items() if name not in ("secondary.torque", "torque.estimated", "power.demand")},
     **dict.fromkeys(("ratio.target", "intervening", "utilisation.signed"), "1"),
     "distance": "m",
 }
 """Units of the recorded signals that are no variables of the FMU."""
-OF_STEPS = ("work.engine", "loss.clutch")
-"""Signals that are energies of one step."""
+OF_STEPS = ("work.engine", "loss.clutch")  # Signals that are energies of one step
 COLUMNS = (*OUTPUTS, "macroSlip", "primary.pressure", "secondary.pressure", *SIGNALS)
 
-INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")
-"""Inputs of the FMU."""
+INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")  # Inputs of the FMU
 
-VARIATOR = "bench168"
-"""Parameter set of the drives."""
+VARIATOR = "bench168"  # Parameter set of the drives
 
 
 @dataclass(frozen=True)
@@ -88,21 +63,15 @@ class Setup:
     """Configuration of a run."""
 
     name: str
-    strategy: str
-    """`safety` for the fixed safety factor or `slip` for slip control."""
+    strategy: str  # `safety` for the fixed safety factor or `slip` for slip control
     cycle: Cycle
     ring: str = "ALE"
     mesh: str = "coarse"
-    snapshots: tuple[float, ...] = ()
-    """Times of the whole cycle at which the fields along the belt are recorded, s."""
-    friction: float = 1.0
-    """Friction coefficient of the belt relative to the one assumed by the controllers."""
-    variator: str = VARIATOR
-    """Name or file of the parameter set."""
-    clamping: float = 1.0
-    """Factor on the secondary clamping force that the strategy demands."""
-    step: float = STEP
-    """Communication and control step, s."""
+    snapshots: tuple[float, ...] = ()  # Times of the whole cycle at which the fields along the belt are recorded, s
+    friction: float = 1.0  # Friction coefficient of the belt relative to the one assumed by the controllers
+    variator: str = VARIATOR  # Name or file of the parameter set
+    clamping: float = 1.0  # Factor on the secondary clamping force that the strategy demands
+    step: float = STEP  # Communication and control step, s
     parallel: bool = False
     """Whether vehicle, control and FMU step in parallel (Jacobi scheme), as units in a master do: each uses the signals of the
     previous step and holds them. Otherwise they step in sequence (Gauss-Seidel scheme), each with the latest signals, and torques
@@ -114,17 +83,12 @@ class Run:
     """Results of a run."""
 
     setup: Setup
-    time: Array
-    """Time in the whole cycle, s, shape (n,)."""
-    columns: Mapping[str, Array]
-    """Recorded signals by name, each of shape (n,), in SI units."""
-    snapshots: Mapping[float, BeltState]
-    """Fields along the belt by time in the whole cycle, s."""
+    time: Array  # Time in the whole cycle, s, shape (n,)
+    columns: Mapping[str, Array]  # Recorded signals by name, each of shape (n,), in SI units
+    snapshots: Mapping[float, BeltState]  # Fields along the belt by time in the whole cycle, s
     interventions: int
-    processor_time: float
-    """Processor time of the run, s."""
-    messages: tuple[str, ...] = field(default=())
-    """Warnings of the FMU."""
+    processor_time: float  # Processor time of the run, s
+    messages: tuple[str, ...] = field(default=())  # Warnings of the FMU
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -140,8 +104,7 @@ class Run:
             "variator": sum(losses.values()),
             **{f"variator, {part}": loss for part, loss in losses.items()},
             "launch clutch": float(self["loss.clutch"].sum()),
-            "road load": step * float((self["force.road"] * speed).sum()),
-            "brakes": step * float((self["force.brake"] * speed).sum()),
+            **{name: step * float((self[f"force.{force}"] * speed).sum()) for name, force in (("road load", "road"), ("brakes", "brake"))},
         }
 
     @property
@@ -161,17 +124,14 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
     areas = {f"{pulley}.cylinder.area": PressureCircuit.area for pulley in ("primary", "secondary")}
     parameters = {**parameter_set(variator), **areas}
     parameters["secondary.inertia"] += car.inertia
-    model = RingModel[ring]
     chosen = dict(MESHES[mesh])
-    if model == RingModel.ALE0:
+    if RingModel[ring] == RingModel.ALE0:
         # One cell per element instead of two, so that the number of cells is the same.
         chosen |= {name: 2 * count for name, count in chosen.items() if name.startswith("mesh.")}
-    return {**parameters, "ring.model": model, **chosen}
+    return {**parameters, "ring.model": RingModel[ring], **chosen}
 
 
-def run(
-    archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None
-) -> Run:
+def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
 
     Raises UnitError with the time if the FMU rejects a step.
@@ -194,12 +154,7 @@ def run(
 
 
 def _advance(
-    unit: Instance,
-    car: Vehicle,
-    control: TransmissionControl,
-    friction: Friction,
-    setup: Setup,
-    progress: Callable[[float], None],
+    unit: Instance, car: Vehicle, control: TransmissionControl, friction: Friction, setup: Setup, progress: Callable[[float], None]
 ) -> tuple[Array, dict[float, BeltState]]:
     """The loop of communication steps from standstill on: `COLUMNS` at each communication point and over the step that follows, and the
     belt at the times of the set-up."""
@@ -218,9 +173,9 @@ def _advance(
         known = earlier[0] if setup.parallel else driving
         measured = Measured.from_signals(state, known["torque.estimated"])
         signals = driving, control.advance(known["power.demand"], state["secondary.speed"], measured, step)
-        utilisation = {"utilisation.signed": _utilisation(state, friction)}
-        # A variator from maps has fewer outputs.
-        row = {**signals[0], **signals[1], **state, **utilisation}
+        # Utilisation for the friction that the controllers assume. A variator from maps has fewer outputs.
+        capacity = slip_torque(friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
+        row = {**signals[0], **signals[1], **state, "utilisation.signed": -state["primary.shaftTorque"] / max(capacity, 1e-3)}
         rows[k] = [row.get(name, math.nan) for name in COLUMNS]
         if k in moments:
             snapshots[moments[k]] = BeltState(unit.outputs(), unit.profile())
@@ -236,12 +191,6 @@ def _advance(
             raise UnitError(f"{setup.name}, from {start + time:.2f} s on: {error}") from error
         progress(step)
     return rows, snapshots
-
-
-def _utilisation(state: Mapping[str, float], belt: Friction) -> float:
-    """Torque utilisation with the sign of the torque, for the friction coefficient that the controllers assume."""
-    capacity = slip_torque(belt.coefficient, belt.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
-    return -state["primary.shaftTorque"] / max(capacity, 1e-3)
 
 
 def at_rest() -> dict[str, float]:

@@ -20,18 +20,12 @@ from .piecewise import clip, interpolate, interval
 if TYPE_CHECKING:
     from pushbelt.maps.data import Maps
 
-SPEED = 200.0
-"""Primary speed of the map, rad/s. The thrust ratio depends on it only weakly."""
-FORCE = 12e3
-"""Secondary clamping force of the map, N."""
-SHIFT_UTILISATIONS = (-0.3, 0.3)
-"""Torque utilisations at which the shift rate is measured."""
-OTHER_FORCE = 5e3
-"""Secondary clamping force of the second shift rates, N. They determine the dependence on force."""
-STILL = 1e-4
-"""Least change of slip over an interval of the utilisation whose ends are both steady states."""
-NEARBY = 0.2
-"""Range of the excess about its expected value in which the shift gain is taken."""
+SPEED = 200.0  # Primary speed of the map, rad/s. The thrust ratio depends on it only weakly
+FORCE = 12e3  # Secondary clamping force of the map, N
+SHIFT_UTILISATIONS = (-0.3, 0.3)  # Torque utilisations at which the shift rate is measured
+OTHER_FORCE = 5e3  # Secondary clamping force of the second shift rates, N. They determine the dependence on force
+STILL = 1e-4  # Least change of slip over an interval of the utilisation whose ends are both steady states
+NEARBY = 0.2  # Range of the excess about its expected value in which the shift gain is taken
 
 
 def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
@@ -48,16 +42,11 @@ def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[fl
 class ThrustMap:
     """Steady states over ratio × torque utilisation. Values are bilinear between the points and constant beyond them."""
 
-    ratios: Array
-    """Shape (m,), ascending."""
-    utilisations: Array
-    """Torque utilisations, shape (n,), ascending; positive where the primary pulley drives."""
-    thrust: Array
-    """Thrust ratio, shape (m, n)."""
-    slips: Array
-    """Slip, shape (m, n)."""
-    excesses: Array
-    """ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them."""
+    ratios: Array  # Shape (m,), ascending
+    utilisations: Array  # Torque utilisations, shape (n,), ascending; positive where the primary pulley drives
+    thrust: Array  # Thrust ratio, shape (m, n)
+    slips: Array  # Slip, shape (m, n)
+    excesses: Array  # ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them
     shift_rates: Array
     """R of d(ln i)/dt = −ω_P F R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
     ε, 0 at ε = 0. F is the acting force."""
@@ -68,9 +57,7 @@ class ThrustMap:
     @cached_property
     def _plain(self) -> SimpleNamespace:
         """The tables as plain numbers."""
-        return SimpleNamespace(
-            **{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)}
-        )
+        return SimpleNamespace(**{name: field.tolist() for name, field in vars(self).items() if isinstance(field, np.ndarray)})
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:
@@ -116,9 +103,7 @@ class ThrustMap:
         The thrust ratio falls towards capacity. Its slopes are taken at the middle of their intervals and interpolated linearly.
         """
         m, p = interval(self._plain.ratios, ratio)
-        low, high = (
-            interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2]
-        )
+        low, high = (interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2])
         return (1.0 - p) * low + p * high
 
     def thrust_ratio(self, ratio: float, utilisation: float) -> float:
@@ -155,9 +140,7 @@ class ThrustMap:
         near = slice(max(below - 1, 0), below + 2)
         quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
         clearance = _clearance_of(float(np.median(quotients[quotients > 0.0])))
-        return cls(
-            axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance
-        )
+        return cls(axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance)
 
 
 def _clearance_of(quotient: float) -> float:

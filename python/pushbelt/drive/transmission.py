@@ -10,10 +10,8 @@ from .piecewise import clip
 from .thrust_map import ThrustMap
 from .vehicle import Car
 
-RATIO_LIMITS = 0.46, 2.2
-"""Range of the target ratio; the car starts at the upper end."""
-START_PRESSURE = 8e5
-"""Initial pressure of both circuits, Pa."""
+RATIO_LIMITS = 0.46, 2.2  # Range of the target ratio; the car starts at the upper end
+START_PRESSURE = 8e5  # Initial pressure of both circuits, Pa
 
 
 @dataclass
@@ -25,20 +23,13 @@ class PressureCircuit:
     Values are typical; they are not from a source.
     """
 
-    pressure: float
-    """Pa."""
-    area: float = 0.01
-    """m²."""
-    lag: float = 0.05
-    """s."""
-    lowest: float = 2e5
-    """Pa."""
-    highest: float = 6e6
-    """Pa."""
-    rate: float = 4e7
-    """Pa/s."""
-    substep: float = 1e-3
-    """s."""
+    pressure: float  # Pa
+    area: float = 0.01  # m²
+    lag: float = 0.05  # s
+    lowest: float = 2e5  # Pa
+    highest: float = 6e6  # Pa
+    rate: float = 4e7  # Pa/s
+    substep: float = 1e-3  # s
 
     @property
     def force(self) -> float:
@@ -71,8 +62,7 @@ class PressureControl:
     The circuit is a first-order lag with time constant τ. F_v = F + (τ/τ_c)(F* − F) changes it to τ_c, within the valve's limits.
     """
 
-    WANTED_LAG = 0.0125
-    """τ_c, s."""
+    WANTED_LAG = 0.0125  # τ_c, s
 
     def __init__(self, lag: float) -> None:
         self.gain = max(lag / self.WANTED_LAG, 1.0)
@@ -106,8 +96,7 @@ class TransmissionControl:
     `scale` multiplies the secondary force that the strategy demands.
     """
 
-    POWER_RISE, POWER_FALL = 0.3, 1.5
-    """Time constants with which the ratio follows the demanded power, s."""
+    POWER_RISE, POWER_FALL = 0.3, 1.5  # Time constants with which the ratio follows the demanded power, s
 
     def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale

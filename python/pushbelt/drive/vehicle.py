@@ -32,28 +32,17 @@ the present and the demanded primary torque, with the sign of the present one. W
 class Car:
     """The values of `demoCar` in `resources/variators.json`, and typical values for the rest."""
 
-    mass: float
-    """kg."""
-    drag_area: float
-    """c_d A, m²."""
-    rolling_resistance: float
-    """1."""
-    wheel_radius: float
-    """m."""
-    final_drive: float
-    """Secondary speed divided by wheel speed."""
-    engine_inertia: float
-    """kg·m²."""
-    max_torque: float
-    """Largest torque of the engine, N·m."""
-    max_power: float
-    """Largest power of the engine, W."""
-    idle_speed: float = 84.0
-    """800 rpm, rad/s."""
-    max_speed: float = 630.0
-    """6000 rpm, rad/s."""
-    max_brake: float = 9000.0
-    """Largest force of the wheel brakes, N."""
+    mass: float  # kg
+    drag_area: float  # c_d A, m²
+    rolling_resistance: float  # 1
+    wheel_radius: float  # m
+    final_drive: float  # Secondary speed divided by wheel speed
+    engine_inertia: float  # kg·m²
+    max_torque: float  # Largest torque of the engine, N·m
+    max_power: float  # Largest power of the engine, W
+    idle_speed: float = 84.0  # 800 rpm, rad/s
+    max_speed: float = 630.0  # 6000 rpm, rad/s
+    max_brake: float = 9000.0  # Largest force of the wheel brakes, N
 
     @property
     def lever(self) -> float:
@@ -117,28 +106,19 @@ class Powertrain:
     stable if J_e h/τ is below the inertia of the pulley alone; this matters when the belt slips through.
     """
 
-    SYNCHRONISATION = 0.12
-    """τ, s."""
-    TORQUE_LAG = 0.1
-    """Time constant of the engine torque, s."""
-    LOCK_SPEED, OPEN_SPEED = 100.0, 90.0
-    """The clutch locks above the first speed and opens below the second, rad/s."""
-    CLUTCH_LIMIT = 250.0
-    """N·m."""
-    SUBSTEP = 1e-3
-    """s."""
+    SYNCHRONISATION = 0.12  # τ, s
+    TORQUE_LAG = 0.1  # Time constant of the engine torque, s
+    LOCK_SPEED, OPEN_SPEED = 100.0, 90.0  # The clutch locks above the first speed and opens below the second, rad/s
+    CLUTCH_LIMIT = 250.0  # N·m
+    SUBSTEP = 1e-3  # s
 
     def __init__(self, car: Car) -> None:
         self.car = car
-        self.speed = car.idle_speed
-        """Speed of the engine, rad/s."""
-        self.torque = 0.0
-        """Of the engine, N·m."""
+        self.speed = car.idle_speed  # Speed of the engine, rad/s
+        self.torque = 0.0  # Of the engine, N·m
         self.locked = False
-        self.clutch_loss = 0.0
-        """Heat generated in the clutch over the last step, J."""
-        self.engine_work = 0.0
-        """Work of the engine over the last step, J."""
+        self.clutch_loss = 0.0  # Heat generated in the clutch over the last step, J
+        self.engine_work = 0.0  # Work of the engine over the last step, J
         self._last_pulley: float | None = None
         self._acceleration = 0.0
 
@@ -200,12 +180,9 @@ class Driver:
     integrator is stopped while the force is at a limit, and at standstill.
     """
 
-    PREVIEW = 0.5
-    """s."""
-    PROPORTIONAL, INTEGRAL = 1.2, 0.3
-    """1/s and 1/s²."""
-    HOLD = 1500.0
-    """Brake force that holds the standing car, N."""
+    PREVIEW = 0.5  # s
+    PROPORTIONAL, INTEGRAL = 1.2, 0.3  # 1/s and 1/s²
+    HOLD = 1500.0  # Brake force that holds the standing car, N
 
     def __init__(self, car: Car, cycle: Cycle) -> None:
         self.car, self.cycle = car, cycle
@@ -236,9 +213,7 @@ class Vehicle:
         self.driver = Driver(car, cycle)
         self.powertrain = Powertrain(car)
 
-    def advance(
-        self, time: float, primary_speed: float, secondary_speed: float, ratio: float, step: float
-    ) -> dict[str, float]:
+    def advance(self, time: float, primary_speed: float, secondary_speed: float, ratio: float, step: float) -> dict[str, float]:
         """`SIGNALS` over a step, s, from a time, s, with the shaft speeds, rad/s, and the ratio at that time."""
         car, powertrain = self.car, self.powertrain
         # Masters sum their steps. Without rounding, the trace would be read slightly before or after its break points.

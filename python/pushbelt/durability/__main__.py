@@ -17,8 +17,7 @@ from pushbelt.fmu.untrusted import described
 
 from .table import DurabilityError, read
 
-DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")
-"""Runs over the whole cycle in the folder of a drive."""
+DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")  # Runs over the whole cycle in the folder of a drive
 
 
 @console.program("durability", "durability")

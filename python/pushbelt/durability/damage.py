@@ -1,36 +1,72 @@
-"""Miner's sum over a run, its parts, and the effect of the clamping forces."""
+"""Cycles of a revolution by rainflow counting, Miner's sum over a run, its parts, and the effect of the clamping forces."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+import rainflow
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.steel import Material
 
-from .fatigue import OTHERS, Cycles, cycles
-from .table import PULLEYS, Table
+from .table import AMPLITUDE, FIELD, MEAN, PULLEYS, Table
 
-CLAMPING = (0.9, 1.0, 1.1)
-"""Factors on the clamping forces."""
+CLAMPING = (0.9, 1.0, 1.1)  # Factors on the clamping forces
 RATIOS = ((0.0, 0.8, "overdrive, ratio below 0.8"), (0.8, 1.25, "0.8 to 1.25"), (1.25, np.inf, "underdrive, above 1.25"))
-AMPLITUDES = 1e6, 5e9
-"""Amplitudes of the stress of a ring that runs over pulleys, Pa. Bending alone is some 100 MPa."""
+AMPLITUDES = 1e6, 5e9  # Amplitudes of the stress of a ring that runs over pulleys, Pa. Bending alone is some 100 MPa
 BANDS = ((0.0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, np.inf))
 """Bands of torque and speed, relative to the largest value."""
+OTHERS = "other cycles"  # Part of a stress along the ring, besides its largest cycle
 
 
 @dataclass(frozen=True)
-class Class:
+class Cycles:
+    """Cycles of each revolution, arrays of shape (rows, cycles)."""
+
+    amplitude: Array
+    mean: Array
+    count: Array
+    column: str  # Column of the mean stress.
+
+
+def count_loop(stress: Array) -> list[tuple[float, float, float]]:
+    """Amplitude, mean and number of the cycles of a closed loop, largest first, by rainflow counting from its largest value around to it."""
+    start = int(np.argmax(stress))
+    loop = np.concatenate([stress[start:], stress[: start + 1]])
+    found: Counter[tuple[float, float]] = Counter()
+    for span, mean, count, _, _ in rainflow.extract_cycles(loop.tolist()):
+        if span > 0.0:
+            found[(0.5 * span, mean)] += count
+    return [(*cycle, found[cycle]) for cycle in sorted(found, reverse=True)]
+
+
+def cycles(table: Table) -> dict[str, Cycles]:
+    """The cycles of a revolution at each row, by name of the part: from the outputs of each pulley, or counted on the stress along the ring.
+
+    No cycle spans several revolutions.
+    """
+    if table.field is None:
+        columns = {p: (AMPLITUDE.format(p), MEAN.format(p)) for p in PULLEYS}
+        once = np.ones((len(table.lines), 1))
+        return {f"{p} pulley": Cycles(table[a][:, None], table[m][:, None], once, m) for p, (a, m) in columns.items()}
+    counted = [count_loop(row) for row in table.field]
+    most = max(2, *(len(row) for row in counted))
+    padded = np.array([row + [(0.0, 0.0, 0.0)] * (most - len(row)) for row in counted])
+    parts = {"largest cycle": padded[:, :1], OTHERS: padded[:, 1:]}
+    return {name: Cycles(part[..., 0], part[..., 1], part[..., 2], f"{FIELD}[…]") for name, part in parts.items()}
+
+
+class Class(NamedTuple):
     """Part of a run."""
 
     kind: str
     name: str
-    rows: Array
-    """Which rows belong to it."""
+    rows: Array  # Which rows belong to it.
 
 
 @dataclass(frozen=True)
@@ -39,24 +75,21 @@ class Damage:
 
     table: Table
     material: Material
-    parameters: Mapping[str, float]
-    """Parameters of the variator by name, with geometry.beltLength."""
-    parts: Mapping[str, Cycles]
-    """Cycles of a revolution by name."""
+    parameters: Mapping[str, float]  # Of the variator by name, with geometry.beltLength.
+    parts: Mapping[str, Cycles]  # Cycles of a revolution by name.
 
     @cached_property
     def turns(self) -> Array:
         """Revolutions of the ring that belong to each row, by the trapezoidal rule."""
         half = 0.5 * np.diff(self.table["time"])
-        weights = np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
+        weights = np.append(half, 0.0) + np.append(0.0, half)
         return weights * np.abs(self.table["ring.speed"]) / self.parameters["geometry.beltLength"]
 
     @cached_property
     def equivalent(self) -> Mapping[str, Array]:
         """Largest equivalent amplitude of each part at each row, Pa."""
-        return {
-            name: self.material.equivalent(part.amplitude, part.mean).max(axis=1) for name, part in self.parts.items()
-        }
+        equivalent = self.material.equivalent
+        return {name: equivalent(part.amplitude, part.mean).max(axis=1) for name, part in self.parts.items()}
 
     @property
     def utilisation(self) -> float:
@@ -75,22 +108,19 @@ class Damage:
     @cached_property
     def total(self) -> float:
         """Miner's sum."""
-        return self._sum(True)
+        return float(sum(one.sum() for one in self.rows(True).values()))
 
     @cached_property
     def total_without_limit(self) -> float:
         """Miner's sum if the S-N curve continues below the fatigue limit."""
-        return self._sum(False)
-
-    def _sum(self, limited: bool) -> float:
-        return float(sum(one.sum() for one in self.rows(limited).values()))
+        return float(sum(one.sum() for one in self.rows(False).values()))
 
     @property
     def limited(self) -> bool:
         """Whether shares are of the damage with the fatigue limit. Without any such damage they are of the curve that continues below it."""
         return self.total > 0.0
 
-    def share(self, rows: Array, part: str | None = None) -> float:
+    def share(self, rows: Array | slice, part: str | None = None) -> float:
         """Share of the damage of some rows, of one part or of all."""
         found = self.rows(self.limited)
         whole = sum(one.sum() for one in found.values())
@@ -105,12 +135,11 @@ class Damage:
 
     def classes(self) -> list[Class]:
         """Parts of the run by ratio, torque and speed of the ring, as far as the table has their columns."""
-        found = [Class("speed of the ring", name, rows) for name, rows in _bands(np.abs(self.table["ring.speed"]), "m/s")]
+        found = [Class("speed of the ring", *band) for band in _bands(np.abs(self.table["ring.speed"]), "m/s")]
         if "ratio.geometric" in self.table.columns:
             ratio = self.table["ratio.geometric"]
             found += [Class("ratio", name, (ratio >= low) & (ratio < high)) for low, high, name in RATIOS]
-        if self.table.torque is not None:
-            torque = self.table.torque
+        if (torque := self.table.torque) is not None:
             found.append(Class("torque", "overrun, below 0", torque < 0.0))
             found += [Class("torque", name, rows & (torque >= 0.0)) for name, rows in _bands(torque, "N·m")]
         return found
@@ -126,18 +155,16 @@ class Damage:
         area = 2.0 * values["ring.layers"] * values["ring.layerWidth"] * values["ring.layerThickness"]
         bend = 0.5 * values["ring.axialStiffness"] / area * values["ring.layerThickness"]
         relaxed = values["ring.residualCurvature"]
-        mass = values["ring.massPerLength"] + values["belt.massPerLength"]
-        centrifugal = mass * table["ring.speed"] ** 2 / area
+        centrifugal = (values["ring.massPerLength"] + values["belt.massPerLength"]) * table["ring.speed"] ** 2 / area
         curvatures = [1.0 / (table[f"{pulley}.radius"] + values["belt.pitchOffset"]) for pulley in PULLEYS]
         # The outer face has the largest stress where the ring is bent more on the smaller pulley than it is bent back on a strand.
         face = np.where(np.maximum(*curvatures) > 2.0 * relaxed, 1.0, -1.0)
         parts = {}
         for (name, part), curvature in zip(self.parts.items(), curvatures, strict=True):
-            tension_amplitude = np.maximum(part.amplitude[:, 0] - 0.5 * bend * curvature, 0.0)
+            amplitude, mean = part.amplitude[:, 0], part.mean[:, 0]
             bending_mean = face * bend * (0.5 * curvature - relaxed)
-            tension_mean = np.maximum(part.mean[:, 0] - bending_mean - centrifugal, 0.0)
-            amplitude = part.amplitude[:, 0] + (factor - 1.0) * tension_amplitude
-            mean = part.mean[:, 0] + (factor - 1.0) * tension_mean
+            amplitude = amplitude + (factor - 1.0) * np.maximum(amplitude - 0.5 * bend * curvature, 0.0)
+            mean = mean + (factor - 1.0) * np.maximum(mean - bending_mean - centrifugal, 0.0)
             parts[name] = Cycles(amplitude[:, None], mean[:, None], part.count, part.column)
         if any((part.mean >= self.material.strength).any() for part in parts.values()):
             return None
@@ -147,13 +174,8 @@ class Damage:
 def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
     """Rows of each band of a column."""
     most = float(values.max(initial=0.0))
-    if most <= 0.0:
-        return []
-    found = []
-    for low, high in BANDS:
-        name = f"{low * most:.3g} to {min(high, 1.0) * most:.3g} {unit}"
-        found.append((name, (values >= low * most) & (values < high * most)))
-    return found
+    ends = [(low * most, high * most, f"{low * most:.3g} to {min(high, 1.0) * most:.3g} {unit}") for low, high in BANDS]
+    return [(name, (values >= low) & (values < high)) for low, high, name in ends if most > 0.0]
 
 
 def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
@@ -161,18 +183,17 @@ def damage(table: Table, material: Material, parameters: Mapping[str, float]) ->
     largest stress reaches the strength."""
     parts = cycles(table)
     low, most = AMPLITUDES
+    limits = f"Pa is not within {low:g} to {most:g} Pa, as that of any ring that moves"
     moving = np.abs(table["ring.speed"]) > 0.0
     for name, part in parts.items():
-        largest = part.amplitude.max(axis=1)
-        impossible = moving & ~((low <= largest) & (largest <= most))
-        if name != OTHERS and impossible.any():
-            row = int(np.argmax(impossible))
-            text = f"an amplitude of {largest[row]:.4g} Pa is not within {low:g} to {most:g} Pa, as that of any ring that moves"
-            raise table.error(row, part.column.replace("Mean", "Amplitude"), text)
+        sizes = part.amplitude.max(axis=1)
+        impossible = moving & ~((low <= sizes) & (sizes <= most)) & (name != OTHERS)
+        column = part.column.replace("Mean", "Amplitude")
+        table.refuse(impossible, column, lambda row, sizes=sizes: f"an amplitude of {sizes[row]:.4g} {limits}")
         for what, stress in (("mean", part.mean), ("largest", part.mean + part.amplitude)):
-            high = (stress >= material.strength).any(axis=1)
-            if high.any():
-                row = int(np.argmax(high))
-                text = f"the {what} stress, {stress[row].max():.4g} Pa, is not below the strength, {material.strength:.4g} Pa"
-                raise table.error(row, part.column, text)
+            sizes, text = stress.max(axis=1), f"Pa, is not below the strength, {material.strength:.4g} Pa"
+            table.refuse(
+                sizes >= material.strength, part.column,
+                lambda row, what=what, sizes=sizes, text=text: f"the {what} stress, {sizes[row]:.4g} {text}",
+            )  # fmt: skip
     return Damage(table, material, parameters, parts)

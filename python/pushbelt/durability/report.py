@@ -17,7 +17,7 @@ from pushbelt._version import __version__
 from pushbelt.report import page
 
 from . import figures
-from .damage import CLAMPING, Damage
+from .damage import CLAMPING, Class, Damage
 
 UNITS = {
     "duration": "s", "distance": "m", "revolutions": "1", "damage": "1", "damageWithoutLimit": "1", "utilisation": "1",
@@ -41,23 +41,18 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
     tables.write(folder / "durability.csv", header, _rows(results, names), digits=7)
-    path = folder / "report.html"
-    context = {
-        "runs": [_shown(key, result) for key, result in enumerate(results, start=1)],
-        "material": results[0].material,
-        "document": document,
-    }
-    page.write_html("durability/durability.html.j2", context, path, short=short)
-    return path
+    runs = [_shown(f"run-{key}", result) for key, result in enumerate(results, start=1)]
+    context = {"runs": runs, "material": results[0].material, "document": document}
+    page.write_html("durability/durability.html.j2", context, folder / "report.html", short=short)
+    return folder / "report.html"
 
 
 def summary(result: Damage) -> str:
     """One line about a run."""
-    life = _life(result, result.total)
     used = f"largest equivalent amplitude {100.0 * result.utilisation:.0f} % of the fatigue limit"
     if result.total == 0.0:
         return f"damage 0, {used}; without the limit {_life(result, result.total_without_limit)}"
-    return f"damage {result.total:.3g}, life {life}, {used}"
+    return f"damage {result.total:.3g}, life {_life(result, result.total)}, {used}"
 
 
 def short(value: float) -> str:
@@ -76,37 +71,23 @@ def _life(result: Damage, damage: float) -> str:
     return f"{short(hours)} h" if kilometres is None else f"{short(kilometres)} km"
 
 
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
-
-
 def _entry(result: Damage) -> dict[str, Any]:
     """A run as JSON. A life without end is null."""
-    hours, kilometres = result.life(result.total)
-    every = np.ones(len(result.turns), dtype=bool)
+    hours, kilometres = (life if life and math.isfinite(life) else None for life in result.life(result.total))
+    table, parts, classes = result.table, result.parts, result.classes()
     return {
-        "name": result.table.name,
-        "file": result.table.path.name,
-        "sha256": result.table.identity,
+        "name": table.name, "file": table.path.name, "sha256": table.identity,
         "geometry.beltLength": result.parameters["geometry.beltLength"],
-        "duration": result.table.duration,
-        "distance": result.table.distance,
-        "revolutions": float(result.turns.sum()),
-        "damage": result.total,
-        "damageWithoutLimit": result.total_without_limit,
-        "utilisation": result.utilisation,
-        "lifeHours": _finite(hours),
-        "lifeKilometres": _finite(kilometres),
+        "duration": table.duration, "distance": table.distance, "revolutions": float(result.turns.sum()),
+        "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
+        "lifeHours": hours, "lifeKilometres": kilometres,
         "sharesWithLimit": result.limited,
-        "shares": {
-            **{name: result.share(every, name) for name in result.parts},
-            **{f"{one.kind}: {one.name}": result.share(one.rows) for one in result.classes()},
-        },
+        "shares": {name: result.share(slice(None), name) for name in parts}
+        | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
         "clampingEstimate": [
-            {"factor": factor, "damage": damage, "damageWithoutLimit": without, "utilisation": used}
-            for factor, damage, without, used in clamping(result)
+            dict(zip(("factor", "damage", "damageWithoutLimit", "utilisation"), one, strict=True)) for one in clamping(result)
         ],
-    }
+    }  # fmt: skip
 
 
 def clamping(result: Damage) -> list[tuple[float, float, float, float]]:
@@ -119,34 +100,29 @@ def clamping(result: Damage) -> list[tuple[float, float, float, float]]:
 
 def _rows(results: Sequence[Damage], names: Sequence[str]) -> Iterator[list[Any]]:
     for result in results:
-        with_limit, without = (np.cumsum(sum(result.rows(limited).values())) for limited in (True, False))
-        empty = np.full(len(with_limit), np.nan)
-        parts = [result.equivalent.get(name, empty) for name in names]
-        rows = np.column_stack([result.table["time"], np.cumsum(result.turns), with_limit, without, *parts])
-        for row in rows.tolist():
-            yield [result.table.name, *row]
+        sums = [np.cumsum(sum(result.rows(limited).values())) for limited in (True, False)]
+        parts = [result.equivalent.get(name, np.full(len(result.turns), np.nan)) for name in names]
+        rows = np.column_stack([result.table["time"], np.cumsum(result.turns), *sums, *parts])
+        yield from ([result.table.name, *row] for row in rows.tolist())
 
 
-def _shown(key: int, result: Damage) -> dict[str, Any]:
+def _shown(key: str, result: Damage) -> dict[str, Any]:
     """Values of a run for the template."""
-    every, estimate = np.ones(len(result.turns), dtype=bool), clamping(result)
-    turns = result.turns.sum() or 1.0
-    classes = [
-        (one.kind, one.name, float(result.turns[one.rows].sum() / turns), result.share(one.rows))
-        + tuple(result.share(one.rows, name) for name in result.parts)
-        for one in result.classes()
-    ]
-    by = {kind: [one for one in result.classes() if one.kind == kind] for kind in ("ratio", "torque")}
+    estimate, turns = clamping(result), result.turns.sum() or 1.0
+    by: dict[str, list[Class]] = {"ratio": [], "torque": []}
+    for one in result.classes():
+        by.setdefault(one.kind, []).append(one)
     return {
-        "key": f"run-{key}",
+        "key": key,
         "result": result,
         "life": _life(result, result.total),
         "life_without": _life(result, result.total_without_limit),
-        "parts": [(name, result.share(every, name)) for name in result.parts],
-        "classes": classes,
-        "grid": [
-            (torque.name, [result.share(torque.rows & ratio.rows) for ratio in by["ratio"]]) for torque in by["torque"]
+        "parts": [(name, result.share(slice(None), name)) for name in result.parts],
+        "classes": [
+            (kind, name, float(result.turns[rows].sum() / turns), *(result.share(rows, part) for part in (None, *result.parts)))
+            for kind, name, rows in result.classes()
         ],
+        "grid": [(one.name, [result.share(one.rows & other.rows) for other in by["ratio"]]) for one in by["torque"]],
         "ratios": [one.name for one in by["ratio"]],
         "estimate": estimate,
         "over_time": figures.over_time(result),

@@ -16,8 +16,7 @@ from typing import Any
 from ..errors import PushbeltError
 
 SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
-OF_A_VARIABLE = "[SI]"
-"""End of the title of a column whose rows are values of different variables."""
+OF_A_VARIABLE = "[SI]"  # End of the title of a column whose rows are values of different variables
 
 
 class TitleError(PushbeltError, ValueError):
@@ -62,6 +61,11 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
         writer = csv.writer(file)
         writer.writerow(header)
         writer.writerows([cell(place, value) for place, value in enumerate(row)] for row in rows)
+
+
+def write_frame(path: Path, header: Iterable[str], rows: Any) -> None:
+    """Writes the columns of a pandas data frame under these titles; a cell without a value is empty."""
+    write(path, header, rows.astype(object).where(rows.notna(), None).itertuples(index=False))
 
 
 def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:

@@ -14,10 +14,8 @@ from .names import Column
 class Quantity(Column):
     """A column that is measured and compared with the model."""
 
-    absolute: float = 0.0
-    """Default standard deviation, SI: the root of the sum of squares of this value …"""
-    relative: float = 0.0
-    """… and this share of the measured value."""
+    absolute: float = 0.0  # Default standard deviation, SI: the root of the sum of squares of this value …
+    relative: float = 0.0  # … and this share of the measured value
 
     def assumed(self, value: float) -> float:
         """Default standard deviation, SI."""
@@ -25,10 +23,8 @@ class Quantity(Column):
 
 
 NAME, SERIES, TIME = "name", "series", "time"
-SHIFTS = ("di/dt", "ds/dt")
-"""Quantities of a point whose ratio changes."""
-SAMPLED = "ratio.geometric"
-"""Quantity of a recorded shift."""
+SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
+SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
 ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
 """What follows a letter such as n in the name of a quantity of a pulley; the first two also follow a word."""
 
@@ -107,8 +103,7 @@ COLUMNS: Mapping[str, Column] = {
     ),
 }  # fmt: skip
 REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
-POWER = "power ratio"
-"""Driven power/driving power by the direction of the primary torque, also above 1."""
+POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
 PARTS = {
     "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
     "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),

@@ -8,10 +8,8 @@ from typing import Any, NamedTuple
 
 from ..errors import PushbeltError
 
-MOST = 0.5
-"""Share of a column's values with a fault from which the whole column has it; below, their rows are left out."""
-SHOWN = 12
-"""Largest number of faults that an error lists in full."""
+MOST = 0.5  # Share of a column's values with a fault from which the whole column has it; below, their rows are left out
+SHOWN = 12  # Largest number of faults that an error lists in full
 
 
 class Fault(NamedTuple):
@@ -31,8 +29,7 @@ class TableError(PushbeltError, ValueError):
 
     def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Any = None) -> None:
         self.faults = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
-        self.found = found
-        """The sheet as it was understood in spite of the faults."""
+        self.found = found  # The sheet as it was understood in spite of the faults
         start = f"{path}: " if path is not None else ""
         if len(self.faults) == 1:
             super().__init__(f"{start}{self.faults[0]}")

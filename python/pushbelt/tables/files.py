@@ -8,7 +8,8 @@ import gzip
 import io
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,10 +24,8 @@ if TYPE_CHECKING:
 
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
-LARGEST = 1_000_000_000
-"""Largest file, bytes."""
-HEAD = 60
-"""Rows in which the header is searched."""
+LARGEST = 1_000_000_000  # Largest file, bytes
+HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
 """Encodings by the bytes with which files start; those of UTF-32 start with those of UTF-16."""
@@ -42,10 +41,8 @@ class Cells(NamedTuple):
     frame: pd.DataFrame
     """Text, or numbers and `Percent` of a spreadsheet. An empty cell is an empty text. The columns are counted from 0, and the index has the
     line of each row in the file, from 1."""
-    source: str
-    """Encoding and separator, or the name of the sheet, for people."""
-    separator: str = ""
-    """Sign between columns; empty in a spreadsheet."""
+    source: str  # Encoding and separator, or the name of the sheet, for people
+    separator: str = ""  # Sign between columns; empty in a spreadsheet
 
     def head(self) -> list[list[str]]:
         """The first rows as text without blanks around the cells."""
@@ -182,16 +179,23 @@ def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
 # Spreadsheets
 
 
-def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
+@contextmanager
+def _reader(kind: str, package: str, extra: str) -> Iterator[None]:
+    """Errors of a package that reads files, such as `an .xlsx` file, as a TextError: they have no common base class."""
     try:
-        import openpyxl
+        yield
     except ImportError as error:
-        raise TextError("an .xlsx file requires the package openpyxl: pip install 'pushbelt[excel]'") from error
-    try:
+        raise TextError(f"{kind} file requires the package {package}: pip install 'pushbelt[{extra}]'") from error
+    except Exception as error:
+        raise TextError(f"the file is not a readable {kind.split()[1]} file: {error}") from error
+
+
+def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
+    with _reader("an .xlsx", "openpyxl", "excel"):
+        import openpyxl
+
         # Only the file of formulas says that an empty cell has one.
         values, formulas = (openpyxl.load_workbook(io.BytesIO(data), data_only=only) for only in (True, False))
-    except Exception as error:  # openpyxl and zipfile have no common base class of errors.
-        raise TextError(f"the file is not a readable .xlsx file: {error}") from error
     if wanted is not None and wanted not in values.sheetnames:
         raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
     sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
@@ -230,12 +234,8 @@ def _cell(cell: Any, formula: Any) -> str | float:
 def _parquet(data: bytes) -> Cells:
     import pandas as pd
 
-    try:
+    with _reader("a .parquet", "pyarrow", "parquet"):
         frame = pd.read_parquet(io.BytesIO(data), engine="pyarrow")
-    except ImportError as error:
-        raise TextError("a .parquet file requires the package pyarrow: pip install 'pushbelt[parquet]'") from error
-    except (OSError, ValueError) as error:
-        raise TextError(f"the file is not a readable .parquet file: {error}") from error
     if not isinstance(frame.index, pd.RangeIndex):
         frame = frame.reset_index(names=[frame.index.name or "time"] if frame.index.nlevels == 1 else None)
     for name in frame.select_dtypes("timedelta"):
@@ -247,12 +247,10 @@ def _mf4(data: bytes, names: Names) -> Cells:
     """The channels with a known name, each at its own times."""
     import pandas as pd
 
-    try:
-        from asammdf import MDF
-    except ImportError as error:
-        raise TextError("an MDF file requires the package asammdf: pip install 'pushbelt[mf4]'") from error
     columns, titles, unit_row = [], ["time"], ["s"]
-    try:
+    with _reader("an MDF", "asammdf", "mf4"):
+        from asammdf import MDF
+
         with MDF(io.BytesIO(data)) as file:
             for name, ((group, index), *_) in file.channels_db.items():
                 title = name.split("\\")[0]
@@ -264,8 +262,6 @@ def _mf4(data: bytes, names: Names) -> Cells:
                     columns.append(own[~own.index.duplicated()])
                     titles.append(title)
                     unit_row.append(signal.unit or "")
-    except Exception as error:  # asammdf's errors have no common base class.
-        raise TextError(f"the file is not a readable MDF file: {error}") from error
     if not columns:
         raise TextError("no channel has a known name; --map says what a channel is")
     return _cells([titles, unit_row], pd.concat(columns, axis=1).sort_index().reset_index(), "MDF")

@@ -15,10 +15,8 @@ from functools import cache
 from . import units
 from .units import Unit
 
-DEVIATION = ".sd"
-"""Suffix of a column of standard deviations."""
-CLOSE = 0.82
-"""Similarity above which an unknown name is taken for a misspelled one."""
+DEVIATION = ".sd"  # Suffix of a column of standard deviations
+CLOSE = 0.82  # Similarity above which an unknown name is taken for a misspelled one
 LETTERS = str.maketrans({
     "ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s",
 })  # fmt: skip
@@ -79,17 +77,12 @@ def in_words(name: str) -> tuple[str, bool] | None:
 class Column:
     """A column that a table may have."""
 
-    dimension: str
-    """Dimension of its unit, or `text`."""
-    low: float
-    """Least plausible value, SI."""
-    high: float
-    """Largest, SI."""
+    dimension: str  # Dimension of its unit, or `text`
+    low: float  # Least plausible value, SI
+    high: float  # Largest, SI
     meaning: str
-    aliases: tuple[str, ...] = ()
-    """Other common names."""
-    default: str | None = None
-    """Unit of a column without one; None if a unit is required. Ratios need none."""
+    aliases: tuple[str, ...] = ()  # Other common names
+    default: str | None = None  # Unit of a column without one; None if a unit is required. Ratios need none
 
     def without_unit(self) -> Unit | None:
         """The unit of a column whose title and row of units have none."""
@@ -107,8 +100,7 @@ class Names:
         for name, column in columns.items():
             for spelled in (name, *column.aliases):
                 self._known.setdefault(key(spelled), []).append(name)
-        self.split = cache(self._split)
-        """Known names and units of a title, possibly several if the unit decides."""
+        self.split = cache(self._split)  # Known names and units of a title, possibly several if the unit decides
 
     def find(self, written: str) -> list[str]:
         """Known names with this spelling."""
@@ -149,12 +141,7 @@ class Names:
             if not found and (base := without_deviation(written)) is not None:
                 found, end = self.find(base), DEVIATION
             # Without brackets the end of a title is a unit only if the column may have it.
-            fitting = [
-                name
-                for name in found
-                if unit is None or bracketed or units.find(unit, self.columns[name].dimension) is not None
-            ]
-            if fitting:
+            if fitting := [n for n in found if unit is None or bracketed or units.find(unit, self.columns[n].dimension)]:
                 return [(name + end, unit) for name in fitting]
         return []
 

@@ -23,14 +23,11 @@ MISSING = frozenset(
     "#wert! #bezug! #zahl! #spill! #calc! #getting_data invalid overflow overrange -- --- ---- ? * error fehler nodata no_data".split()
 )
 """Texts of cells without a value, in small letters."""
-SENTINELS = (-999.0, -9999.0, -99999.0, -999999.0)
-"""Numbers that loggers write where nothing was measured."""
-SIGNS = {"point": ".", "comma": ","}
-"""Decimal signs by name."""
+SENTINELS = (-999.0, -9999.0, -99999.0, -999999.0)  # Numbers that loggers write where nothing was measured
+SIGNS = {"point": ".", "comma": ","}  # Decimal signs by name
 EPOCHS = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Numbers without a unit that are above the first value are a time since 1970 in this unit."""
-SAMPLE = 50
-"""Cells that decide whether times are numbers."""
+SAMPLE = 50  # Cells that decide whether times are numbers
 
 
 class Percent(float):
@@ -45,9 +42,8 @@ class NumeralError(PushbeltError, ValueError):
 
 
 def _pattern(decimal: str) -> re.Pattern[str]:
-    others = "".join(sign for sign in ".," if sign != decimal) + GROUPS
-    group = rf"[1-9]\d{{0,2}}(?:(?P<sign>[{re.escape(others)}])\d{{3}})(?:(?P=sign)\d{{3}})*"
-    point = re.escape(decimal)
+    others = re.escape("".join({".", ","} - {decimal}) + GROUPS)
+    group, point = rf"[1-9]\d{{0,2}}(?:(?P<sign>[{others}])\d{{3}})(?:(?P=sign)\d{{3}})*", re.escape(decimal)
     return re.compile(rf"[+-]?(?:(?:{group}|\d+)(?:{point}\d*)?|{point}\d+)(?:[eEdD][+-]?\d+)?")
 
 
@@ -87,10 +83,8 @@ def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
     plain = texts.copy()
     plain[texts] = cells[texts].str.fullmatch(PLAIN[decimal]).to_numpy(dtype=bool)
     found[plain] = pd.to_numeric(cells[plain].str.replace(SIGNS[decimal], ".", regex=False))
-    others = texts & ~plain
-    found[others] = [math.nan if (value := number(cell, decimal)) is None else value for cell in cells[others]]
-    found[~np.isfinite(found)] = np.nan
-    return found
+    found[texts & ~plain] = [number(cell, decimal) for cell in cells[texts & ~plain]]
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -> str | None:

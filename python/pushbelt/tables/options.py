@@ -21,20 +21,13 @@ def mapped(text: str) -> tuple[str, str]:
     return title, name
 
 
-def decimal(text: str) -> str:
-    """The name of a decimal sign."""
-    if text not in DECIMAL:
-        raise argparse.ArgumentTypeError(f"{text} is neither point nor comma")
-    return DECIMAL[text]
-
-
 def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Adds those of any table; returns their group."""
     group = parser.add_argument_group("how the table is read")
     example = "such as --map i=ratio.geometric, --map n_P=\"primary.speed [rpm]\", --map T_P=-primary.torque or --map i=1/ratio.speed"
     group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME",
                        help=f"what a column is, {example}; can be repeated")  # fmt: skip
-    group.add_argument("--decimal", type=decimal, metavar="SIGN", help="point or comma [default: what the whole file shows]")
+    group.add_argument("--decimal", choices=DECIMAL, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
     return group
 
@@ -47,7 +40,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def reading(options: argparse.Namespace) -> Reading:
     """Choices of the command line."""
-    return Reading(options.decimal, dict(options.map), options.sheet, getattr(options, "as_written", False))
+    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, getattr(options, "as_written", False))
 
 
 def read(path: Path, options: argparse.Namespace) -> Rig:

@@ -24,30 +24,23 @@ Values = Mapping[str, Array]
 
 USUAL = "bench168"
 """Parameter set for radii and capacity. Those of other variators for cars differ by less than the limits allow."""
-SLOWEST = 3.0
-"""Belt speed that the fastest point of a table has at least, m/s: about 500 rpm."""
-FASTEST = 40.0
-"""Median belt speed above which another unit of speed is likely, m/s."""
+SLOWEST = 3.0  # Belt speed that the fastest point of a table has at least, m/s: about 500 rpm
+FASTEST = 40.0  # Median belt speed above which another unit of speed is likely, m/s
 UNCERTAIN = frozenset({"fast", "slip sign", "small slip", "thrust law"})
 """Doubts that count only if another reading removes them."""
-CARRIED = 1.5 * BEYOND
-"""Largest utilisation at the usual friction."""
-IDLE = 0.0012
-"""Largest utilisation of a table whose torques are in a wrong unit."""
-LOADED = 0.1
-"""Utilisation above which slip, thrust ratio and efficiency have the sign of the torque."""
+CARRIED = 1.5 * BEYOND  # Largest utilisation at the usual friction
+IDLE = 0.0012  # Largest utilisation of a table whose torques are in a wrong unit
+LOADED = 0.1  # Utilisation above which slip, thrust ratio and efficiency have the sign of the torque
 FORCES = (300.0, 150e3)
 THRUST = (0.2, 5.0)
 SLIP = 0.05
 EFFICIENCY = (0.3, 1.005)
-AGREE = 0.1
-"""Difference of the logarithms of a ratio and the speeds' ratio."""
+AGREE = 0.1  # Difference of the logarithms of a ratio and the speeds' ratio
 OFF = 0.3
 """Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
 INVERTED = ("ratio.geometric", "ratio.speed", "thrustRatio")
 SIGNED = ("primary.torque", "slip")
-READ_AS = ("speed", "torque", "force", "pressure")
-"""Dimensions of which other units are tried."""
+READ_AS = ("speed", "torque", "force", "pressure")  # Dimensions of which other units are tried
 PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
@@ -71,8 +64,8 @@ def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_w
 def _curves() -> tuple[Array, Array, Array]:
     """Ratios, with the primary pitch radius, m, and the torque capacity per clamping force, m."""
     parameters, ratios = parameter_set(USUAL), np.geomspace(0.4, 2.5, 15)
-    radii = [pitch_radius(parameters, float(ratio)) for ratio in ratios]
-    return ratios, np.array(radii), np.array([torque_capacity(parameters, float(ratio), 1.0) for ratio in ratios])
+    found = [(ratio, pitch_radius(parameters, ratio), torque_capacity(parameters, ratio, 1.0)) for ratio in ratios.tolist()]
+    return tuple(np.array(found).T)  # type: ignore[return-value]
 
 
 class _Points:
@@ -164,14 +157,13 @@ def doubts(values: Values, count: int) -> dict[str, str]:
 def _single_rows(values: Values, lines: Array) -> Iterator[str]:
     """What no variator has in single lines."""
     p = _Points(values, len(lines))
-    for text, bad in (
-        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
-        (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
-        (f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}", _outside(p.thrust, THRUST)),
-        (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
-    ):
-        if bad.any():
-            yield f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' if bad.sum() > 10 else ''}"
+    found = {
+        f"the belt speed is above {BELT_SPEED:g} m/s": p.belt_speed > BELT_SPEED,
+        f"the torque is above {CARRIED:.3g} times the capacity of the clamping force": np.abs(p.used) > CARRIED,
+        f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}": _outside(p.thrust, THRUST),
+        f"the slip is above {100.0 * SLIP:g} %": np.abs(p.slip) > SLIP,
+    }
+    return (f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' * int(bad.sum() > 10)}" for text, bad in found.items() if bad.any())
 
 
 # Other readings
@@ -182,10 +174,8 @@ class Other:
     """Another reading of some columns."""
 
     text: str
-    columns: Mapping[str, Taken]
-    """What columns would be, by the known names that they have now."""
-    unit: bool = False
-    """Whether it is another unit."""
+    columns: Mapping[str, Taken]  # What columns would be, by the known names that they have now
+    unit: bool = False  # Whether it is another unit
 
     @property
     def options(self) -> dict[str, str]:

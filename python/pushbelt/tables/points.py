@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,8 +20,7 @@ from .names import DEVIATION
 from .sheet import Reading, Sheet
 
 Array = np.ndarray
-AGREE = 0.05
-"""Relative difference below which a geometric ratio and n_P/n_S are the same ratio."""
+AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
 
 
 @dataclass(frozen=True)
@@ -29,16 +28,11 @@ class Measured:
     """A measured value."""
 
     quantity: str
-    value: float
-    """SI."""
-    deviation: float
-    """Standard deviation, SI."""
-    given: bool
-    """Whether the standard deviation is from the table."""
-    key: str = ""
-    """Name of the model's value; empty if it is the quantity."""
-    time: float | None = None
-    """Time of a sample, s."""
+    value: float  # SI
+    deviation: float  # Standard deviation, SI
+    given: bool  # Whether the standard deviation is from the table
+    key: str = ""  # Name of the model's value; empty if it is the quantity
+    time: float | None = None  # Time of a sample, s
 
 
 @dataclass(frozen=True)
@@ -47,21 +41,14 @@ class Point:
 
     line: int
     name: str
-    ratio: float | None
-    """Geometric ratio r_S/r_P."""
-    speed_ratio: float | None
-    """Primary speed/secondary speed."""
-    speed: float
-    """Primary speed, rad/s."""
-    torque: float
-    """Torque on the primary shaft, N·m."""
-    force: float
-    """Secondary clamping force, N."""
-    primary_force: float | None
-    """Primary clamping force, N; only with a shift rate."""
+    ratio: float | None  # Geometric ratio r_S/r_P
+    speed_ratio: float | None  # Primary speed/secondary speed
+    speed: float  # Primary speed, rad/s
+    torque: float  # Torque on the primary shaft, N·m
+    force: float  # Secondary clamping force, N
+    primary_force: float | None  # Primary clamping force, N; only with a shift rate
     measured: tuple[Measured, ...]
-    slip: float = 0.0
-    """Estimate of the model's slip, from which the search for a speed ratio starts."""
+    slip: float = 0.0  # Estimate of the model's slip, from which the search for a speed ratio starts
 
     @property
     def shifting(self) -> bool:
@@ -91,10 +78,10 @@ class Oil:
     def forces(self, pulley: str, pressures: Array, speeds: Array, ratios: Array) -> Array:
         """Forces of a cylinder, N, at pressures in Pa, speeds in rad/s and geometric ratios. What does not act is not needed."""
         found = pressures * self.of(pulley, "area") + self.of(pulley, "springForce")
-        if self.of(pulley, "centrifugal"):
-            found = found + self.of(pulley, "centrifugal") * speeds**2
-        if self.of(pulley, "springStiffness"):
-            found = found - self.of(pulley, "springStiffness") * np.array([self._position(pulley, ratio) for ratio in ratios])
+        if centrifugal := self.of(pulley, "centrifugal"):
+            found = found + centrifugal * speeds**2
+        if stiffness := self.of(pulley, "springStiffness"):
+            found = found - stiffness * np.array([self._position(pulley, ratio) for ratio in ratios])
         return found
 
     def _position(self, pulley: str, ratio: float) -> float:
@@ -111,8 +98,7 @@ class Rig:
 
     sheet: Sheet
     points: list[Point]
-    remarks: list[str]
-    """What was computed from other columns, and warnings."""
+    remarks: list[str]  # What was computed from other columns, and warnings
 
     @property
     def recorded(self) -> bool:
@@ -134,8 +120,7 @@ def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> 
         sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
     points = _Points(sheet, oil)
     rig = points.rig()
-    warnings = plausible.check(sheet, points.checked, lambda changed: _Points(changed, oil).computed(), reading.as_written)
-    rig.remarks.extend(warnings)
+    rig.remarks.extend(plausible.check(sheet, points.checked, lambda changed: _Points(changed, oil).checked, reading.as_written))
     return rig
 
 
@@ -146,35 +131,32 @@ class _Points:
         self.sheet, self.oil = sheet, oil
         self.remarks: list[str] = []
         self.values: dict[str, Array] = dict(sheet.values)
-        self.lost: set[int] = set()
-        """Rows that are left out because of a computed value."""
-        self.checked: dict[str, Array] = {}
+        self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
-
-    def computed(self) -> dict[str, Array]:
-        """Columns with those that follow from others, as they are checked: a recorded shift has no thrust ratio."""
         self._forces()
         self._ratios()
+        self.checked = self.values  # Columns with those that follow from others: a recorded shift has no thrust ratio
         if self.recorded:
-            return {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
-        self._slip()
-        self._efficiency()
-        return self.values
+            self.checked = {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
+        else:
+            self._slip()
+            self._efficiency()
 
     def rig(self) -> Rig:
+        """What is measured. Raises TableError with all faults."""
         sheet = self.sheet
-        self.checked = self.computed()
         self._require(RECORDED if self.recorded else REQUIRED)
-        points: Sequence[Point] = []
+        points: list[Point] = []
         if not sheet.faults:
             points = self._records() if self.recorded else self._steady()
         if not points and not sheet.faults:
-            what = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
-            reasons = f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}"
-            sheet.faults.append(Fault(reasons if sheet.left_out else what))
+            text = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
+            if sheet.left_out:
+                text = f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}"
+            sheet.faults.append(Fault(text))
             sheet.left_out.clear()
         sheet.check()
-        return Rig(sheet, list(points), self.remarks)
+        return Rig(sheet, points, self.remarks)
 
     def _require(self, required: Sequence[str]) -> None:
         there = set(self.values) | self.sheet.failed
@@ -192,7 +174,7 @@ class _Points:
     # Columns that follow from others
 
     def _has(self, *names: str) -> bool:
-        return all(name in self.values and bool(np.isfinite(self.values[name]).any()) for name in names)
+        return all(bool(np.isfinite(self._get(name)).any()) for name in names)
 
     def _get(self, name: str) -> Array:
         return self.values.get(name, np.full(len(self.sheet), np.nan))
@@ -215,11 +197,10 @@ class _Points:
                 continue
             turns = self._get("ratio.speed" if self._has("ratio.speed") else "ratio.geometric")
             speed = self._first(f"{pulley}.speed", self._get(f"{other}.speed") * (turns if pulley == "primary" else 1.0 / turns))
-            found = self.oil.forces(pulley, self.values[pressure], speed, self._first("ratio.geometric", turns))
-            self.values[force], column = found, CONDITIONS[force]
-            limits = f"N, not within {column.low:g} to {column.high:g} N"
-            outside = (found < column.low) | (found > column.high)
-            self._drop(force, {row: f"the force is {found[row]:.4g} {limits}" for row in np.flatnonzero(outside)}, title)
+            self.values[force] = self.oil.forces(pulley, self.values[pressure], speed, self._first("ratio.geometric", turns))
+            low, high = CONDITIONS[force].low, CONDITIONS[force].high
+            bad = (self.values[force] < low) | (self.values[force] > high)
+            self._drop(force, bad, lambda value, ends=(low, high): "the force is {:.4g} N, not within {:g} to {:g} N".format(value, *ends), title)
             self.remarks.append(f"{force} is the force of {pulley}.cylinder at {title}")
             if not self.oil.of(pulley, "centrifugal"):
                 self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
@@ -248,14 +229,15 @@ class _Points:
             fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"
             self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), self.sheet.title(name)))
 
-    def _drop(self, name: str, wrong: Mapping[int, str], title: str) -> None:
-        """Rows with a wrong value of a computed column: left out, or a fault of the column if most are wrong."""
-        faults = [Fault(text, int(self.sheet.lines[row]), title) for row, text in wrong.items()]
-        if len(faults) > MOST * np.isfinite(self.values[name]).sum():
+    def _drop(self, name: str, bad: Array, why: Callable[[float], str], title: str) -> None:
+        """Rows with a bad value of a computed column: left out, or a fault of the column if most are bad."""
+        column, rows = self.values[name], np.flatnonzero(bad)
+        faults = [Fault(why(column[row]), int(self.sheet.lines[row]), title) for row in rows]
+        if len(faults) > MOST * np.isfinite(column).sum():
             self.sheet.faults += of_the_column(faults, 0)
         else:
             self.sheet.left_out += faults
-            self.lost.update(wrong)
+            self.lost.update(rows.tolist())
 
     def _slip(self) -> None:
         if self._has("ratio.geometric", "ratio.speed") and not self._has("slip"):
@@ -272,8 +254,8 @@ class _Points:
                 self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
-            limits = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
-            self._drop("efficiency", {row: f"{found[row] / factor:g} {limits}" for row in np.flatnonzero(found > HIGHEST)}, title)
+            text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
+            self._drop("efficiency", found > HIGHEST, lambda value: f"{value / factor:g} {text}", title)
             return
         if not self._has("secondary.torque", "primary.torque"):
             return
@@ -286,8 +268,8 @@ class _Points:
             return
         inside = known & (found > 0.01) & (found <= HIGHEST)
         self.values[POWER], self.values["efficiency"] = np.where(known, found, np.nan), np.where(inside, found, np.nan)
-        titles = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
-        self.remarks.append("efficiency is |{}| ω_S/(|{}| ω_P), its inverse in overrun".format(*titles))
+        one, other = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
+        self.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
         if (known & ~inside).any():
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
             self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
@@ -311,42 +293,39 @@ class _Points:
         line = int(self.sheet.lines[row])
         values = {name: float(column[row]) for name, column in self.values.items() if np.isfinite(column[row])}
         measured = {quantity: values[quantity] for quantity in QUANTITIES if quantity in values}
-        force, primary_force = values.get("secondary.clampingForce"), values.get("primary.clampingForce")
-        shifting = [quantity for quantity in SHIFTS if quantity in measured]
-        if primary_force is not None and force is not None and not shifting and "thrustRatio" not in measured:
-            thrust, limits = primary_force / force, QUANTITIES["thrustRatio"]
+        shift = next((quantity for quantity in SHIFTS if quantity in measured), None)
+        if {"primary.clampingForce", "secondary.clampingForce"} <= values.keys() and shift is None and "thrustRatio" not in measured:
+            thrust, limits = values["primary.clampingForce"] / values["secondary.clampingForce"], QUANTITIES["thrustRatio"]
             if not limits.low <= thrust <= limits.high:
                 text = f"primary force/secondary force is {thrust:.4g}, not within {limits.low:g} to {limits.high:g}"
                 return self._leave_out(text, line, "primary.clampingForce")
             measured = {"thrustRatio": thrust, **measured}
         if not measured:
             return None
-        for name in REQUIRED:
-            if name not in values:
-                return self._leave_out("the cell is empty", line, name)
-        ratio, speed_ratio = values.get("ratio.geometric"), values.get("ratio.speed")
-        if ratio is None and speed_ratio is None:
+        if absent := [name for name in REQUIRED if name not in values]:
+            return self._leave_out("the cell is empty", line, absent[0])
+        if not values.keys() & {"ratio.geometric", "ratio.speed"}:
             return self._leave_out("neither ratio.geometric nor ratio.speed has a value", line)
-        if shifting and len(measured) > 1:
-            self.sheet.faults.append(Fault(f"with {shifting[0]} the ratio moves, so no other quantity is allowed", line))
+        if shift and len(measured) > 1:
+            self.sheet.faults.append(Fault(f"with {shift} the ratio moves, so no other quantity is allowed", line))
             return None
-        for name in ("primary.clampingForce", "ratio.geometric") if shifting else ():
-            if name not in values:
-                return self._leave_out(f"{shifting[0]} requires a value, but the cell is empty", line, name)
+        if shift and (absent := [name for name in ("primary.clampingForce", "ratio.geometric") if name not in values]):
+            return self._leave_out(f"{shift} requires a value, but the cell is empty", line, absent[0])
         found = tuple(self._measured(quantity, row, value) for quantity, value in measured.items())
         name = self.sheet.texts[NAME][row] if NAME in self.sheet.texts else ""
+        ratio = values.get("ratio.geometric")
         return Point(
-            line, name or f"line {line}", ratio, speed_ratio if ratio is None else None, values["primary.speed"], values["primary.torque"],
-            values["secondary.clampingForce"], primary_force if shifting else None, found,
+            line, name or f"line {line}", ratio, values.get("ratio.speed") if ratio is None else None, *(values[name] for name in REQUIRED),
+            values["primary.clampingForce"] if shift else None, found,
         )  # fmt: skip
 
     def _measured(self, quantity: str, row: int, value: float, key: str = "", time: float | None = None) -> Measured:
         """A value with the standard deviation of the table, or else the assumed one."""
-        given = float(self._get(quantity + DEVIATION)[row])
-        if math.isfinite(given):
-            return Measured(quantity, value, given, True, key, time)
+        deviation = float(self._get(quantity + DEVIATION)[row])
+        if given := math.isfinite(deviation):
+            return Measured(quantity, value, deviation, given, key, time)
         assumed = math.hypot(MEASURED[quantity].assumed(value), self._noise(quantity, row, value))
-        return Measured(quantity, value, assumed, False, key, time)
+        return Measured(quantity, value, assumed, given, key, time)
 
     def _noise(self, quantity: str, row: int, value: float) -> float:
         """Standard error of a value that is averaged, or computed from averages."""

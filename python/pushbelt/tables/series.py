@@ -13,21 +13,15 @@ from .sheet import Sheet
 
 Array = np.ndarray
 
-FEWEST = 20
-"""Rows from which a table with ascending times may be a time series."""
-MANY = 200
-"""Rows from which a table is one in any case: so many points are not measured one by one."""
+FEWEST = 20  # Rows from which a table with ascending times may be a time series
+MANY = 200  # Rows from which a table is one in any case: so many points are not measured one by one
 HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
-WITHOUT_TIME = 25
-"""Samples of a window if the table has no times."""
-NOISE = 5.0
-"""A change above this multiple of the usual scatter of the differences ends a plateau …"""
-LEAST, LARGEST = 0.003, 0.02
-"""… but not one below the first share of the channel's level, and any above the second."""
-SPIKE = 8.0
-"""A sample that is further from the plateau's median, in standard deviations, is not averaged."""
+WITHOUT_TIME = 25  # Samples of a window if the table has no times
+NOISE = 5.0  # A change above this multiple of the usual scatter of the differences ends a plateau …
+LEAST, LARGEST = 0.003, 0.02  # … but not one below the first share of the channel's level, and any above the second
+SPIKE = 8.0  # A sample that is further from the plateau's median, in standard deviations, is not averaged
 
 
 def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
@@ -56,12 +50,12 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
         return sheet
     drifting = [span for span in found if any(_drifts(values, span) for values in raw.to_numpy().T)]
     spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found if (start, end) not in drifting]
-    reduced = _rows(sheet, times, spans, time, name)
+    reduced, described = _rows(sheet, times, spans, time, name, raw.columns)
     length = f" and {np.ptp(times[good]):.4g} s" if timed else ""
     reduced.remarks += [
         f"a time series of {len(sheet)} rows{length}: {len(spans)} plateaus",
         *(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used" for start, end in drifting),
-        *(_described(sheet, times, reduced, row, span, raw.columns) for row, span in enumerate(spans)),
+        *described,
     ]
     if not spans:
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
@@ -97,49 +91,43 @@ def _drifts(values: Array, span: tuple[int, int]) -> bool:
     return bool(apart > max(LARGEST * np.quantile(np.abs(values), 0.95), NOISE * own.std() * np.sqrt(2.0 / third)))
 
 
-def _rows(sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str) -> Sheet:
-    """A row for each span, with means, and standard errors of the means."""
+def _rows(
+    sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str, channels: Iterable[str]
+) -> tuple[Sheet, list[str]]:
+    """A row for each span, with means and standard errors of the means; and each span in words, in the units of the file."""
     values = {channel: np.full(len(spans), np.nan) for channel in sheet.values if channel != time}
     errors = {channel: np.full(len(spans), np.nan) for channel in values if not channel.endswith(DEVIATION)}
-    lines, spikes = np.zeros(len(spans), dtype=int), 0
+    lines, spikes, described = np.zeros(len(spans), dtype=int), 0, []
     for row, (start, end) in enumerate(spans):
-        inside = (times >= start) & (times < end)
-        lines[row] = sheet.lines[np.argmax(inside)]
+        inside, parts = (times >= start) & (times < end), {}
+        own_lines = sheet.lines[inside]
+        lines[row] = own_lines[0]
         for channel in values:
-            column = sheet.values[channel]
+            column, one = sheet.values[channel], sheet.taken[channel]
             there = np.isfinite(column)
             own = column[inside & there]
             if not own.size and there.sum() > 1:
                 # A channel with a slower raster than the plateau.
                 there &= np.isfinite(times)
                 own = np.interp([0.5 * (start + end)], times[there], column[there])
-            if own.size:
-                kept = _kept(own)
-                spikes += own.size - kept.size
-                values[channel][row] = kept.mean()
-                if channel in errors and kept.size > 1:
-                    errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size)
+            kept = _kept(own)
+            spikes += own.size - kept.size
+            values[channel][row] = kept.mean() if own.size else np.nan
+            if channel in errors and kept.size > 1:
+                errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size)
+            spread = f" ± {one.written(kept).std(ddof=1):.2g}" if own.size > 1 else ""
+            parts[channel] = f"{one.title} {one.written(values[channel][row]):.5g}{spread}"
+        ends = f"{start:.4g} to {end:.4g} s, lines {own_lines[0]} to {own_lines[-1]}, {own_lines.size} samples"
+        described.append(f"plateau {row + 1}: {ends}: {'; '.join(parts[channel] for channel in channels)}")
     texts = {name: np.array([f"plateau {row + 1}" for row in range(len(spans))], dtype=object)}
     remarks = [*sheet.remarks, *[f"{spikes} samples far from their plateau are not averaged"] * (spikes > 0)]
-    return replace(sheet, values=values, texts=texts, lines=lines, errors=errors, remarks=remarks)
+    return replace(sheet, values=values, texts=texts, lines=lines, errors=errors, remarks=remarks), described
 
 
 def _kept(values: Array) -> Array:
     """Values without spikes."""
+    if len(values) <= 2 * SAMPLES:
+        return values
     apart = np.abs(values - np.median(values))
-    # 1.4826 medians of the distances are a standard deviation.
-    limit = SPIKE * 1.4826 * np.median(apart)
-    return values[apart <= limit] if len(values) > 2 * SAMPLES and limit > 0.0 else values
-
-
-def _described(sheet: Sheet, times: Array, reduced: Sheet, row: int, span: tuple[float, float], channels: Iterable[str]) -> str:
-    """A plateau with time, number of samples, means and standard deviations in the units of the file."""
-    inside = np.flatnonzero((times >= span[0]) & (times < span[1]))
-    parts = []
-    for channel in channels:
-        one, column = sheet.taken[channel], sheet.values[channel][inside]
-        own = column[np.isfinite(column)]
-        spread = f" ± {one.written(_kept(own)).std(ddof=1):.2g}" if own.size > 1 else ""
-        parts.append(f"{one.title} {one.written(reduced.values[channel][row]):.5g}{spread}")
-    ends = f"lines {sheet.lines[inside[0]]} to {sheet.lines[inside[-1]]}"
-    return f"plateau {row + 1}: {span[0]:.4g} to {span[1]:.4g} s, {ends}, {inside.size} samples: {'; '.join(parts)}"
+    limit = SPIKE * 1.4826 * np.median(apart)  # 1.4826 medians of the distances are a standard deviation
+    return values[apart <= limit] if limit > 0.0 else values

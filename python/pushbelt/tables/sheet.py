@@ -5,7 +5,7 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,45 +25,35 @@ if TYPE_CHECKING:
 Array = np.ndarray
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
-SAMPLE = 500
-"""Rows that suffice to settle the decimal sign if all their numbers agree."""
-SEVERAL = 3
-"""Least number of values without a unit that are read as per cent."""
+SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
+SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
-HEADERS = 4
-"""Rows below the titles in which units and descriptions are searched."""
+HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
 
 @dataclass(frozen=True)
 class Reading:
     """Choices of the user."""
 
-    decimal: str | None = None
-    """`point` or `comma`; None: determined from the file."""
+    decimal: str | None = None  # `point` or `comma`; None: determined from the file
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
-    sheet: str | None = None
-    """Sheet of a spreadsheet."""
-    as_written: bool = False
-    """Whether values that are not plausible are taken as they are written."""
+    sheet: str | None = None  # Sheet of a spreadsheet
+    as_written: bool = False  # Whether values that are not plausible are taken as they are written
 
 
 @dataclass(frozen=True)
 class Taken:
     """A column that is used."""
 
-    title: str
-    """Title in the file."""
-    name: str
-    """Known name, with `.sd` for standard deviations."""
-    unit: str
-    """Unit as written; empty without one."""
+    title: str  # Title in the file
+    name: str  # Known name, with `.sd` for standard deviations
+    unit: str  # Unit as written; empty without one
     place: int
     scale: Unit
     column: Column
-    turned: str = ""
-    """`1/` if the file has the inverse, `-` if it has the opposite sign."""
+    turned: str = ""  # `1/` if the file has the inverse, `-` if it has the opposite sign
 
     @property
     def deviation(self) -> bool:
@@ -101,24 +91,16 @@ class Sheet:
     path: Path
     source: str
     decimal: str = "unknown"
-    taken: dict[str, Taken] = field(default_factory=dict)
-    """Columns by known name."""
-    ignored: list[str] = field(default_factory=list)
-    """Titles of unknown columns."""
+    taken: dict[str, Taken] = field(default_factory=dict)  # Columns by known name
+    ignored: list[str] = field(default_factory=list)  # Titles of unknown columns
     remarks: list[str] = field(default_factory=list)
-    values: dict[str, Array] = field(default_factory=dict)
-    """SI values by name; NaN where a cell is empty."""
-    texts: dict[str, Array] = field(default_factory=dict)
-    """Columns of texts by name."""
-    lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))
-    """Line of each row."""
-    left_out: list[Fault] = field(default_factory=list)
-    """Rows that are not used, and why."""
+    values: dict[str, Array] = field(default_factory=dict)  # SI values by name; NaN where a cell is empty
+    texts: dict[str, Array] = field(default_factory=dict)  # Columns of texts by name
+    lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))  # Line of each row
+    left_out: list[Fault] = field(default_factory=list)  # Rows that are not used, and why
     faults: list[Fault] = field(default_factory=list)
-    failed: set[str] = field(default_factory=set)
-    """Known names of columns that have faults and are not in `taken`."""
-    errors: dict[str, Array] = field(default_factory=dict)
-    """Standard errors of averaged values by name."""
+    failed: set[str] = field(default_factory=set)  # Known names of columns that have faults and are not in `taken`
+    errors: dict[str, Array] = field(default_factory=dict)  # Standard errors of averaged values by name
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -186,18 +168,15 @@ def _is_number(cell: str) -> bool:
 def _is_row_of_words(row: Sequence[str]) -> bool:
     """Words in all cells, which are neither numbers nor signs for a missing value."""
     filled = [cell for cell in row if cell]
-    return bool(filled) and all(
-        any(map(str.isalpha, cell)) and not numerals.missing(cell) and not _is_number(cell) for cell in filled
-    )
+    return bool(filled) and not any(numerals.missing(cell) or _is_number(cell) or not any(map(str.isalpha, cell)) for cell in filled)
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
-    if any(cell != "1" and _is_number(cell) for cell in filled):
-        return False
-    known = [cell for cell in filled if units.is_unit(cell)]
-    return any(cell not in ("1", "-") for cell in known) and 2 * len(known) >= len(filled)
+    known = {cell for cell in filled if units.is_unit(cell)}
+    numbers = any(cell != "1" and _is_number(cell) for cell in filled)
+    return not numbers and bool(known - {"1", "-"}) and 2 * sum(cell in known for cell in filled) >= len(filled)
 
 
 # Columns and values
@@ -219,10 +198,10 @@ class _Reader:
         self.titles, self.units, row, first, remarks = found
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
-        self.clocks: list[Taken] = []
-        """Columns of times, if each channel has its own."""
+        self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
 
     def read(self) -> Sheet:
+        """The sheet, without the rows that are left out."""
         sheet = self.sheet
         self._take()
         self._extra_cells()
@@ -264,37 +243,37 @@ class _Reader:
     # Titles
 
     def _take(self) -> None:
-        """Chooses a column for each known name."""
-        places: dict[str, list[Taken]] = {}
+        """Chooses a column for each known name: what the user wants, else a title with a pulley, else a clock before a date."""
         renamed = self._renamed()
-        for place, title in enumerate(self.titles):
-            one = self._taken(place, title, renamed.get(place))
-            if one is not None:
-                places.setdefault(one.name, []).append(one)
-        for name, found in places.items():
-            best = [one for one in found if one.place in renamed] or found
-            # A pulley in the title counts before none.
-            best = [one for one in best if one.place in renamed or not self.names.bare(one.title)] or best
-            if best[0].column.dimension == "time":
-                # A date beside a clock is not needed.
-                known = [key(spelled) for spelled in (name, *best[0].column.aliases)]
-                ranks = [min((known.index(k) for w, _ in splits(one.title) if (k := key(w)) in known), default=0) for one in best]
-                best = [one for one, rank in zip(best, ranks, strict=True) if rank == min(ranks)]
-            self.sheet.ignored += [one.title for one in found if one not in best]
+        found = [one for place, title in enumerate(self.titles) if (one := self._taken(place, title, renamed.get(place)))]
+
+        def rank(one: Taken) -> tuple[bool, bool, int]:
+            clocks = [key(word) for word in (one.name, *one.column.aliases) if one.column.dimension == "time"]
+            ranks = [clocks.index(k) for word, _ in splits(one.title) if (k := key(word)) in clocks]
+            free = one.place not in renamed
+            return free, free and self.names.bare(one.title), min(ranks, default=0)
+
+        for name in dict.fromkeys(one.name for one in found):
+            own = [one for one in found if one.name == name]
+            best = [one for one in own if rank(one) == min(map(rank, own))]
+            self.sheet.ignored += [one.title for one in own if one not in best]
             if self.names.bare(best[0].title) and best[0].place not in renamed:
                 self.sheet.remarks.append(f"{best[0].title} is taken as {name}")
             if len(best) > 1 and self._have_channels(best):
                 self.clocks = best
             elif len(best) > 1:
-                text = f"it appears {len(best)} times: {' and '.join(one.title for one in best)}"
-                self.sheet.faults.append(Fault(text, self.line, name))
+                self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
             self.sheet.taken[name] = best[0]
+
+    def _fault(self, text: str, column: str) -> None:
+        """A fault of a title."""
+        self.sheet.faults.append(Fault(text, self.line, column))
 
     def _have_channels(self, clocks: Sequence[Taken]) -> bool:
         """Whether these are equal titles of times, each with other columns to the right of it."""
         apart = np.diff([*(clock.place for clock in clocks), len(self.titles)])
-        equal = len({key(clock.title) for clock in clocks}) == 1
-        return bool((apart > 1).all()) and clocks[0].column.dimension == "time" and equal
+        titles = {(clock.column.dimension, key(clock.title)) for clock in clocks}
+        return len(titles) == 1 and titles.pop()[0] == "time" and bool((apart > 1).all())
 
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
@@ -342,8 +321,7 @@ class _Reader:
         self.sheet.failed.add(name)
         usual = units.usual(dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
-        text = f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit
-        self.sheet.faults.append(Fault(text, self.line, title))
+        self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
         return None
 
     def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
@@ -359,15 +337,14 @@ class _Reader:
         return "" if ratio and (self.names.find(found) or self.names.inverse(found)) else found
 
     def _unknown(self, title: str) -> None:
+        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if title.startswith("#") or not title:
             return
-        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if near is None:
             self.sheet.ignored.append(title)
-            return
-        self.sheet.failed.add(near)
-        text = f'there is no such column; {near} is meant? --map "{title}"={near} says so'
-        self.sheet.faults.append(Fault(text, self.line, title))
+        else:
+            self.sheet.failed.add(near)
+            self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
 
     # Numbers
 
@@ -384,13 +361,11 @@ class _Reader:
         if self.reading.decimal is not None:
             return self.reading.decimal
         places = [one.place for one in self.sheet.taken.values() if one.column.dimension not in ("text", "time")]
-
-        def texts(rows: pd.DataFrame) -> Iterator[str]:
-            return (cell for place in places for cell in rows[place].unique() if isinstance(cell, str))
-
+        first, every = (
+            (cell for place in places for cell in rows[place].unique() if isinstance(cell, str)) for rows in (self.body.iloc[:SAMPLE], self.body)
+        )
         try:
-            first = numerals.settle(texts(self.body.iloc[:SAMPLE]), certainly=True)
-            return first or numerals.settle(texts(self.body), self.cells.separator)
+            return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
         except NumeralError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
@@ -412,25 +387,24 @@ class _Reader:
         if one.column.dimension == "time" and not one.deviation:
             return numerals.seconds(column, one.scale, decimal), []
         numbers = numerals.numbers(column, decimal)
-        values = one.si(numbers)
         shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
-        values[shares] = _shares(one).si(numbers[shares]) if one.column.dimension == "ratio" else np.nan
+        per_cent = _shares(one).si(numbers) if one.column.dimension == "ratio" else np.nan
+        values = np.where(shares, per_cent, one.si(numbers))
         low, high = one.limits
         above = values > low if one.deviation else values >= low
         inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
         empty = column.isin(["", *"-–—"]).to_numpy(dtype=bool)
-        faults: dict[str, list[Fault]] = {"value": [], "word": [], "range": []}
+        faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
         for row in np.flatnonzero(~inside & ~empty):
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
-            own = self.sheet.faults if kind == "sign" else faults[kind]
-            own.append(Fault(text, int(column.index[row]), one.title))
+            faults[kind].append(Fault(text, int(column.index[row]), one.title))
+        self.sheet.faults += faults.pop("sign")
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
         for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
             if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
                 self.sheet.faults += column_has
                 faults[kind].clear()
-        bad = sorted((fault for some in faults.values() for fault in some), key=lambda fault: fault.line or 0)
-        return np.where(inside, values, np.nan), bad
+        return np.where(inside, values, np.nan), sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
@@ -456,8 +430,6 @@ class _Reader:
         """The first unit in which numbers would be in the range of the column, with the option that says so."""
         for unit in units.confused(one.column.dimension) if not one.turned else ():
             scale = units.find(unit, one.column.dimension)
-            if scale is not None and scale != one.scale:
-                si = scale.si(numbers)
-                if ((si >= one.column.low) & (si <= one.column.high)).all():
-                    return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
+            if scale not in (None, one.scale) and (np.clip(scale.si(numbers), one.column.low, one.column.high) == scale.si(numbers)).all():
+                return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
         return ""

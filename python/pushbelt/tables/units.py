@@ -17,10 +17,8 @@ from ..fmu.start_values import DESCRIPTION
 RPM = math.pi / 30.0
 POUND = 4.4482216152605
 FOOT = 0.3048
-ATMOSPHERE = 101325.0
-"""Pressure that is subtracted from absolute pressures, Pa."""
-FMU = math.nan
-"""Stands for the factor of the FMU's display unit that has the first spelling."""
+ATMOSPHERE = 101325.0  # Pressure that is subtracted from absolute pressures, Pa
+FMU = math.nan  # Stands for the factor of the FMU's display unit that has the first spelling
 
 
 class Unit(NamedTuple):
