@@ -7,7 +7,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from pushbelt.fmu import cache, platforms
+from pushbelt.fmu import cache, unit
 
 CASES = [
     ("aarch64-linux", "linux64", ["aarch64-linux", "linux64"], "aarch64-linux"),
@@ -26,9 +26,9 @@ def test_the_folder_is_that_of_processor_and_system(
     monkeypatch.setattr(fmpy, "platform_tuple", tuple_)
     monkeypatch.setattr(fmpy, "platform", name)
     for folder in there:
-        (tmp_path / folder).mkdir()
-    found = platforms.folder(tmp_path)
-    assert found == (tmp_path / expected if expected else None)
+        (tmp_path / "binaries" / folder).mkdir(parents=True)
+    found = unit.binaries_of(tmp_path)
+    assert found == (tmp_path / "binaries" / expected if expected else None)
 
 
 def test_a_missing_binary_is_named_by_processor_and_system(

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from pushbelt.fmu.data import curve_at, is_chain
-from pushbelt.fmu.fields import EDGE, push_force_gains
-from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.geometry import EDGE, Array
 from pushbelt.fmu.results import LoadCaseResult, Trace
 from pushbelt.report.page import Check
 
@@ -67,10 +66,8 @@ def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
 
 
 def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
-    gains = [
-        push_force_gains(curve_at(parameters, r.steady), r.steady.profile.position, r.steady.profile.push_force)
-        for r in cases
-    ]
+    profiles = [(curve_at(parameters, r.steady), r.steady.profile) for r in cases]
+    gains = [curve.push_force_gains(profile.position, profile.push_force) for curve, profile in profiles]
     built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
     return Check(
         "Push force builds up in the primary arc and decays in the secondary arc",

@@ -15,8 +15,7 @@ import fmpy
 import platformdirs
 
 from ..errors import warn
-from . import platforms
-from .unit import Archive, refuse_others
+from .unit import Archive, binaries_of, refuse_others
 from .untrusted import InputFileError, described, named
 
 VARIABLE = "PUSHBELT_CACHE"
@@ -53,7 +52,7 @@ def unpacked(fmu: Path) -> Archive:
         place = _temporary() / name
         warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {VARIABLE} names another folder")
         _complete(fmu, place)
-    if platforms.folder(place / "binaries") is None:
+    if binaries_of(place) is None:
         others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
         raise InputFileError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
     return Archive(place, description, VARIABLE)

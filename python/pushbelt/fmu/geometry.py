@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import ArgumentError
 
 Array = NDArray[np.float64]
+EDGE = 0.012
+"""Least distance from the arcs at which a field on a strand is read, m. Pressure extends some millimetres beyond the arcs."""
 
 
 def ratio_of(theta: float) -> float:
@@ -127,7 +129,8 @@ class TwoPulleyCurve:
         normal[:, 1] *= mirror
         return point, normal
 
-    def outline(self, xi: ArrayLike, deviation: ArrayLike) -> Array:
-        """Points at a distance `deviation` (m, outward positive) from the curve at the places ξ."""
-        point, normal = self.frame(xi)
-        return point + np.asarray(deviation, dtype=float)[:, None] * normal
+    def push_force_gains(self, position: Array, push_force: Array) -> tuple[float, float, float]:
+        """Change of the push force over the primary arc, the push strand and the secondary arc, N."""
+        _, upper_start, upper_end, lower_start, lower_end, _ = self.borders
+        places = [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE]
+        return tuple(np.diff(np.interp(places, position, push_force)).tolist())

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import MissingPackageError, UnknownNameError
 from .geometry import Array
 
@@ -131,6 +133,10 @@ class Trace:
 
     def __getitem__(self, name: str) -> Array:
         return item(self.columns, name, "run")
+
+    def at(self, time: float) -> dict[str, float]:
+        """Values at a time, linear between the times."""
+        return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
 
     def __repr__(self) -> str:
         return f"<Trace: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
