@@ -17,9 +17,7 @@ import pytest
 import reports
 
 from pushbelt.fmu.data import torque_capacity
-from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.tables import units
-from pushbelt.tables.sheet import Reading
 from pushbelt.study.cluster import ClusterError
 from pushbelt.sweep import Design, DesignError, Study, plausible, slurm, sweep
 from pushbelt.sweep.__main__ import main
@@ -54,12 +52,6 @@ def test_columns_are_read(text: str, expected: Varied) -> None:
 def test_other_forms_are_refused(text: str) -> None:
     with pytest.raises(DesignError, match=re.escape(f"--vary {text} is not of the form")):
         varied(text)
-
-
-def test_a_full_grid_has_all_combinations() -> None:
-    design = crossed([Varied("belt.play", (1e-4, 2e-4)), Varied("utilisation", (0.2, 0.4, 0.6))])
-    assert (design.kind, design.columns, len(design)) == ("grid", ("belt.play", "utilisation"), 6)
-    assert set(design.rows) == {(p, u) for p in (1e-4, 2e-4) for u in (0.2, 0.4, 0.6)}
 
 
 def test_a_hypercube_fills_each_range_evenly_in_each_combination() -> None:
@@ -122,13 +114,6 @@ def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[st
     assert any("line 3" in remark and remark.endswith("the row is left out") for remark in remarks)
 
 
-def test_options_of_reading_apply_to_a_list(tmp_path: Path, variables: Mapping[str, Any]) -> None:
-    path = tmp_path / "points.csv"
-    path.write_text("Spiel;ratio\n0,100;1,250\n", encoding="utf-8")
-    reading = Reading(decimal="comma", renamed={"Spiel": "belt.play [mm]"})
-    assert listed(path, variables, reading)[0].rows == ((pytest.approx(1e-4), 1.25),)
-
-
 @pytest.mark.parametrize(
     ("text", "whys"),
     [
@@ -182,21 +167,6 @@ def test_a_point_follows_from_its_own_parameters() -> None:
     assert "utilisation" not in values
     torque = start_values({**parameters, "friction.pulley": 0.09}, {"primary.torque": 33.0})
     assert torque["primary.torque"] == 33.0
-
-
-def test_an_input_brings_the_condition_under_which_it_acts() -> None:
-    values = start_values({**variator("bench168"), "friction.pulley": 0.09}, {"primary.clampingForce": 15e3})
-    assert (values["primary.axial"], values["initial.equilibrium"]) == (Axial.FORCE.value, True)
-    values = start_values({**variator("bench168"), "friction.pulley": 0.09}, {"secondary.torque": -40.0})
-    assert values["secondary.drive"] == Drive.TORQUE.value
-
-
-def test_identity_is_that_of_the_design(fmu: Path) -> None:
-    def identity(*rows: tuple[float, ...]) -> str:
-        return Study(fmu, variator("bench168", varied=("belt.play",)), Design("list", ("belt.play",), rows)).identity
-
-    assert identity((1e-4,), (2e-4,)) == identity((1e-4,), (2e-4,))
-    assert identity((1e-4,), (2e-4,)) != identity((1e-4,), (3e-4,))
 
 
 # The command

@@ -24,26 +24,6 @@ from pushbelt.fmu.unit import Instance, UnitError
 # ------------------------------------------------------------------------------------------------------ first use
 
 
-def test_a_first_user_wires_four_inputs_and_reads_two_outputs(fmu: Path) -> None:
-    """As in the README."""
-    wires = np.array(
-        [(0.0, 50.0, -49.0, 13e3, 10e3), (0.1, 50.0, -49.0, 13e3, 10e3)],
-        dtype=[
-            ("time", float),
-            ("primary.torque", float),
-            ("secondary.torque", float),
-            ("primary.clampingForce", float),
-            ("secondary.clampingForce", float),
-        ],
-    )
-    result = fmpy.simulate_fmu(
-        fmu, stop_time=0.1, output_interval=1e-3, input=wires, output=["thrustRatio", "belt.speed"]
-    )
-    assert len(result) == 101
-    assert 0.5 < result["thrustRatio"][-1] < 3.0
-    assert 8.0 < result["belt.speed"][-1] < 16.0
-
-
 def test_fmpy_finds_nothing_to_complain_about(fmu: Path) -> None:
     assert validate_fmu(fmu) == []
 
@@ -131,19 +111,6 @@ def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str
     unit.restart(CHEAP)
     unit.initialise()
     run(unit, range(2))
-
-
-def test_a_tunable_parameter_can_be_changed_but_not_made_absurd(variator: New) -> None:
-    unit = variator()
-    unit.initialise()
-    run(unit, range(2))
-    unit.set({"friction.pulley": 0.08})
-    unit.step_to(0.003)
-    for value, said in [(-0.1, "friction.pulley = -0.1"), (0.5, "friction.pulley = 0.5")]:
-        with pytest.raises(UnitError, match=re.escape(said)):
-            unit.set({"friction.pulley": value})
-        unit.restart(CHEAP)
-        unit.initialise()
 
 
 # ----------------------------------------------------------------------------------------------------- description

@@ -17,11 +17,10 @@ import reports
 import xarray
 from scipy.io import loadmat, whosmat
 
-from pushbelt.fmu.data import curve_of, pitch_radius, torque_capacity
-from pushbelt.fmu.geometry import theta_of
+from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, limit, measure, shift_rates
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, measure, shift_rates
 from pushbelt.maps import __main__, files, report
 from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, TABLES, MapError, Maps
@@ -69,13 +68,6 @@ def written(maps: Maps, folder: Path) -> Path:
 # Parts
 
 
-def test_pitch_radii_have_the_ratio_and_close_the_belt() -> None:
-    for ratio in (0.4, 1.0, 2.3):
-        radius = pitch_radius(PARAMETERS, ratio)
-        outer = (ratio * radius + 1e-3) / (radius + 1e-3)
-        assert curve_of(PARAMETERS, theta_of(outer)).primary_radius == pytest.approx(radius + 1e-3, rel=1e-12)
-
-
 def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
     low, high = stops(plan.full)
     radii = {ratio: (pitch_radius(PARAMETERS, ratio), ratio * pitch_radius(PARAMETERS, ratio)) for ratio in (low, high)}
@@ -84,20 +76,6 @@ def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
     default = dataclasses.replace(plan, grid=COARSE)
     assert len(default.tasks()) == 84
     assert low < default.ratios[0] < default.ratios[-1] < high
-
-
-def test_limit_is_where_the_traction_is_flat() -> None:
-    slip, reached = limit(lambda slip: math.tanh(slip / 0.02), 1.0)
-    assert math.tanh(1.4 * slip / 0.02) < 1.01 * reached
-    assert reached > 0.95
-    assert limit(lambda slip: math.tanh(slip / 0.02), -1.0) == (-slip, -reached)
-
-
-def test_gaps_have_the_nearest_value() -> None:
-    nan = math.nan
-    assert map_lines.filled(np.array([[nan, 1.0, nan, nan, 4.0]])).tolist() == [[1.0, 1.0, 1.0, 4.0, 4.0]]
-    with pytest.raises(ValueError, match="no steady state"):
-        map_lines.filled(np.array([[nan, nan]]))
 
 
 def test_shift_rates_are_made_monotone() -> None:
@@ -237,18 +215,6 @@ def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, map
     assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
     loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
-
-
-def test_traction_is_the_inverse_of_the_slip(maps: Maps) -> None:
-    """Starts at a torque and starts at a slip give the same curve."""
-    from scipy.interpolate import PchipInterpolator
-
-    share = maps.axes["slipShare"]
-    for place in np.ndindex(2, 2, 3):
-        low, high = maps["capacitySlip"][place]
-        curve = PchipInterpolator(np.where(share < 0.0, -share * low, share * high), maps["traction"][place])
-        # Between the slips of the coarse axis the cubic is an approximation.
-        assert curve(maps["slip"][place][1:5]) == pytest.approx(maps.axes["utilisation"][1:5], abs=0.05)
 
 
 def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> None:

@@ -25,7 +25,7 @@ import reports
 import xarray
 from distributed import Client
 
-from pushbelt.fmu.unit import Archive, Instance, UnitError
+from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, chunks
 from pushbelt.study.store import Store
@@ -33,7 +33,7 @@ from pushbelt.study.worker import Solver
 from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
 from pushbelt.sweep.point import Row, solve, start_values
 from pushbelt.sweep.results import METADATA, table, write_parquet
-from pushbelt.sweep.study import AXES, DEFAULT, rpm, spread, variator
+from pushbelt.sweep.study import AXES, rpm, variator
 
 ROOT = Path(__file__).parents[2]
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -71,15 +71,6 @@ def test_grid_numbers_its_points() -> None:
 def test_grid_refuses(values: dict) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Grid(**values)
-
-
-def test_axes_are_spread_evenly() -> None:
-    ratios = spread(0.45, 1.0 / 0.45, 13)
-    assert ratios[0] == 0.45
-    assert ratios[6] == pytest.approx(1.0, abs=1e-6)
-    assert np.ptp(np.diff(np.log(ratios))) < 1e-5
-    assert rpm(2000.0)[0] == pytest.approx(209.44, abs=1e-3)
-    assert len(DEFAULT) > 2000
 
 
 def test_a_point_sets_its_utilisation() -> None:
@@ -273,13 +264,6 @@ def test_checks_find_a_hole(study: Study) -> None:
     assert checks.name_of(results, {name: point[axis.column] for name, axis in AXES.items()}) in failed[0].found
 
 
-def test_roughest_spot_comes_first(study: Study) -> None:
-    index = GRID.points().index(at(1.0, 0.5, 0.07, 200.0, 12e3))
-    worst = checks.spots(changed(study, index, thrustRatio=1.2))[0]
-    assert (worst.quantity, worst.value) == ("thrustRatio", 1.2)
-    assert worst.where.startswith("ratio 1, utilisation 0.5, μ 0.07")
-
-
 def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
     sheets = maps.sheets(maps.gridded(several.grid, table(several, made_up(several))))
@@ -331,12 +315,6 @@ def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, 
         assert outputs["ratio.geometric"] == pytest.approx(point["initial.ratio"], rel=1e-4)
 
 
-def test_beyond_capacity_is_a_reason(study: Study, solved: dict[int, Row]) -> None:
-    reasons = {number: row["reason"] for number, row in solved.items() if row["reason"]}
-    assert set(reasons) == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
-    assert all("beyond the capacity of the clamping forces" in reason for reason in reasons.values())
-
-
 def test_states_make_sense(study: Study, solved: dict[int, Row]) -> None:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
     results = maps.gridded(study.grid, table(study, solved))
@@ -354,18 +332,6 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
     assert "belt.colour" in found[2][1]["reason"]
     for number, row in (found[0], found[3]):
         assert without_time(row) == without_time(solved[number])
-
-
-def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
-    first = study.start_values(study.grid.points()[0])
-    with Instance(archive, first) as unit:
-        unit.initialise()
-        with pytest.raises(UnitError):
-            unit.step_to(-1.0)
-        unit.restart(first)
-        unit.initialise()
-        unit.step_to(1e-3)
-        assert unit.outputs()["thrustRatio"] == solved[0]["thrustRatio"]
 
 
 # On clusters

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import stat
 import struct
 import zipfile
@@ -173,16 +172,6 @@ def test_json_of_another_form_is_refused(
     assert "bad.json" in str(refused.value)
     assert demo_main.main(["--fmu", str(fmu), "--output", str(tmp_path / "out"), "--variator", str(path)]) == 1
     assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_values_of_a_wrong_type_are_named(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "types.json"
-    for value, why in [("high", "is not a number"), (1e999, "Infinity is not a number"), ("1e999", "is not finite")]:
-        path.write_text(json.dumps({"parameters": {"belt.play": {"value": value}}}))
-        assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(fmu), "--variator", str(path)]) == 1
-        said = capsys.readouterr().err
-        assert why in said and said.count("\n") == 1, said
-    assert not (tmp_path / "own.fmu").exists()
 
 
 def test_a_gigabyte_of_json_is_not_read(tmp_path: Path) -> None:

@@ -242,14 +242,6 @@ def test_the_library_runs_by_itself(folder, pair, monkeypatch: pytest.MonkeyPatc
     assert not is_loaded(path)
 
 
-def test_a_pipe_with_the_variants_name_keeps_nobody_waiting(folder) -> None:
-    path = folder(with_variant=False)
-    os.mkfifo(variant(path))
-    library = Library(path)
-    library.free(library.create())
-    assert "is not the file of this build" in library.log[0]
-
-
 def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) -> None:
     """Neither that of a link to it, nor the working directory if the host has a relative path and has changed it."""
     path, planted = folder(with_variant=False), folder("planted")
@@ -274,14 +266,6 @@ def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) ->
     library = Library(link)
     library.free(library.create())
     assert library.log == [FAST]
-
-
-def test_any_other_value_of_the_switch_has_no_effect(folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PUSHBELT_AVX2", "1")
-    library = Library(folder())
-    instance = library.create()
-    assert library.log == [FAST]
-    library.free(instance)
 
 
 def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP, COARSE
+from conftest import COARSE
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
@@ -101,13 +101,6 @@ def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
         belt.step(1e-3)
 
 
-def test_the_profile_is_that_of_the_moment(belt: variator.Variator) -> None:
-    belt.start()
-    profile = belt.profile()
-    assert profile.push_force.shape == (72,)
-    assert profile.push_force.max() <= belt["pushForce.max"] * (1.0 + 1e-12)
-
-
 def test_wrong_steps_are_refused_and_change_nothing(belt: variator.Variator) -> None:
     belt.step(1e-3)
     for duration in (0.0, -1e-3, math.nan):
@@ -134,14 +127,6 @@ def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
         warnings.simplefilter("error")
         with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
             belt.start()
-
-
-def test_two_variators_have_a_log_each(archive: unit.Archive) -> None:
-    with unit.Instance(archive, CHEAP) as one, unit.Instance(archive, CHEAP, "other") as other:
-        one.set({"friction.pulley": 0.5})
-        with pytest.raises(pushbelt.UnitError, match="friction.pulley = 0.5"):
-            one.initialise()
-        assert one.log and not other.log
 
 
 # Steady states
