@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import fmpy
@@ -28,17 +30,10 @@ LEFT = pytest.StashKey[dict[str, int]]()
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
-CHEAP = {
-    "ring.model": RingModel.ALE0,
-    "mesh.primaryArc": 4,
-    "mesh.secondaryArc": 4,
-    "mesh.strand": 4,
-    "initial.steady": False,
-}
+CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
 """A coarse ring model without load at the start, for tests of the interface."""
-
-
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+COARSE = {"ring.model": "ALE0", **MESH}
 """A coarse mesh, for tests of what is made of the FMU's results."""
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 
@@ -68,6 +63,27 @@ def belt(fmu: Path) -> Iterator[Variator]:
     """A variator on a coarse mesh."""
     with Variator("bench168", COARSE, fmu=fmu) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def coarse(fmu: Path) -> Iterator[Variator]:
+    """A variator on a coarse mesh for steady states and linear models, which no test steps."""
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+def module_of(path: Path) -> ModuleType:
+    """A program beside the package, such as an example, as a module."""
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def needs(package: str) -> None:
+    """Skips a test whose package has no wheel for this Python and machine."""
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} has no wheel for this Python and machine")
 
 
 @pytest.fixture(scope="module")

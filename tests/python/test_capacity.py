@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,11 +17,9 @@ from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
 from pushbelt.variator import Variator
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh, for steady states."""
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
-from conftest import COARSE, ROOT, WORDS
+from conftest import COARSE, ROOT, WORDS, module_of
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -36,17 +34,15 @@ RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh, for working points."""
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture(scope="module")
-def grid(belt: Variator) -> LinearGrid:
+def grid(coarse: Variator) -> LinearGrid:
     """Two ratios, two torques of which one is beyond capacity, two frictions."""
-    return belt.linear_grid([0.7, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]})
+    return coarse.linear_grid([0.7, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]})
 
 
 # Models
@@ -400,13 +396,9 @@ def page() -> str:
 @pytest.fixture(scope="module")
 def controller(fmu: Path) -> ModuleType:
     """The example, as a module: it finds its linear models when it is loaded."""
-    path = ROOT / "examples" / "drivetrain" / "linear_control.py"
-    specification = importlib.util.spec_from_file_location("linear_control", path)
-    module = importlib.util.module_from_spec(specification)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PUSHBELT_FMU", str(fmu))
-        specification.loader.exec_module(module)
-    return module
+        return module_of(ROOT / "examples" / "drivetrain" / "linear_control.py")
 
 
 def test_the_page_shows_the_controller_that_runs(page: str) -> None:

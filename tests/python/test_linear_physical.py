@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import COARSE, WORDS
+from conftest import WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -24,15 +23,14 @@ ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture(scope="module")
-def grid(belt: Variator) -> LinearGrid:
-    return belt.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
+def grid(coarse: Variator) -> LinearGrid:
+    return coarse.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
 
 
 def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3) -> LinearModel:

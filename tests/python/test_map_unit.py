@@ -25,12 +25,7 @@ from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps
 
-LOADS = {
-    "primary.torque": 60.0,
-    "secondary.torque": -58.0,
-    "primary.clampingForce": 14e3,
-    "secondary.clampingForce": 10e3,
-}
+LOADS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
 
 
 @pytest.fixture(scope="module")
@@ -188,17 +183,10 @@ def compare(detailed: Any, mapped: Any) -> tuple[float, float, float]:
     return error, energy[1] / energy[0] - 1.0, loss[1] / loss[0] - 1.0
 
 
-def test_a_launch_of_the_wltc(archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
-    ratio, energy, loss = compare(*drives(archive, maps_archive, fmu, drive_folder, 10.0, 40.0))
-    assert ratio < 0.02
-    assert abs(energy) < 0.003
-    assert abs(loss) < 0.05
-
-
-@pytest.mark.slow
-def test_the_whole_wltc(archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
-    """Prints the figures of the page on maps: `pytest -s -k whole_wltc`."""
-    runs = drives(archive, maps_archive, fmu, drive_folder, 0.0, 1800.0)
+@pytest.mark.parametrize("span", [(10.0, 40.0), pytest.param((0.0, 1800.0), marks=pytest.mark.slow)], ids=["launch", "whole_wltc"])
+def test_the_wltc(span: tuple[float, float], archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
+    """Prints the figures of the page on maps: `pytest -s -k wltc`."""
+    runs = drives(archive, maps_archive, fmu, drive_folder, *span)
     ratio, energy, loss = compare(*runs)
     print(f"ratio {100 * ratio:.2f} %, driving energy {100 * energy:.3f} %, belt loss {100 * loss:.1f} %")
     print("processor time", *(f"{run.processor_time:.1f} s" for run in runs))
