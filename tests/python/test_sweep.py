@@ -219,7 +219,6 @@ def changed(study: Study, index: int, **values: float) -> xarray.Dataset:
 def test_checks_pass_what_is_right(study: Study) -> None:
     results = maps.gridded(study.grid, table(study, made_up(study)))
     assert [check.statement for check in checks.evaluate(results) if not check.passed] == []
-    assert max(abs(spot.share) for spot in checks.spots(results)) < 0.03
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,7 @@ def test_a_quantity_meets_its_goals_if_it_meets_all() -> None:
 
     def summary(*verdicts: Verdict) -> tuple[str, int, int]:
         found = report.summary(of_verdicts(*verdicts))
-        return found.verdict, found.met, found.goals
+        return found["verdict"], found["met"], found["goals"]
 
     assert summary(met, reported_) == ("met", 1, 1)
     assert summary(met, missed, missed) == ("missed", 1, 3)

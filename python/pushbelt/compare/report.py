@@ -41,7 +41,7 @@ def write(
     header = ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"]
     tables.write(folder / "differences.csv", header, rows)
     path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path, plain=_plain)
+    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path)
     return path
 
 
@@ -95,8 +95,3 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), gr
     ]
     panels = stack(rows, "time (s)", x_range=(start, end), height=170)
     return Chart(panels, f"Both runs of {pair.name} over time", columns=2, linked=True, group=group, least_width=330)
-
-
-def _plain(value: float) -> str:
-    """A number with four significant digits."""
-    return f"{value:.4g}".replace("-", page.MINUS)

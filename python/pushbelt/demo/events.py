@@ -9,9 +9,8 @@ import numpy as np
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import Trace
+from pushbelt.report.style import RPM
 
-RPM = 30.0 / np.pi
-"""rpm of a speed of 1 rad/s."""
 OVERLOAD = "Over-torque with macro-slip"
 """Name of the event that the over-torque of the manoeuvre causes."""
 

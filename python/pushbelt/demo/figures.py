@@ -11,10 +11,10 @@ from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
 from pushbelt.report.belt_view import Motion, over_time
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
-from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .checks import energy_bound
-from .events import RPM, Event
+from .events import Event
 from .simulate import ManoeuvreResult, MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +59,7 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
         "charts": charts,
         "drawn": len(drawn),
     }
-    page.write_html("linearize/linearize.html.j2", context, path, short=short)
+    page.write_html("linearize/linearize.html.j2", context, path)
     return path
 
 
@@ -161,8 +160,3 @@ def pole(value: complex) -> str:
     """An eigenvalue with three digits."""
     turn = f"{'+' if value.imag > 0 else '-'}{abs(value.imag):.3g}i" if value.imag else ""
     return f"{value.real:.3g}{turn}".replace("-", page.MINUS)
-
-
-def short(value: Any) -> str:
-    """A number with four digits, a large one without decimals."""
-    return (f"{value:.0f}" if abs(value) >= 9999.5 else f"{value:.4g}").replace("-", page.MINUS)

@@ -14,8 +14,6 @@ from pushbelt.study.run import Effort
 
 from . import figures, files
 
-RPM = 30.0 / np.pi
-
 
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
     """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
