@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -25,8 +24,6 @@ from pushbelt.variator import Variator  # noqa: E402
 from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
-LEFT = pytest.StashKey[dict[str, int]]()
-"""Number of tests of the second tier in each file."""
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
@@ -153,34 +150,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Removes the second tier, and counts the removed tests in each file."""
-    if not config.getoption("--first-tier"):
-        return
-    second = [
-        item
-        for item in items
-        if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
-    ]
-    chosen = set(second)
-    items[:] = [item for item in items if item not in chosen]
-    config.hook.pytest_deselected(items=second)
-    config.stash[LEFT] = dict(Counter(item.path.name for item in second))
-    if hasattr(config, "workeroutput"):
-        config.workeroutput["left"] = config.stash[LEFT]
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_testnodedown(node: Any) -> None:
-    """Every process of pytest-xdist collects all tests, so the counts of one process are used."""
-    node.config.stash[LEFT] = getattr(node, "workeroutput", {}).get("left", {})
-
-
-def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Lists the files with tests of the second tier."""
-    left = config.stash.get(LEFT, {})
-    if left:
-        files = ", ".join(f"{name} ({count})" for name, count in sorted(left.items()))
-        terminalreporter.write_line(f"Left to `cargo fmu test --all`: {sum(left.values())} tests in {files}")
+    """Removes the second tier. pytest prints how many tests that are."""
+    if config.getoption("--first-tier"):
+        second = [
+            item
+            for item in items
+            if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
+        ]
+        config.hook.pytest_deselected(items=second)
+        items[:] = [item for item in items if item not in set(second)]
 
 
 @pytest.hookimpl(trylast=True)

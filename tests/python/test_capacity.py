@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from conftest import COARSE, WORDS
-from pushbelt_benchmarks import forces
 
 from pushbelt import cli
 from pushbelt.errors import VariatorWarning
@@ -139,13 +138,3 @@ def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initi
     """In drive at this ratio the first thrust ratio is above 1."""
     belt.steady(0.8, 52.0)
     assert len(initialised) == 1
-
-
-def test_the_benchmark_counts_what_is_solved(fmu: Path, initialised: list[object]) -> None:
-    found, failed = forces.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
-    assert failed == 0
-    assert found["least_force"].states + found["steady"].states == len(initialised)
-    assert 4 <= found["least_force"].states <= 4 * MOST_STATES
-    assert 1 <= found["least_force"].most <= MOST_STATES
-    assert found["steady"].most <= 1
-    assert found["least_force"].seconds > 0.0

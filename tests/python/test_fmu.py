@@ -88,17 +88,10 @@ def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
         ("primary.clampingForce", -1.0, "primary.clampingForce = -1 is out of range: 0 to"),
         ("secondary.torque", math.nan, "secondary.torque = NaN is not a finite number"),
         ("primary.speedSetpoint", math.inf, "primary.speedSetpoint = inf is not a finite number"),
-        ("friction.pulley", -0.01, "friction.pulley = -0.01 is out of range: 0 to 1"),
-        ("friction.velocity", 0.0, "friction.velocity = 0 is out of range"),
-        ("contact.stiffness", -5e9, "contact.stiffness = -5000000000 is out of range"),
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
         ("ring.model", 5, "ring.model = 5 is out of range: 1 ALE0, 2 ALE"),
-        ("belt.play", 0.08, "belt.play = 0.08 is out of range: 0 to 0.069"),
         ("geometry.beltLength", 0.3, "geometry.beltLength = 0.3 is out of range: between 0.34"),
-        ("geometry.wedgeAngle", 0.05, "geometry.wedgeAngle = 0.05 is out of range: above 0.089"),
-        ("initial.ratio", 4.0, "initial.ratio = 4 is out of range: 0.3"),
         ("primary.minRadius", 0.09, "primary.minRadius = 0.09 is out of range: below primary.maxRadius"),
-        ("mesh.secondaryArc", 7, "mesh.secondaryArc = 7 is out of range: an even number"),
     ],
 )
 def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float, said: str) -> None:

@@ -24,7 +24,7 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, measure, shift_rates
 from pushbelt.maps import __main__, files
 from pushbelt.maps import lines as map_lines
-from pushbelt.maps.data import LOSSES, TABLES, MapError, Maps
+from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, stops
 from pushbelt.study import run
 from pushbelt.study.store import Store
@@ -210,18 +210,6 @@ def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, map
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
 
 
-def test_an_interrupted_run_continues(plan: Plan, maps: Maps, folder: Path) -> None:
-    store = Store(folder, plan)
-    assert len(store.rows()) == 12
-    (store.folder / "tasks-3-3.json.gz").unlink()
-    (store.folder / "tasks-4-4.json.gz").write_text("{", encoding="utf-8")
-    seen: list[run.Progress] = []
-    again = map_lines.collect(plan, run.solve(plan, folder, workers=1, progress=seen.append))
-    assert (seen[0].done, seen[-1].done, seen[-1].failed) == (10, 12, 0)
-    for name in TABLES:
-        np.testing.assert_allclose(again[name], maps[name], rtol=1e-9, atol=1e-12)
-
-
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
     rows = Store(folder, plan).rows()
     rows[4] = {"reason": "no belt", "time": 0.1}
@@ -347,5 +335,3 @@ def test_the_program_says_why_it_failed(fmu: Path, tmp_path: Path, capsys: pytes
     assert "speed must be positive" in capsys.readouterr().err
     assert __main__.main([*words, "--set", "belt.colour=1"]) == 1
     assert "belt.colour" in capsys.readouterr().err
-
-

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import browser
 import pytest
 import reports
 
@@ -28,7 +27,6 @@ from pushbelt_validation.outcome import (
     Source,
     Unit,
     Verdict,
-    reported,
     table,
     within,
 )
@@ -123,32 +121,6 @@ def test_only_an_unmet_theory_fails(unmet: Verdict, code: int, monkeypatch: pyte
     document = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
     assert document["verification"] == {"met": 2 - bool(code), "goals": 2, "reported": 0}
     assert document["measurements"] == {"met": 0, "goals": 1, "reported": 1}
-
-
-def test_checks_are_bars_at_a_desk_and_cards_on_a_telephone(tmp_path: Path) -> None:
-    long = "A statement about the thrust ratio of a variator that is too long for a column of a telephone"
-    checks = [within(f"key-{v}", long, SOURCE, [("a", v)], 0.9, 1.1) for v in (1.05, 1.13, 2.0)]
-    checks.append(reported("other", long, SOURCE, "a goal that is described by many words", "1.0 to 1.5"))
-    section = Section("key", Part.MEASUREMENTS, "Title", "lead", tuple(checks))
-    report.write(Results("1", (section,), False), tmp_path)
-    path = tmp_path / "report.html"
-    program = browser.find()
-    if program is None:
-        pytest.skip("no Chromium on the search path")
-    with browser.page(program) as page:
-        page.call("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
-        page.call("Page.navigate", url=path.as_uri())
-        page.wait("document.readyState === 'complete' && document.querySelectorAll('table.cards').length === 3")
-        share = "(bar) => bar.firstChild.getBoundingClientRect().width / bar.getBoundingClientRect().width"
-        shares = page.run(f"[...document.querySelectorAll('#key ~ .scroll .used')].map({share})")
-        assert shares == pytest.approx([0.25, 0.65, 1.0], abs=0.01), "the mark of the limit is in the middle"
-        assert page.run("document.querySelectorAll('#key ~ .scroll .used.over').length") == 2
-        page.call("Emulation.setDeviceMetricsOverride", width=390, height=900, deviceScaleFactor=1, mobile=False)
-        rows = "[...document.querySelectorAll('#key ~ .scroll tr')].filter((row) => row.offsetParent)"
-        assert page.run(f"{rows}.length") == len(checks), "without the header"
-        wide = "(one) => one.getBoundingClientRect().width > 300"
-        assert page.run(f"{rows}.flatMap((row) => [...row.cells]).every({wide})"), "a line of the card for each cell"
-        assert page.run("[...document.querySelectorAll('.scroll')].every((one) => one.scrollWidth <= one.clientWidth)")
 
 
 # Measurements

@@ -284,22 +284,6 @@ def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatc
     library.free(third)
 
 
-def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
-    paths = [folder("a"), folder("b"), folder("c", with_variant=False)]
-    libraries = [Library(path) for path in paths]
-    instances = [library.create() for library in libraries]
-    assert [is_loaded(variant(path)) for path in paths] == [True, True, False]
-    assert [library.log[0] for library in libraries[:2]] == [FAST, FAST] and libraries[2].log[0].startswith(SLOW)
-    for library, instance in zip(libraries, instances, strict=True):
-        library.start(instance)
-    libraries[0].free(instances[0])
-    assert [is_loaded(variant(path)) for path in paths] == [False, True, False]
-    for number in range(3):
-        both = zip(libraries[1:], instances[1:], strict=True)
-        outputs = [library.step(instance, number) for library, instance in both]
-        assert outputs[0] == pytest.approx(outputs[1], rel=1e-15)
-
-
 def test_states_pass_between_the_library_and_its_variant(folder) -> None:
     fast, slow = Library(folder("a")), Library(folder("b", with_variant=False))
     instances = {library: library.create() for library in (fast, slow)}
