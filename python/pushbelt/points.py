@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ArgumentError, MissingPackageError, PushbeltError, warn
+from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
@@ -208,11 +208,7 @@ class WorkingPoints:
         `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and `reason`, which is empty at
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
-        try:
-            import xarray
-        except ModuleNotFoundError as error:
-            raise MissingPackageError("thrust_map needs xarray: pip install 'pushbelt[maps]'", name=error.name) from error
-
+        dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
         ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
 
@@ -231,7 +227,7 @@ class WorkingPoints:
             "torque": {"units": "N.m", "long_name": "Primary torque"},
         }
         axes = {"ratio": ratios, "torque": torques}
-        return xarray.Dataset(
+        return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
             {name: (name, axis, about[name]) for name, axis in axes.items()},
             {"primary speed": speed, "units of it": "rad/s"},

@@ -48,10 +48,8 @@ _current: Provenance | None = None
 
 
 def begin(program: str, arguments: Sequence[str] | None, module: str | None = None) -> Provenance:
-    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the inputs.
-
-    `module` is its module if the command `pushbelt` does not start it.
-    """
+    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the
+    inputs. `module` is its module if the command `pushbelt` does not start it."""
     global _current
     words = list(sys.argv[1:] if arguments is None else arguments)
     started = os.environ.get(COMMAND) if arguments is None else None

@@ -28,9 +28,8 @@ def write(
     wanted: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
 ) -> Path:
-    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both belts if both
-    files have the fields along the belt.
-    """
+    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both
+    belts if both files have the fields along the belt."""
     folder.mkdir(parents=True, exist_ok=True)
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     rows = (

@@ -35,13 +35,10 @@ def clear() -> None:
 
 
 def unpacked(fmu: Path) -> Archive:
-    """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not remove the archive: it
-    remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the archive is in a temporary folder
-    of this process.
-
-    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU of FMI 2.0 with a
-    binary for this machine.
-    """
+    """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not
+    remove the archive: it remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the
+    archive is in a temporary folder of this process. Raises OSError if the FMU cannot be read, InputFileError if the
+    file is not an FMU of FMI 2.0 with a binary for this machine."""
     name = hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     description = described(fmu)
     refuse_others(fmu, description)

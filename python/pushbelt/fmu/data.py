@@ -82,10 +82,8 @@ def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurv
 
 
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
-    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P.
-
-    The centre line of the ring has these radii plus the pitch offset.
-    """
+    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P. The centre line of the ring has
+    these radii plus the pitch offset."""
     distance, length = parameters["geometry.centerDistance"], parameters["geometry.beltLength"]
     offset = parameters["belt.pitchOffset"]
     outer = ratio
@@ -109,18 +107,14 @@ BELT_LENGTH = 0.2, 5.0
 
 
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
-    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N.
-
-    Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
-    """
+    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N. Torque in N·m,
+    pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more."""
     return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
 
 
 def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
-    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1.
-
-    The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
-    """
+    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1. The pitch
+    radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N."""
     radius = pitch_radius(parameters, ratio)
     return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, radius)
 

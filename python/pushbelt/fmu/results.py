@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import MissingPackageError, UnknownNameError
+from ..errors import UnknownNameError, package
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -18,11 +18,7 @@ if TYPE_CHECKING:
 
 def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) -> pandas.DataFrame:
     """A table of columns by name, of rows, or of a record array. Raises MissingPackageError with the extra that brings pandas."""
-    try:
-        import pandas
-    except ModuleNotFoundError as error:
-        raise MissingPackageError("tables need pandas: pip install 'pushbelt[maps]'", name=error.name) from error
-    return pandas.DataFrame(content)
+    return package("pandas", "tables need pandas", "maps").DataFrame(content)
 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:

@@ -48,9 +48,7 @@ def driven_at_speed(
     parameters: Mapping[str, float], ratio: float, speed: float, load: float, force: float, held: bool = False
 ) -> StartValues:
     """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces specified.
-
-    The run starts with the primary force that holds the ratio. With `held` the primary sheave is held instead.
-    """
+    The run starts with the primary force that holds the ratio. With `held` the primary sheave is held instead."""
     axial = Axial.HELD if held else Axial.FORCE
     values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.TORQUE), axial)
     return values | {"primary.speedSetpoint": speed, "secondary.torque": load}

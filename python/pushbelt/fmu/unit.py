@@ -63,10 +63,8 @@ class Archive:
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
-        """Unpacks an FMU to a directory, or to a temporary one.
-
-        Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
-        """
+        """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
+        OSError if it cannot be read."""
         return cls(*unpacked(fmu, directory))
 
     def __enter__(self) -> Archive:
@@ -280,10 +278,8 @@ class Instance:
     # Beyond the standard
 
     def linearise(self, frequency: float) -> dict[str, Any]:
-        """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz) are states.
-
-        Raises UnitError if there is none. `warnings` contains its warnings.
-        """
+        """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)
+        are states. Raises UnitError if there is none. `warnings` contains its warnings."""
         try:
             function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
         except AttributeError:
@@ -362,11 +358,9 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
 
 
 def binaries_of(directory: Path) -> Path | None:
-    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none.
-
-    FMI 2.0.4 and later name it as FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had libraries
-    of both processors.
-    """
+    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4
+    and later name it as FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had
+    libraries of both processors."""
     names = [fmpy.platform_tuple]
     if fmpy.platform_tuple not in ("aarch64-linux", "aarch64-windows"):
         names.append(fmpy.platform)

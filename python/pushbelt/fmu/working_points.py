@@ -101,10 +101,8 @@ def point(unit: Instance, ratio: float) -> dict[str, float]:
 
 
 def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
-    """Slip and utilisation at capacity, in the direction of a sign.
-
-    Slips grow by `SLIP_FACTOR` until the utilisation grows by less than `FLAT`; beyond this slip the belt slips through.
-    """
+    """Slip and utilisation at capacity, in the direction of a sign. Slips grow by `SLIP_FACTOR` until the utilisation
+    grows by less than `FLAT`; beyond this slip the belt slips through."""
     slip = FIRST_SLIP
     found = sign * traction(sign * slip)
     while slip * SLIP_FACTOR < MOST_SLIP:
@@ -151,11 +149,10 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
 
 
 def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
-    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess.
-
-    The primary speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
-    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
-    """
+    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary
+    speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
+    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the
+    time."""
     load = at_torque(states, line, utilisation).get("secondary.externalTorque")
     unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")

@@ -64,10 +64,9 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:
-    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a single axis has colours.
-
-    Values are spread evenly over an axis, with the first and the last; further axes are at a middle value.
-    """
+    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a
+    single axis has colours. Values are spread evenly over an axis, with the first and the last; further axes are at a
+    middle value."""
     found = list(grid.points())
     values = {axis: sorted({point[axis] for point, _ in found}) for axis in grid.axes}
     several = sorted((axis for axis in values if len(values[axis]) > 1), key=lambda axis: axis != "ratio")
@@ -120,11 +119,9 @@ def bode(drawn: Sequence[Drawn], output: str, highest: float) -> Chart:
 
 
 def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
-    """Phases over frequency without jumps and on one branch, °.
-
-    The means over the frequencies are within one turn, cut where neighbouring means are the farthest apart. So similar responses are
-    never a turn apart. The mean of all is the closest to zero.
-    """
+    """Phases over frequency without jumps and on one branch, °. The means over the frequencies are within one turn, cut
+    where neighbouring means are the farthest apart. So similar responses are never a turn apart. The mean of all is the
+    closest to zero."""
     found = [np.degrees(np.unwrap(np.angle(values))) for values in responses]
     means = np.array([phase.mean() for phase in found])
     order = np.sort(means % 360.0)

@@ -36,11 +36,9 @@ def _matlab(maps: Maps, path: Path) -> None:
 
 
 def combitables(maps: Maps) -> dict[str, Array]:
-    """Matrices of Modelica's CombiTable2D by name, `quantity_f1_s1` for the first force and speed.
-
-    Rows are ratios (`u1`), columns utilisations (`u2`); the first row and column hold their values. `forces` and `speeds` are the
-    values of the numbers in the names.
-    """
+    """Matrices of Modelica's CombiTable2D by name, `quantity_f1_s1` for the first force and speed. Rows are ratios
+    (`u1`), columns utilisations (`u2`); the first row and column hold their values. `forces` and `speeds` are the
+    values of the numbers in the names."""
     found = {"forces": maps.axes["force"][None, :], "speeds": maps.axes["speed"][None, :]}
     for name in COMBI:
         for f, s in np.ndindex(maps[name].shape[:2]):

@@ -141,10 +141,8 @@ def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[
 
 
 def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = None) -> tuple[Design, list[str]]:
-    """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit a column is in SI.
-
-    Raises DesignError with all faults of the table, OSError if it cannot be read.
-    """
+    """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit
+    a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
     try:
         sheet = sheets.read(path, _known(variables), reading)
         names = [name for name in sheet.taken if _settable(variables, name)]

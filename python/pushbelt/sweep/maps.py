@@ -82,9 +82,7 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
 
 def carried(utilisation: Array, holds: np.ndarray) -> Array:
     """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
-
-    `holds` is over ratio × utilisation. NaN where all points hold, or none.
-    """
+    `holds` is over ratio × utilisation. NaN where all points hold, or none."""
     between = 0.5 * (utilisation[1:] + utilisation[:-1])
     border = np.full((2, len(holds)), np.nan)
     for k, line in enumerate(holds):
