@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 import warnings
+from typing import Any
 
 
 class PushbeltError(Exception):
@@ -31,6 +33,14 @@ class MissingPackageError(PushbeltError, ModuleNotFoundError):
 
 class VariatorWarning(UserWarning):
     """A warning of the FMU, for example that a run does not start from the requested state, or of this package."""
+
+
+def package(name: str, what: str, extra: str) -> Any:
+    """A module of an optional package. Without it raises MissingPackageError: what needs it, and the extra that installs it."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        raise MissingPackageError(f"{what}: pip install 'pushbelt[{extra}]'", name=error.name) from error
 
 
 def warn(text: str) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ArgumentError, MissingPackageError, PushbeltError, warn
+from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
@@ -128,15 +128,13 @@ class WorkingPoints:
             raise SteadyStateError(f"no steady state {point}: {why}")
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
             warn(why)
-        state = self._solved(
-            held,
-            point,
-            lambda solver: SteadyState(solver.outputs(), solver.profile(), solver.get("secondary.externalTorque")),
-        )
+
+        def read(unit: calls.Instance) -> SteadyState:
+            return SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
+
+        state = self._solved(held, point, read)
         if state["macroSlip"]:
-            raise SteadyStateError(
-                f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}"
-            )
+            raise SteadyStateError(f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}")
         return state
 
     def _solved(self, values: Values, point: Point, read: Callable[[calls.Instance], Read]) -> Read:
@@ -148,13 +146,7 @@ class WorkingPoints:
             raise SteadyStateError(f"no steady state {point}: {error}") from error
 
     def least_force(
-        self,
-        ratio: float,
-        torque: float,
-        safety: float = SAFETY,
-        *,
-        speed: float = SPEED,
-        thrust_ratio: float | None = None,
+        self, ratio: float, torque: float, safety: float = SAFETY, *, speed: float = SPEED, thrust_ratio: float | None = None
     ) -> float:
         """Secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
 
@@ -164,13 +156,7 @@ class WorkingPoints:
         return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
 
     def _least_force(
-        self,
-        values: Values,
-        ratio: float,
-        torque: float,
-        speed: float,
-        safety: float,
-        thrust_ratio: float | None = None,
+        self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
     ) -> float:
         """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
         _check(Point(ratio, torque, speed, 0.0))
@@ -222,13 +208,7 @@ class WorkingPoints:
         `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and `reason`, which is empty at
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
-        try:
-            import xarray
-        except ModuleNotFoundError as error:
-            raise MissingPackageError(
-                "thrust_map needs xarray: pip install 'pushbelt[maps]'", name=error.name
-            ) from error
-
+        dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
         ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
 
@@ -240,16 +220,15 @@ class WorkingPoints:
         found, reasons = over({"ratio": ratios, "torque": torques}, row, SteadyStateError)
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
-        axes = ("ratio", "torque")
-        about = {"clampingForce": {"units": "N", "long_name": "Secondary clamping force"}}
-        for name in names[:-1]:
-            variable = self.variables[name]
-            about[name] = {"units": variable.unit, "long_name": variable.description}
-        return xarray.Dataset(
-            {name: (axes, values[k], about[name]) for k, name in enumerate(names)} | {"reason": (axes, reasons)},
-            coords={
-                "ratio": ("ratio", ratios, {"units": "1", "long_name": "Geometric ratio r_S/r_P"}),
-                "torque": ("torque", torques, {"units": "N.m", "long_name": "Primary torque"}),
-            },
-            attrs={"primary speed": speed, "units of it": "rad/s"},
+        about = {name: {"units": one.unit, "long_name": one.description} for name, one in self.variables.items()}
+        about |= {
+            "clampingForce": {"units": "N", "long_name": "Secondary clamping force"},
+            "ratio": {"units": "1", "long_name": "Geometric ratio r_S/r_P"},
+            "torque": {"units": "N.m", "long_name": "Primary torque"},
+        }
+        axes = {"ratio": ratios, "torque": torques}
+        return dataset(
+            {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
+            {name: (name, axis, about[name]) for name, axis in axes.items()},
+            {"primary speed": speed, "units of it": "rad/s"},
         )

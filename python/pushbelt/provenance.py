@@ -48,10 +48,8 @@ _current: Provenance | None = None
 
 
 def begin(program: str, arguments: Sequence[str] | None, module: str | None = None) -> Provenance:
-    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the inputs.
-
-    `module` is its module if the command `pushbelt` does not start it.
-    """
+    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the
+    inputs. `module` is its module if the command `pushbelt` does not start it."""
     global _current
     words = list(sys.argv[1:] if arguments is None else arguments)
     started = os.environ.get(COMMAND) if arguments is None else None
@@ -69,26 +67,18 @@ def current(program: str) -> Provenance | None:
 
 
 def _inputs(words: Sequence[str]) -> list[Input]:
+    """Files and folders among the words, once each. The folder of the results is none, and is left out of the others."""
     found: dict[str, Input] = {}
-    output = _output(words)
+    output = re.search(rf"(?:^|\0){OUTPUT}[=\0]([^\0]+)", "\0".join(words))
+    written = Path(output[1]).resolve() if output else None
     for word in words:
         # `--fmu=FILE`, `name=FILE` and lists.
-        for part in (word, *re.split(r"[=,]", word)):
-            path = Path(part)
-            if part and part not in found and _is(path, Path.is_file):
+        for part in filter(None, (word, *re.split(r"[=,]", word))):
+            if _is(path := Path(part), Path.is_file):
                 found[part] = Input(path.name, hashlib.sha256(path.read_bytes()).hexdigest())
-        if not word.startswith("-") and word not in found and _is(path := Path(word), Path.is_dir) and path.resolve() != output:
-            found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, output))
+        if word and not word.startswith("-") and _is(path := Path(word), Path.is_dir) and path.resolve() != written:
+            found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, written))
     return list({one.sha256: one for one in found.values()}.values())
-
-
-def _output(words: Sequence[str]) -> Path | None:
-    """Folder of the results, which is no input."""
-    for k, word in enumerate(words):
-        option, separator, value = word.partition("=")
-        if option == OUTPUT and (separator or k + 1 < len(words)):
-            return Path(value if separator else words[k + 1]).resolve()
-    return None
 
 
 def hash_of_folder(folder: Path, without: Path | None = None) -> str:

@@ -85,20 +85,12 @@ class Variator(LinearPoints):
         that cannot be read.
         """
         self._unit: calls.Instance | None = None
-        self._name = (
-            parameters
-            if isinstance(parameters, str)
-            else "own values"
-            if isinstance(parameters, Mapping)
-            else os.fspath(parameters)
-        )
+        self._name = "own values" if isinstance(parameters, Mapping) else os.fspath(parameters)
         archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
         declared = archive.variables
         if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
-        described = {
-            v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None
-        }
+        described = {v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None}
         self._start = checked(declared, {**described, **start_values(parameters), **(changes or {})})
         super().__init__(archive, self._start)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]

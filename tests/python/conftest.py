@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import sys
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import fmpy
@@ -23,22 +24,13 @@ from pushbelt.variator import Variator  # noqa: E402
 from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
-LEFT = pytest.StashKey[dict[str, int]]()
-"""Number of tests of the second tier in each file."""
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
-CHEAP = {
-    "ring.model": RingModel.ALE0,
-    "mesh.primaryArc": 4,
-    "mesh.secondaryArc": 4,
-    "mesh.strand": 4,
-    "initial.steady": False,
-}
+CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
 """A coarse ring model without load at the start, for tests of the interface."""
-
-
-COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+COARSE = {"ring.model": "ALE0", **MESH}
 """A coarse mesh, for tests of what is made of the FMU's results."""
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 
@@ -68,6 +60,27 @@ def belt(fmu: Path) -> Iterator[Variator]:
     """A variator on a coarse mesh."""
     with Variator("bench168", COARSE, fmu=fmu) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def coarse(fmu: Path) -> Iterator[Variator]:
+    """A variator on a coarse mesh for steady states and linear models, which no test steps."""
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+def module_of(path: Path) -> ModuleType:
+    """A program beside the package, such as an example, as a module."""
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def needs(package: str) -> None:
+    """Skips a test whose package has no wheel for this Python and machine."""
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} has no wheel for this Python and machine")
 
 
 @pytest.fixture(scope="module")
@@ -137,34 +150,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Removes the second tier, and counts the removed tests in each file."""
-    if not config.getoption("--first-tier"):
-        return
-    second = [
-        item
-        for item in items
-        if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
-    ]
-    chosen = set(second)
-    items[:] = [item for item in items if item not in chosen]
-    config.hook.pytest_deselected(items=second)
-    config.stash[LEFT] = dict(Counter(item.path.name for item in second))
-    if hasattr(config, "workeroutput"):
-        config.workeroutput["left"] = config.stash[LEFT]
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_testnodedown(node: Any) -> None:
-    """Every process of pytest-xdist collects all tests, so the counts of one process are used."""
-    node.config.stash[LEFT] = getattr(node, "workeroutput", {}).get("left", {})
-
-
-def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Lists the files with tests of the second tier."""
-    left = config.stash.get(LEFT, {})
-    if left:
-        files = ", ".join(f"{name} ({count})" for name, count in sorted(left.items()))
-        terminalreporter.write_line(f"Left to `cargo fmu test --all`: {sum(left.values())} tests in {files}")
+    """Removes the second tier. pytest prints how many tests that are."""
+    if config.getoption("--first-tier"):
+        second = [
+            item
+            for item in items
+            if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
+        ]
+        config.hook.pytest_deselected(items=second)
+        items[:] = [item for item in items if item not in set(second)]
 
 
 @pytest.hookimpl(trylast=True)

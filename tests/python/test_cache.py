@@ -9,6 +9,7 @@ import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 
+import fmpy
 import pytest
 
 import pushbelt
@@ -61,6 +62,32 @@ def test_a_temporary_folder_replaces_a_cache_that_cannot_be_written(
     assert Path(tempfile.gettempdir()) in archive.directory.parents and library(archive).is_file()
     if os.name == "posix":
         assert archive.directory.parent.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize(
+    ("tuple_", "name", "there", "expected"),
+    [
+        ("aarch64-linux", "linux64", ["aarch64-linux", "linux64"], "aarch64-linux"),
+        ("aarch64-linux", "linux64", ["linux64", "win64"], None),
+        ("aarch64-darwin", "darwin64", ["darwin64"], "darwin64"),
+        ("x86_64-linux", "linux64", ["linux64", "aarch64-linux"], "linux64"),
+    ],
+)
+def test_binaries_are_those_of_processor_and_system(
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuple_: str, name: str, there: list[str], expected: str | None
+) -> None:
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(tmp_path / "other.fmu", "w") as copy:
+        copy.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
+        for folder in there:
+            copy.writestr(f"binaries/{folder}/PushbeltVariator.so", b"")
+    monkeypatch.setattr(fmpy, "platform_tuple", tuple_)
+    monkeypatch.setattr(fmpy, "platform", name)
+    if expected is None:
+        with pytest.raises(pushbelt.InputFileError, match=tuple_):
+            cache.unpacked(tmp_path / "other.fmu")
+    else:
+        directory = cache.unpacked(tmp_path / "other.fmu").directory
+        assert unit.binaries_of(directory) == directory / "binaries" / expected
 
 
 @pytest.mark.skipif(not hasattr(os, "ST_NOEXEC"), reason="the system has no such mounts")

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from conftest import COARSE, WORDS
-from pushbelt_benchmarks import forces
 
 from pushbelt import cli
 from pushbelt.errors import VariatorWarning
@@ -18,11 +16,9 @@ from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
 from pushbelt.variator import Variator
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh, for steady states."""
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture
@@ -134,13 +130,3 @@ def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initi
     """In drive at this ratio the first thrust ratio is above 1."""
     belt.steady(0.8, 52.0)
     assert len(initialised) == 1
-
-
-def test_the_benchmark_counts_what_is_solved(fmu: Path, initialised: list[object]) -> None:
-    found, failed = forces.measure(fmu, ratios=(0.8, 1.6), torques=(-40.0, 60.0))
-    assert failed == 0
-    assert found["least_force"].states + found["steady"].states == len(initialised)
-    assert 4 <= found["least_force"].states <= 4 * MOST_STATES
-    assert 1 <= found["least_force"].most <= MOST_STATES
-    assert found["steady"].most <= 1
-    assert found["least_force"].seconds > 0.0

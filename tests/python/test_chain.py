@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from conftest import MESH
 
 import pushbelt
 from pushbelt.demo.__main__ import main as demo
@@ -15,12 +16,11 @@ from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import Verdict
 from pushbelt_validation.sections import chain
 
-COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
 
 
 def test_a_chain_pulls(fmu: Path) -> None:
-    with pushbelt.Variator("chain168", COARSE, fmu=fmu) as variator:
+    with pushbelt.Variator("chain168", MESH, fmu=fmu) as variator:
         outputs = variator.start()
         profile = variator.profile()
     assert {name: outputs[name] for name in ABSENT} == dict.fromkeys(ABSENT, 0.0)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import fmpy
-import masters
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
@@ -82,27 +78,6 @@ def test_fmpy_finds_no_fault_and_the_same_results(fmu: Path, flat_fmu: Path) -> 
     for name in OUTPUTS:
         assert np.array_equal(found[names[name]], expected[name])
     assert np.ptp(expected["primary.speed"]) > 0.0
-
-
-@pytest.mark.parametrize(("package", "run"), [("libcosimpy", masters.with_libcosim), ("ecospy", masters.with_ecos)])
-def test_other_masters_run_it(fmu: Path, flat_fmu: Path, package: str, run: masters.Run) -> None:
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} has no wheel for this Python and machine")
-    names = flat(OUTPUTS)
-    inputs = {"primary.torque": 60.0, "secondary.torque": -58.0}
-    expected = masters.with_fmpy(fmu, {}, lambda _: inputs, 10, OUTPUTS)
-    found = run(
-        flat_fmu, {}, lambda _: {flat(inputs)[k]: v for k, v in inputs.items()}, 10, [names[name] for name in OUTPUTS]
-    )
-    assert found[1:] == pytest.approx(expected[1:], rel=1e-9)
-
-
-def test_the_checker_of_the_manipulation_toolbox_finds_nothing(flat_fmu: Path) -> None:
-    pytest.importorskip("fmu_manipulation_toolbox")
-    tool = Path(sys.executable).with_name("fmutool")
-    checked = subprocess.run([tool, "-input", flat_fmu, "-check"], capture_output=True, text=True, check=True)
-    said = checked.stdout + checked.stderr
-    assert "compliant with FMI-2.0" in said and "ERROR" not in said and "WARNING" not in said, said
 
 
 def test_its_variables_are_listed_without_the_fields(flat_fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:

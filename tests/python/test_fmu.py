@@ -24,26 +24,6 @@ from pushbelt.fmu.unit import Instance, UnitError
 # ------------------------------------------------------------------------------------------------------ first use
 
 
-def test_a_first_user_wires_four_inputs_and_reads_two_outputs(fmu: Path) -> None:
-    """As in the README."""
-    wires = np.array(
-        [(0.0, 50.0, -49.0, 13e3, 10e3), (0.1, 50.0, -49.0, 13e3, 10e3)],
-        dtype=[
-            ("time", float),
-            ("primary.torque", float),
-            ("secondary.torque", float),
-            ("primary.clampingForce", float),
-            ("secondary.clampingForce", float),
-        ],
-    )
-    result = fmpy.simulate_fmu(
-        fmu, stop_time=0.1, output_interval=1e-3, input=wires, output=["thrustRatio", "belt.speed"]
-    )
-    assert len(result) == 101
-    assert 0.5 < result["thrustRatio"][-1] < 3.0
-    assert 8.0 < result["belt.speed"][-1] < 16.0
-
-
 def test_fmpy_finds_nothing_to_complain_about(fmu: Path) -> None:
     assert validate_fmu(fmu) == []
 
@@ -108,17 +88,10 @@ def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
         ("primary.clampingForce", -1.0, "primary.clampingForce = -1 is out of range: 0 to"),
         ("secondary.torque", math.nan, "secondary.torque = NaN is not a finite number"),
         ("primary.speedSetpoint", math.inf, "primary.speedSetpoint = inf is not a finite number"),
-        ("friction.pulley", -0.01, "friction.pulley = -0.01 is out of range: 0 to 1"),
-        ("friction.velocity", 0.0, "friction.velocity = 0 is out of range"),
-        ("contact.stiffness", -5e9, "contact.stiffness = -5000000000 is out of range"),
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
         ("ring.model", 5, "ring.model = 5 is out of range: 1 ALE0, 2 ALE"),
-        ("belt.play", 0.08, "belt.play = 0.08 is out of range: 0 to 0.069"),
         ("geometry.beltLength", 0.3, "geometry.beltLength = 0.3 is out of range: between 0.34"),
-        ("geometry.wedgeAngle", 0.05, "geometry.wedgeAngle = 0.05 is out of range: above 0.089"),
-        ("initial.ratio", 4.0, "initial.ratio = 4 is out of range: 0.3"),
         ("primary.minRadius", 0.09, "primary.minRadius = 0.09 is out of range: below primary.maxRadius"),
-        ("mesh.secondaryArc", 7, "mesh.secondaryArc = 7 is out of range: an even number"),
     ],
 )
 def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float, said: str) -> None:
@@ -131,19 +104,6 @@ def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str
     unit.restart(CHEAP)
     unit.initialise()
     run(unit, range(2))
-
-
-def test_a_tunable_parameter_can_be_changed_but_not_made_absurd(variator: New) -> None:
-    unit = variator()
-    unit.initialise()
-    run(unit, range(2))
-    unit.set({"friction.pulley": 0.08})
-    unit.step_to(0.003)
-    for value, said in [(-0.1, "friction.pulley = -0.1"), (0.5, "friction.pulley = 0.5")]:
-        with pytest.raises(UnitError, match=re.escape(said)):
-            unit.set({"friction.pulley": value})
-        unit.restart(CHEAP)
-        unit.initialise()
 
 
 # ----------------------------------------------------------------------------------------------------- description

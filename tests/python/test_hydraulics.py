@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from types import ModuleType
 
 import fmpy
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, module_of
 
 from pushbelt.fmu.data import parameter_set
 
@@ -51,11 +50,7 @@ def test_pressures_and_forces_give_the_same_bits(which: str, request: pytest.Fix
 @pytest.fixture(scope="module")
 def example() -> ModuleType:
     """`examples/hydraulics.py` as a module."""
-    spec = importlib.util.spec_from_file_location("hydraulics", ROOT / "examples" / "hydraulics.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_of(ROOT / "examples" / "hydraulics.py")
 
 
 def test_a_circuit_shifts_by_its_valves(fmu: Path, example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

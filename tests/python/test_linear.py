@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
-from conftest import COARSE, ROOT, WORDS
+from conftest import COARSE, ROOT, WORDS, module_of
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -28,7 +26,6 @@ from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linearize import __main__ as linearize
 from pushbelt.linearize import points
-from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
 RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
@@ -37,17 +34,15 @@ RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh, for working points."""
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture(scope="module")
-def grid(belt: Variator) -> LinearGrid:
+def grid(coarse: Variator) -> LinearGrid:
     """Two ratios, two torques of which one is beyond capacity, two frictions."""
-    return belt.linear_grid([0.7, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]})
+    return coarse.linear_grid([0.7, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]})
 
 
 # Models
@@ -153,8 +148,6 @@ def test_the_fmu_itself_flags_it(fmu: Path) -> None:
 
 
 def test_refusals_in_python_name_the_point(belt: Variator) -> None:
-    with pytest.raises(SteadyStateError, match="at ratio 1, 900 N·m"):
-        belt.linearize(1.0, 900.0, force=9e3)
     with pytest.raises(LinearPointError, match="at ratio 1, 40 N·m.*no mode is slower than 0.01 Hz|out of range"):
         belt.linearize(1.0, 40.0, force=9e3, frequency=1e-3)
     # The variator can still be used.
@@ -198,30 +191,15 @@ def test_axes_are_what_has_more_than_one_number(belt: Variator) -> None:
 
 def same(one: LinearModel, other: LinearModel) -> bool:
     """Whether two models are equal to the last bit."""
-    arrays = all(np.array_equal(getattr(one, key), getattr(other, key)) for key in ("a", "b", "c", "d", "poles"))
-    rest = (
-        "inputs",
-        "outputs",
-        "states",
-        "held",
-        "given",
-        "values",
-        "units",
-        "frequency",
-        "slip",
-        "macro_slip",
-        "remarks",
-    )
-    return arrays and all(getattr(one, key) == getattr(other, key) for key in rest)
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__)
 
 
 def test_npz_comes_back_to_the_last_bit(grid: LinearGrid, tmp_path: Path) -> None:
     grid.save(tmp_path / "models.npz")
     back = load_linear(tmp_path / "models.npz")
     assert back.shape == grid.shape
-    assert {name: values.tolist() for name, values in back.axes.items()} == {
-        name: values.tolist() for name, values in grid.axes.items()
-    }
+    assert list(back.axes) == list(grid.axes)
+    assert all(np.array_equal(back.axes[name], values) for name, values in grid.axes.items())
     for place in np.ndindex(grid.shape):
         assert back.reasons[place] == grid.reasons[place]
         one, other = grid.models[place], back.models[place]
@@ -271,14 +249,11 @@ def test_a_file_without_models_is_an_error(grid: LinearGrid, tmp_path: Path) -> 
 
 
 def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
-    systems = grid.to_control()
+    systems, model = grid.to_control(), grid[1, 0, 0]
     assert systems.shape == grid.shape and systems[0, 1, 0] is None
-    model, system = grid[1, 0, 0], systems[1, 0, 0]
-    assert system.input_labels == [name.replace(".", "_") for name in model.inputs]
-    assert "ratio_geometric" in system.output_labels
-    found = system(2.0j)
+    assert systems[1, 0, 0].input_labels == [name.replace(".", "_") for name in model.inputs]
     expected = model.response(2.0)[0]
-    assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+    assert np.abs(systems[1, 0, 0](2.0j) - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 # The command line
@@ -287,21 +262,19 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (["initial.ratio"], "`initial.ratio` is not of the form NAME=VALUE"),
-        (["initial.ratio=one"], "initial.ratio = 'one' is not a number"),
-        (["initial.ratio=nan"], "initial.ratio = nan is not finite"),
+        (["initial.ratio"], "initial.ratio"),
+        (["initial.ratio=one"], "initial.ratio = 'one'"),
+        (["initial.ratio=nan"], "initial.ratio = nan"),
         (["initial.ratio=1", "initial.ratio=2"], "initial.ratio appears twice"),
-        (["initial.ratio=1:2:0"], "the last number is the count"),
-        (["secondary.torque=-1,-2"], "secondary.torque follows from the point"),
-        (["ring.model=ALE9"], "ring.model = 'ALE9' is not one of ALE0"),
-        (["ring.model=ALE0,ALE9"], "ring.model = 'ALE9' is not one of ALE0"),
-        (["initial.ratoi=1"], "similar names: initial.ratio"),
-        (["ring.model=RCM"], "ring.model = 'RCM' is not one of ALE0 (1), ALE (2)"),
-        (["initial.primarySpeed=0"], "no steady state at ratio 1, 50 N·m, 0 rad/s"),
+        (["initial.ratio=1:2:0"], "initial.ratio=1:2:0"),
+        (["secondary.torque=-1,-2"], "secondary.torque"),
+        (["ring.model=ALE0,ALE9"], "ring.model = 'ALE9'"),
+        (["initial.ratoi=1"], "initial.ratio"),
+        (["initial.primarySpeed=0"], "0 rad/s"),
         (["--frequency", "0"], "out of range"),
-        (["--safety", "0.1"], "--safety 0.1 is not within 1 to 10"),
-        (["--safety", "1.3", "secondary.clampingForce=9000"], "give one of them"),
-        (["--outputs", "sleep", *WORDS], "no output sleep"),
+        (["--safety", "0.1"], "--safety 0.1"),
+        (["--safety", "1.3", "secondary.clampingForce=9000"], "secondary.clampingForce"),
+        (["--outputs", "sleep", *WORDS], "sleep"),
         (["--variator", "bench169"], "bench169"),
     ],
 )
@@ -343,45 +316,6 @@ def test_a_grid_is_written_with_its_report(
 
 # From C
 
-C_PROGRAM = r"""
-#include <dlfcn.h>
-#include <stdio.h>
-#include "pushbelt.h"
-
-typedef struct { void *logger, *allocate, *release, *finished, *environment; } callbacks;
-static void ignore_message(void *e, const char *i, int status, const char *category, const char *format, ...) { (void)e; (void)i; (void)status; (void)category; (void)format; }
-
-int main(int argc, char **argv) {
-    void *library = dlopen(argv[1], RTLD_NOW);
-    if (argc != 3 || !library) return 10;
-    void *(*instantiate)(const char *, int, const char *, const char *, const callbacks *, int, int);
-    int (*setup)(void *, int, double, double, int, double), (*enter)(void *), (*leave)(void *);
-    void (*release)(void *);
-    pushbeltLinearizeTYPE *linearize;
-    pushbeltFreeTextTYPE *free_text;
-    *(void **)&instantiate = dlsym(library, "fmi2Instantiate");
-    *(void **)&setup = dlsym(library, "fmi2SetupExperiment");
-    *(void **)&enter = dlsym(library, "fmi2EnterInitializationMode");
-    *(void **)&leave = dlsym(library, "fmi2ExitInitializationMode");
-    *(void **)&release = dlsym(library, "fmi2FreeInstance");
-    *(void **)&linearize = dlsym(library, "pushbeltLinearize");
-    *(void **)&free_text = dlsym(library, "pushbeltFreeText");
-    callbacks functions = {0};
-    *(void (**)(void *, const char *, int, const char *, const char *, ...))&functions.logger = ignore_message;
-    void *instance = instantiate("c", 1, argv[2], "", &functions, 0, 0);
-    char *json = (char *)1;
-    if (linearize(instance, 50.0, &json) != 3 || json) return 11;
-    if (setup(instance, 0, 0.0, 0.0, 0, 0.0) || enter(instance) || leave(instance)) return 12;
-    int status = linearize(instance, 50.0, &json);
-    printf("%s", json);
-    free_text(json);
-    free_text(NULL);
-    release(instance);
-    return status;
-}
-"""
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="the program uses dlopen")
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
 def test_a_c_program_gets_it_by_the_header_in_the_fmu(fmu: Path, tmp_path: Path) -> None:
@@ -389,9 +323,7 @@ def test_a_c_program_gets_it_by_the_header_in_the_fmu(fmu: Path, tmp_path: Path)
         archive.extractall(tmp_path)
     guid = re.search(r'guid="([^"]+)"', (tmp_path / "modelDescription.xml").read_text(encoding="utf-8"))
     assert guid
-    source, program = tmp_path / "program.c", tmp_path / "program"
-    source.write_text(C_PROGRAM, encoding="utf-8")
-    header = tmp_path / "documentation"
+    source, program, header = Path(__file__).with_name("linearize.c"), tmp_path / "program", tmp_path / "documentation"
     warnings = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-Wno-cast-function-type"]
     subprocess.run(["cc", *warnings, f"-I{header}", "-o", program, source, "-ldl"], check=True)
     library = tmp_path / "binaries" / "linux64" / "PushbeltVariator.so"
@@ -423,13 +355,9 @@ def page() -> str:
 @pytest.fixture(scope="module")
 def controller(fmu: Path) -> ModuleType:
     """The example, as a module: it finds its linear models when it is loaded."""
-    path = ROOT / "examples" / "drivetrain" / "linear_control.py"
-    specification = importlib.util.spec_from_file_location("linear_control", path)
-    module = importlib.util.module_from_spec(specification)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PUSHBELT_FMU", str(fmu))
-        specification.loader.exec_module(module)
-    return module
+        return module_of(ROOT / "examples" / "drivetrain" / "linear_control.py")
 
 
 def test_the_page_shows_the_controller_that_runs(page: str) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import COARSE, WORDS
+from conftest import WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
 from pushbelt.errors import ArgumentError
-from pushbelt.linear import interpolation as linear_interpolation
 from pushbelt.linear import physical as linear_physical
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
@@ -26,15 +23,14 @@ ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
 
 
-@pytest.fixture(scope="module")
-def belt(fmu: Path) -> Iterator[Variator]:
-    with Variator("bench168", COARSE, fmu=fmu) as opened:
-        yield opened
+@pytest.fixture
+def belt(coarse: Variator) -> Variator:
+    return coarse
 
 
 @pytest.fixture(scope="module")
-def grid(belt: Variator) -> LinearGrid:
-    return belt.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
+def grid(coarse: Variator) -> LinearGrid:
+    return coarse.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
 
 
 def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3) -> LinearModel:
@@ -195,14 +191,6 @@ def test_a_sampled_model_stays_sampled() -> None:
     assert model.select(["slip"]).to_control().dt == 0.05
 
 
-def test_a_sampled_model_comes_back_from_its_document() -> None:
-    model = physical(invented([-0.3, -4.0, -90.0])).sampled(0.05)
-    back = LinearModel.of(json.loads(json.dumps(model.document())))
-    for name in model.__dataclass_fields__:
-        assert np.array_equal(getattr(back, name), getattr(model, name)), name
-    assert back.to_control().dt == 0.05
-
-
 def test_different_sample_times_do_not_mix(tmp_path: Path) -> None:
     one = physical(invented([-0.3, -4.0, -90.0]))
     models = np.array([one, one.sampled(0.05)], dtype=object)
@@ -248,14 +236,6 @@ def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variat
     # About 0.75 this coarse mesh has two steady states.
     near, there = grid.interpolate(ratio=0.77, torque=30.0), belt.linearize(0.77, 30.0, force=11e3)
     assert near.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
-
-
-def test_interpolation_is_linear_in_its_parts() -> None:
-    """Models of one law, with a fast mode whose direction changes: the mean of two parts is exact in each part."""
-    models = [physical(invented([-0.2 * k, -1.0 - k, -200.0 * k], seed=4)) for k in (1, 2)]
-    found = linear_interpolation.interpolated([(models[0], 0.25), (models[1], 0.75)])
-    assert found.poles[-1] == pytest.approx(-350.0)
-    assert found.d == pytest.approx(0.25 * models[0].d + 0.75 * models[1].d)
 
 
 @pytest.mark.parametrize(

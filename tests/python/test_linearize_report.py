@@ -52,9 +52,3 @@ def test_the_ratio_has_a_colour_and_the_torque_a_dash() -> None:
     many = chosen(grid(ratio=list(np.linspace(0.5, 2.0, 9)), torque=list(np.linspace(10.0, 90.0, 9))))
     assert len({(one.colour, one.dash) for one in many}) == len(many) == 12
     assert many[0].name == "ratio 0.5, torque 10 N·m" and many[-1].name == "ratio 2, torque 90 N·m"
-
-
-@pytest.mark.parametrize("axis", ["ratio", "torque", "force"])
-def test_a_single_axis_has_colours(axis: str) -> None:
-    found = chosen(grid(**{axis: [1.0, 2.0, 3.0]}))
-    assert [(one.colour, one.dash) for one in found] == [(colour, "") for colour in COLOURS[:3]]

@@ -26,12 +26,7 @@ from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps
 
-LOADS = {
-    "primary.torque": 60.0,
-    "secondary.torque": -58.0,
-    "primary.clampingForce": 14e3,
-    "secondary.clampingForce": 10e3,
-}
+LOADS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
 
 
 @pytest.fixture(scope="module")
@@ -189,15 +184,13 @@ def compare(detailed: Any, mapped: Any) -> tuple[float, float, float]:
     return error, energy[1] / energy[0] - 1.0, loss[1] / loss[0] - 1.0
 
 
-SECTIONS = [(0.0, 1800.0)] if "PUSHBELT_WHOLE_CYCLE" in os.environ else [(10.0, 40.0), pytest.param(1478.0, 1800.0, marks=pytest.mark.slow)]  # fmt: skip
+SECTIONS = [(0.0, 1800.0)] if "PUSHBELT_WHOLE_CYCLE" in os.environ else [(10.0, 40.0), pytest.param((1478.0, 1800.0), marks=pytest.mark.slow)]  # fmt: skip
 """The first launch and the extra-high part of the WLTC, s; or all of it, for the page on levels."""
 
 
-@pytest.mark.parametrize(("start", "stop"), SECTIONS)
-def test_a_section_of_the_wltc(
-    archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path, start: float, stop: float
-) -> None:
-    runs = drives(archive, maps_archive, fmu, drive_folder, start, stop)
+@pytest.mark.parametrize("span", SECTIONS)
+def test_the_wltc(span: tuple[float, float], archive: Archive, maps_archive: Archive, fmu: Path, drive_folder: Path) -> None:
+    runs = drives(archive, maps_archive, fmu, drive_folder, *span)
     ratio, energy, loss = compare(*runs)
     print(f"ratio {100 * ratio:.2f} %, driving energy {100 * energy:.3f} %, belt loss {100 * loss:.1f} %")
     print("processor time", *(f"{run.processor_time:.1f} s" for run in runs))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -11,25 +10,16 @@ import fmpy
 import masters
 import numpy as np
 import pytest
+from conftest import needs
 
 from pushbelt import cli
 from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 
 OUTPUTS = (
-    "thrustRatio",
-    "belt.speed",
-    "ring.speed",
-    "primary.speed",
-    "secondary.speed",
-    "ratio.geometric",
-    "slip",
-    "loss.total",
-    "primary.axialForce",
-    "secondary.shaftTorque",
-    "pushForce.max",
-    "spiral.secondary",
-)
+    "thrustRatio", "belt.speed", "ring.speed", "primary.speed", "secondary.speed", "ratio.geometric", "slip", "loss.total",
+    "primary.axialForce", "secondary.shaftTorque", "pushForce.max", "spiral.secondary",
+)  # fmt: skip
 
 OTHERS = [
     pytest.param("libcosimpy", masters.with_libcosim, id="libcosim"),
@@ -56,8 +46,7 @@ def expected(fmu: Path) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize(("package", "run"), OTHERS)
 def test_other_masters_find_the_same(fmu: Path, expected, package: str, run: masters.Run, name: str) -> None:
     """Equal to 1e-9 of each output's range; the remaining difference is due to the summation of steps."""
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} has no wheel for this Python and machine")
+    needs(package)
     start, inputs, steps = RUNS[name]
     found, reference = run(fmu, start, inputs, steps, OUTPUTS)[1:], expected[name][1:]
     assert np.all(np.isfinite(found))
@@ -82,8 +71,7 @@ def test_start_values_of_a_copy_hold_in_masters_that_pass_none_on(
     fmu: Path, own: Path, package: str, run: masters.Run | None
 ) -> None:
     """fmpy.simulate_fmu, libcosim and ecos do not set the start values of the model description."""
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} has no wheel for this Python and machine")
+    needs(package)
     expected = masters.with_fmpy(fmu, OWN, unwired, 20, OUTPUTS)
     if run is None:
         result = fmpy.simulate_fmu(

@@ -1,9 +1,11 @@
-"""The package: permitted imports between its parts, and its version."""
+"""The package, read from its source: imports between its parts, errors and their messages, version and data."""
 
 from __future__ import annotations
 
 import ast
 import importlib
+import re
+from collections.abc import Iterator
 from xml.etree import ElementTree
 
 import pytest
@@ -25,6 +27,18 @@ LIBRARY = {f"pushbelt.{name}" for name in ("input_table", "points", "recording",
 """Modules of what `pushbelt` exports, besides the packages `fmu`, `linear` and `maps`."""
 NOT_RAISED_BY_CALLS = {"NotFoundError"}
 """Errors of modules in `pushbelt.fmu` that serve the programs."""
+
+
+BUILTIN = {
+    "ValueError", "KeyError", "FileNotFoundError", "ModuleNotFoundError", "AttributeError", "argparse.ArgumentTypeError",
+}  # fmt: skip
+"""Errors of Python that the package raises. Other errors are classes of the package."""
+BROAD = {
+    f"pushbelt.{name}"
+    for name in ("fmu.unit", "fmu.untrusted", "study.worker", "tables.files", "report.side_by_side", "study.cluster")
+}
+"""Modules that convert any exception of a library or a worker to an error or a reason."""
+VAGUE = re.compile(r"\b(invalid|illegal|bad|wrong|something|unexpected|oops|please|sorry|error occurred|failed)\b", re.IGNORECASE)
 
 
 def part_of(module: str) -> str:
@@ -84,14 +98,51 @@ def test_every_error_has_the_base_class() -> None:
                     assert issubclass(found, (pushbelt.PushbeltError, Warning)), f"{module}.{name}"
 
 
-def test_the_library_raises_only_what_it_exports() -> None:
-    for module in MODULES:
-        programs = ("__main__", "report", "files", "figures", "lines", "plan")
-        if not (part_of(module) in ("fmu", "linear", "maps") or module in LIBRARY) or module.endswith(programs):
+def text(node: ast.expr) -> str:
+    """A message, with the expressions of its values in braces."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    if isinstance(node, ast.JoinedStr):
+        return "".join(text(part.value if isinstance(part, ast.FormattedValue) else part) for part in node.values)
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        return text(node.left) + text(node.right)
+    return f"{{{ast.unparse(node)}}}"
+
+
+def statements(kind: type[ast.AST]) -> Iterator[tuple[str, str, ast.AST]]:
+    """Modules, places and nodes of a kind."""
+    for module, path in MODULES.items():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, kind):
+                yield module, f"{path.relative_to(PACKAGE)}:{node.lineno}", node
+
+
+def test_errors_have_a_known_class_and_say_what_is_at_fault() -> None:
+    classes = {node.name for _, _, node in statements(ast.ClassDef)}
+    programs = ("__main__", "report", "files", "figures", "lines", "plan")
+    found = 0
+    for module, place, node in statements(ast.Raise):
+        if node.exc is None:
             continue
-        for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name):
-                assert node.exc.func.id in {*pushbelt.__all__, *NOT_RAISED_BY_CALLS}, f"{module}, line {node.lineno}"
+        assert isinstance(node.exc, ast.Call) and node.exc.args, f"{place}: it has a message"
+        name, message, found = ast.unparse(node.exc.func), text(node.exc.args[0]), found + 1
+        # `table.error` makes an error of the class DurabilityError.
+        assert name in BUILTIN or name.rpartition(".")[2] in {*classes, "error"}, f"{place}: a class of the package or ValueError"
+        if (part_of(module) in ("fmu", "linear", "maps") or module in LIBRARY) and not module.endswith(programs) and "." not in name:
+            assert name in {*pushbelt.__all__, *NOT_RAISED_BY_CALLS}, f"{place}: the library raises what it exports"
+        words = re.sub(r"\{[^{}]*\}", "{}", message)
+        assert not message.endswith((".", "!", " ", "\n")), f"{place}: it may be the middle of a sentence"
+        assert "  " not in words and not words.startswith((" ", ":")), place
+        assert not re.match(r"[A-Z][a-z]+ (is|are|has|must|not|does|cannot)\b", words), f"{place}: it follows a name"
+        assert not VAGUE.search(words) or "{" in words, f"{place}: it gives the reason"
+        assert "{" in words or len(words.split()) >= 4, f"{place}: it has the name, the value or the range"
+    assert found > 120
+
+
+def test_exceptions_of_any_kind_are_caught_only_where_they_become_reasons() -> None:
+    for module, place, node in statements(ast.ExceptHandler):
+        assert node.type is not None, place
+        assert ast.unparse(node.type) not in ("Exception", "BaseException") or module in BROAD, place
 
 
 def test_version_is_that_of_the_model_description() -> None:

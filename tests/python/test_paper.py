@@ -9,13 +9,12 @@ import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 import reports
-from pushbelt_paper import __main__, cases, figures, profiles, report, rings, runs, times
+from pushbelt_paper import __main__, cases, profiles, rings, runs, times
 from pushbelt_paper.results import Window
 from pushbelt_paper.statements import Statement, Verdict, compared
 
@@ -23,8 +22,6 @@ from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
-from pushbelt.report import charts
-from pushbelt.report.charts import Chart
 from pushbelt.tables import split
 
 ROOT = Path(__file__).parents[2]
@@ -91,18 +88,6 @@ def test_means_are_over_time_and_ratios_are_of_means() -> None:
     assert part.efficiency == pytest.approx(140.0 / 150.0)
     assert part.efficiency_from_losses == pytest.approx(part.efficiency)
     assert part.change == pytest.approx(0.0)
-
-
-def test_ripple_ignores_a_trend() -> None:
-    time = np.linspace(0.0, 1.0, 1001)
-    part = window(force=list(100.0 + 20.0 * time + 3.0 * np.sin(200.0 * np.pi * time)))
-    assert part.ripple("force") == pytest.approx(3.0 / math.sqrt(2.0) / 110.0, rel=1e-2)
-
-
-def test_the_load_swings_below_that_of_the_case() -> None:
-    loads = [times.wave(-50.0, k / (40.0 * times.WAVE_FREQUENCY)) for k in range(41)]
-    assert (min(loads), max(loads)) == pytest.approx((-50.0, -50.0 * (1.0 - times.WAVE_DEPTH)))
-    assert loads[0] == loads[-1] == pytest.approx(-50.0)
 
 
 # Computing times
@@ -186,46 +171,6 @@ def test_an_evenly_spaced_mesh_gets_near_when_fine_and_balances_energy_less_well
     # The jump of the force causes the same error of 0.1 J on both meshes in the first step; later differences are due to the mesh.
     assert worst["aligned"] < 1e-3 < worst["even"]
     assert worst["even"] > 10.0 * worst["aligned"]
-
-
-def test_numbers_are_brief() -> None:
-    assert report.brief(0.0) == "0"
-    assert report.brief(-9.5344) == "−9.5344"
-    assert report.brief(3.2e-10) == "3.2·10⁻¹⁰"
-
-
-# Figures
-
-
-def inside(chart: Chart) -> None:
-    """Checks that all lines keep a distance from the frame of their panel."""
-    for panel in chart.panels:
-        layout = charts.panel_data(panel, chart.linked)["layout"]
-        for axis in "xy":
-            low, high = layout[f"{axis}axis"]["range"]
-            values = np.concatenate([np.asarray(getattr(one, axis), dtype=float) for one in panel.series])
-            assert low < values.min() - 0.01 * (high - low) and values.max() + 0.01 * (high - low) < high, (panel.title, axis)
-
-
-def test_lines_of_figures_7_and_8_keep_a_distance_from_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
-    turn = np.linspace(0.0, 2.0 * np.pi, 60)
-    time = np.linspace(0.0, 4e-3, 41)
-    motion = SimpleNamespace(time=time, theta=np.sin(800.0 * time), ovality=-time, kinetic=time, bending=time, membrane=time, total=time)
-    names = ("RCM", "ANCF", "ALE")
-    shapes = {t: np.array([np.cos(turn) + 100.0 * t, (1.0 + k) * np.sin(turn)]).T for k, t in enumerate(time)}
-    outlines, _ = figures.deformable_ring(
-        SimpleNamespace(motions={("7", n): motion for n in names}, shapes={("7", n): shapes for n in names})
-    )
-    inside(outlines)
-    assert len({(panel.x_range, panel.y_range) for panel in outlines.panels}) == 1, "one scale for all times"
-    path = SimpleNamespace(time=np.linspace(0.0, 0.1, 50), xi=np.linspace(0.3, 1.0, 50))
-    monkeypatch.setattr(figures.profiles, "element", lambda *_: (path, 700.0 * np.sin(30.0 * path.time)))
-    monkeypatch.setattr(figures.profiles, "curve", lambda *_: CURVE)
-    monkeypatch.setattr(figures.profiles, "arc", lambda *_: (np.linspace(0.0, 1.0, 20), np.linspace(-1e-4, 2e-4, 20)))
-    run = SimpleNamespace(case=SimpleNamespace(name="underdrive-30"), window=None)
-    results = SimpleNamespace(parameters={}, chosen=lambda _: run)
-    inside(figures.push_force(results))
-    inside(figures.spiral_running(results))
 
 
 # All of it

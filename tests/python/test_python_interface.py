@@ -85,19 +85,16 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(fmu: Path, belt: Variator) -
 @pytest.mark.parametrize(
     ("table", "why"),
     [
-        (
-            pd.DataFrame({"primary.torqe": [1.0, 2.0]}),
-            "no parameter or input primary.torqe; similar names: primary.torque",
-        ),
-        (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "must be finite and must ascend"),
-        (pd.DataFrame({"primary.torque": [1.0]}), "has 1 rows: at least 2"),
-        (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "must be numbers"),
-        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque = nan is not finite"),
-        ({"primary.torque": [1.0, 2.0]}, "a pandas.DataFrame over time, not dict"),
+        (pd.DataFrame({"primary.torqe": [1.0, 2.0]}), "primary.torqe"),
+        (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "ascend"),
+        (pd.DataFrame({"primary.torque": [1.0]}), "1 rows"),
+        (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "1 Nm"),
+        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque"),
+        ({"primary.torque": [1.0, 2.0]}, "dict"),
     ],
 )
 def test_a_table_that_is_not_usable_changes_nothing(belt: Variator, table: pd.DataFrame, why: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(why).replace("nan", "(np.float64\\()?nan\\)?")):
+    with pytest.raises(ValueError, match=why):
         belt.simulate(table)
     assert len(belt.outputs) == 0
 
@@ -111,15 +108,13 @@ def test_results_become_tables(belt: Variator) -> None:
 
 
 def test_similar_names_are_given(belt: Variator) -> None:
-    with pytest.raises(KeyError, match="no variable pushForce.maxx; similar names: pushForce.max"):
+    with pytest.raises(KeyError, match="pushForce.maxx.*pushForce.max"):
         belt["pushForce.maxx"]
-    with pytest.raises(KeyError, match="no output efficency; similar names: efficiency"):
+    with pytest.raises(KeyError, match="efficency.*efficiency"):
         belt.steady(1.0, 30.0)["efficency"]
-    for name, hint in (("belt_155", "is belt155 meant?"), ("Bench168", "is bench168 meant?")):
-        with pytest.raises(FileNotFoundError, match=f"no variator '{name}'; there are .*bench168.*{re.escape(hint)}"):
+    for name, near in (("belt_155", "belt155"), ("Bench168", "bench168"), ("rig.json", "")):
+        with pytest.raises(FileNotFoundError, match=f"{name}.*bench168.*{near}"):
             Variator(name)
-    with pytest.raises(FileNotFoundError, match=r"no file rig.json; there are [\w, ]+ and files ….json$"):
-        Variator("rig.json")
 
 
 # The command line
@@ -133,11 +128,7 @@ def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert "start ALE, one of ALE0, ALE\n" in capsys.readouterr().out
     assert cli.main(["variables", "--kind", "output", "--fmu", str(fmu)]) == 0
     said = capsys.readouterr().out
-    assert (
-        said.startswith("thrustRatio\n    output, ")
-        and "profile.pushForce[1]" not in said
-        and "primary.torque\n" not in said
-    )
+    assert said.startswith("thrustRatio\n    output, ") and "profile.pushForce[1]" not in said and "primary.torque\n" not in said
     assert cli.main(["variables", "thrustRaito", "--fmu", str(fmu)]) == 1
     assert "similar names: thrustRatio" in capsys.readouterr().err
 
@@ -156,11 +147,7 @@ def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_pa
     """Without the packages of all extras, and without an FMU."""
     hidden = ",".join({name.lower().replace("-", "_") for name in declared["all"] - declared["base"]} | {"wltp"})
     command = [sys.executable, "-c", WITHOUT, hidden, program, "--help"]
-    environment = {
-        "PYTHONPATH": str(ROOT / "python"),
-        "PUSHBELT_FMU": str(tmp_path / "none.fmu"),
-        "PATH": "/usr/bin:/bin",
-    }
+    environment = {"PYTHONPATH": str(ROOT / "python"), "PUSHBELT_FMU": str(tmp_path / "none.fmu"), "PATH": "/usr/bin:/bin"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
     assert run.returncode == 0 and "Traceback" not in run.stderr, run.stderr
     assert run.stdout.startswith(f"usage: pushbelt {program} ") and "--help" in run.stdout

@@ -86,12 +86,6 @@ def test_it_also_holds_for_a_copy_with_other_start_values(fmu: Path, description
     smoke_test(copy, tmp_path)
 
 
-def test_a_wrong_result_is_noticed(fmu: Path, tmp_path: Path) -> None:
-    """With other parameters the result is beyond the tolerance."""
-    with pytest.raises(AssertionError, match="differs"):
-        smoke_test(fmu, tmp_path, {"friction.pulley": 0.085})
-
-
 def smoke_test(path: Path, folder: Path, changes: dict[str, float] | None = None) -> None:
     """Runs the experiment as an importer does that has only the archive, and compares its result."""
     with zipfile.ZipFile(path) as archive:

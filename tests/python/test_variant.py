@@ -242,14 +242,6 @@ def test_the_library_runs_by_itself(folder, pair, monkeypatch: pytest.MonkeyPatc
     assert not is_loaded(path)
 
 
-def test_a_pipe_with_the_variants_name_keeps_nobody_waiting(folder) -> None:
-    path = folder(with_variant=False)
-    os.mkfifo(variant(path))
-    library = Library(path)
-    library.free(library.create())
-    assert "is not the file of this build" in library.log[0]
-
-
 def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) -> None:
     """Neither that of a link to it, nor the working directory if the host has a relative path and has changed it."""
     path, planted = folder(with_variant=False), folder("planted")
@@ -276,14 +268,6 @@ def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) ->
     assert library.log == [FAST]
 
 
-def test_any_other_value_of_the_switch_has_no_effect(folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PUSHBELT_AVX2", "1")
-    library = Library(folder())
-    instance = library.create()
-    assert library.log == [FAST]
-    library.free(instance)
-
-
 def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatch) -> None:
     """While an instance of the library itself exists, the variant is not opened."""
     path = folder()
@@ -298,22 +282,6 @@ def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatc
     third = library.create()
     assert is_loaded(variant(path)) and library.log[-1] == FAST
     library.free(third)
-
-
-def test_two_copies_in_a_process_use_their_own_variants(folder) -> None:
-    paths = [folder("a"), folder("b"), folder("c", with_variant=False)]
-    libraries = [Library(path) for path in paths]
-    instances = [library.create() for library in libraries]
-    assert [is_loaded(variant(path)) for path in paths] == [True, True, False]
-    assert [library.log[0] for library in libraries[:2]] == [FAST, FAST] and libraries[2].log[0].startswith(SLOW)
-    for library, instance in zip(libraries, instances, strict=True):
-        library.start(instance)
-    libraries[0].free(instances[0])
-    assert [is_loaded(variant(path)) for path in paths] == [False, True, False]
-    for number in range(3):
-        both = zip(libraries[1:], instances[1:], strict=True)
-        outputs = [library.step(instance, number) for library, instance in both]
-        assert outputs[0] == pytest.approx(outputs[1], rel=1e-15)
 
 
 def test_states_pass_between_the_library_and_its_variant(folder) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from types import ModuleType
 
 import nbformat
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, module_of
 
 
 def test_the_notebook_runs_from_start_to_end(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,10 +37,7 @@ def test_the_notebook_runs_from_start_to_end(fmu: Path, tmp_path: Path, monkeypa
 @pytest.fixture(scope="module")
 def car() -> ModuleType:
     """The example, as a module."""
-    specification = importlib.util.spec_from_file_location("car", ROOT / "examples" / "drivetrain" / "car.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    return module_of(ROOT / "examples" / "drivetrain" / "car.py")
 
 
 @pytest.fixture

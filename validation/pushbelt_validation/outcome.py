@@ -205,10 +205,8 @@ class Table:
     def titles(self) -> list[str]:
         """Titles of the columns in the CSV file."""
         numeric = [any(isinstance(row[place], float) for row in self.rows) for place in range(len(self.columns))]
-        return [
-            title(column.name, column.written) if number else column.name
-            for column, number in zip(self.columns, numeric, strict=True)
-        ]
+        pairs = zip(self.columns, numeric, strict=True)
+        return [title(column.name, column.written) if number else column.name for column, number in pairs]
 
     def shown(self) -> list[list[str]]:
         """All rows as text."""

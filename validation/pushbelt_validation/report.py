@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,27 +13,12 @@ from .outcome import Part, Section, Verdict
 from .runs import Results
 
 
-@dataclass(frozen=True)
-class Summary:
-    """The verdict of a section: `met` if all its goals are met, `reported` if there is none."""
-
-    key: str
-    title: str
-    part: str
-    verdict: str
-    met: int
-    goals: int
-    used: float | None = None
-    """Largest share of a tolerance that is used."""
-
-
-def summary(section: Section) -> Summary:
-    """The verdict of a section."""
-    verdicts = [check.verdict for check in section.checks]
-    met, missed = verdicts.count(Verdict.MET), verdicts.count(Verdict.MISSED)
-    verdict = Verdict.MISSED if missed else Verdict.MET if met else Verdict.REPORTED
+def summary(section: Section) -> dict[str, Any]:
+    """The verdict of a section: `met` if all its goals are met, `reported` if there is none; and the largest share of a tolerance."""
+    found = documents.counts([section], section.part)
+    verdict = Verdict.MET if 0 < found["met"] == found["goals"] else Verdict.MISSED if found["goals"] else Verdict.REPORTED
     used = max((check.used for check in section.checks if check.used is not None), default=None)
-    return Summary(section.key, section.title, section.part.value, verdict.value, met, met + missed, used)
+    return {**found, "key": section.key, "title": section.title, "part": section.part.value, "verdict": verdict.value, "used": used}
 
 
 def write(results: Results, folder: Path) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ def document(results: Results) -> dict[str, Any]:
     steps = next((s for s in results.sections if s.part is Part.STEPS), None)
     return {
         "version": results.version,
-        **{part.value: counts(results, part) for part in (Part.VERIFICATION, Part.MEASUREMENTS)},
+        **{part.value: counts(results.sections, part) for part in (Part.VERIFICATION, Part.MEASUREMENTS)},
         "checks": [_check(section, check) for section in results.sections for check in section.checks],
         "steps": None if steps is None else {
             "told": steps.lead,
@@ -34,9 +34,9 @@ def document(results: Results) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def counts(results: Results, part: Part) -> dict[str, int]:
+def counts(sections: Iterable[Section], part: Part) -> dict[str, int]:
     """Numbers of met goals, of goals, and of values that are reported without one."""
-    verdicts = [check.verdict for section in results.sections if section.part is part for check in section.checks]
+    verdicts = [check.verdict for section in sections if section.part is part for check in section.checks]
     met, missed = verdicts.count(Verdict.MET), verdicts.count(Verdict.MISSED)
     return {"met": met, "goals": met + missed, "reported": len(verdicts) - met - missed}
 

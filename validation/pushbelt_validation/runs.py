@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -63,8 +62,6 @@ def run_all(fmu: Path, plan: Plan, names: tuple[str, ...] = tuple(SECTIONS)) -> 
     points = {name: SECTIONS[name][2 if plan.short else 1] for name in names}
     order = sorted(names, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
     with Archive.unpack(fmu) as archive:
-        calls: list[tuple[Callable[..., Section], tuple[Archive, str, Plan, int]]] = [
-            (_run, (archive, name, plan, points[name])) for name in order
-        ]
+        calls = [(_run, (archive, name, plan, points[name])) for name in order]
         found = dict(zip(order, side_by_side.run_all(calls, sum(points.values()), "points of the FMU"), strict=True))
         return Results(archive.version, tuple(found[name] for name in SECTIONS if name in found), plan.short)

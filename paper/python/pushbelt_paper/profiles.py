@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushbelt.fmu import fields
 from pushbelt.fmu.data import curve_of
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 
@@ -77,7 +76,7 @@ def strand_ripple(parameters: Mapping[str, float], run: CaseRun) -> float:
 def push_force_gains(parameters: Mapping[str, float], run: CaseRun) -> tuple[float, float, float]:
     """Change of the mean push force over the primary arc, the push strand and the secondary arc, N."""
     window = run.window
-    return fields.push_force_gains(curve(parameters, window), window.position, window.push_force.mean(axis=0))
+    return curve(parameters, window).push_force_gains(window.position, window.push_force.mean(axis=0))
 
 
 def arc(parameters: Mapping[str, float], run: CaseRun, pulley: str) -> tuple[Array, Array]:

@@ -115,16 +115,12 @@ def write_tables(results: PaperResults, statements: list[Statement], folder: Pat
             for run in results.runs
         ),
     )  # fmt: skip
-    tables.write(
-        folder / "figure-8c.csv",
-        ["case", "model", "time [s]", "xi [m]", "pushForce [N]"],
-        (
-            [run.case.name, run.model, *map(float, row)]
-            for run, path, force in elements
-            for row in zip(path.time, path.xi, force, strict=True)
-        ),
-        digits=6,
+    rows = (
+        [run.case.name, run.model, *map(float, row)]
+        for run, path, force in elements
+        for row in zip(path.time, path.xi, force, strict=True)
     )
+    tables.write(folder / "figure-8c.csv", ["case", "model", "time [s]", "xi [m]", "pushForce [N]"], rows, digits=6)
     tables.write(
         folder / "figure-8d.csv",
         ["case", "model", "pulley", "fractionOfArc [1]", "radialDeviation [m]"],
@@ -136,18 +132,9 @@ def write_tables(results: PaperResults, statements: list[Statement], folder: Pat
         ),
         digits=6,
     )
-    tables.write(
-        folder / "meshes.csv",
-        ["case", "mesh", *tables.titles(state, state)],
-        (
-            [case, mesh, *(values[name] for name in state)]
-            for case, states in results.meshes.items()
-            for mesh, values in states.items()
-        ),
-    )
+    meshes = [(case, mesh, values) for case, states in results.meshes.items() for mesh, values in states.items()]
+    rows = ([case, mesh, *(values[name] for name in state)] for case, mesh, values in meshes)
+    tables.write(folder / "meshes.csv", ["case", "mesh", *tables.titles(state, state)], rows)
     times.write(results.times, results.fmu_version, folder / "figure-9.csv")
-    tables.write(
-        folder / "statements.csv",
-        ["source", "claim", "verdict", "found", "reason"],
-        ([s.source, s.claim, s.verdict.value, s.found, s.reason] for s in statements),
-    )
+    rows = ([s.source, s.claim, s.verdict.value, s.found, s.reason] for s in statements)
+    tables.write(folder / "statements.csv", ["source", "claim", "verdict", "found", "reason"], rows)

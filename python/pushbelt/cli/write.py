@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ArgumentError
 
 if TYPE_CHECKING:
+    from ..fmu.unit import Archive
     from ..maps.data import Maps
 
 
@@ -19,11 +21,9 @@ def write_fmu(options: argparse.Namespace) -> int:
     from ..fmu import cache, flat, start_values
     from ..fmu.data import parameter_set
     from ..fmu.files import default_fmu
-    from ..fmu.unit import Instance, UnitError
     from ..fmu.untrusted import described
 
-    if options.copy.suffix != ".fmu":
-        raise ArgumentError(f"{options.copy} does not end in .fmu: importers would not accept it")
+    _check_name(options.copy)
     fmu = options.fmu or default_fmu()
     if options.flat and not (options.set or options.variator or options.ssv):
         described(fmu)
@@ -41,29 +41,44 @@ def write_fmu(options: argparse.Namespace) -> int:
         given |= ssv.read(options.ssv, variables)
     given |= dict(options.set)
     values = start_values.checked(variables, given)
-    try:
-        with Instance(archive, values) as unit:
-            unit.initialise()
-            remarks = unit.warnings
-    except UnitError as error:
-        raise ArgumentError(f"the FMU rejects these values: {error}") from error
+    remarks = _tried(archive, values, "values")
     start_values.write_copy(fmu, options.copy, values)
     if options.flat:
         flat.write_copy(options.copy, options.copy)
+    _print(options.copy, remarks, f" ({len(values)} start values{', flat names' if options.flat else ''})")
+    return 0
+
+
+def _check_name(copy: Path) -> None:
+    if copy.suffix != ".fmu":
+        raise ArgumentError(f"{copy} does not end in .fmu: importers would not accept it")
+
+
+def _tried(archive: Archive, values: Mapping[str, Any], what: str) -> list[str]:
+    """Warnings of the FMU after a start with these values. Raises ArgumentError if it rejects them."""
+    from ..fmu.unit import Instance, UnitError
+
+    try:
+        with Instance(archive, values) as unit:
+            unit.initialise()
+            return unit.warnings
+    except UnitError as error:
+        raise ArgumentError(f"the FMU rejects these {what}: {error}") from error
+
+
+def _print(copy: Path, remarks: list[str], more: str = "") -> None:
     for remark in remarks:
         print(f"  warning of the FMU: {remark}", file=sys.stderr)
-    print(f"{options.copy.resolve()} ({len(values)} start values{', flat names' if options.flat else ''})")
-    return 0
+    print(f"{copy.resolve()}{more}")
 
 
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
     from ..maps import unit as map_unit
-    from ..fmu.unit import Archive, Instance, UnitError
+    from ..fmu.unit import Archive
     from ..maps.data import Maps
 
-    if options.copy.suffix != ".fmu":
-        raise ArgumentError(f"{options.copy} does not end in .fmu: importers would not accept it")
+    _check_name(options.copy)
     if options.maps and options.variator:
         raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
     if options.short and not options.variator:
@@ -73,16 +88,13 @@ def write_map_fmu(options: argparse.Namespace) -> int:
     else:
         maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     map_unit.write_fmu(options.copy, maps, options.fmu, dict(options.set))
-    try:
-        with Archive.unpack(options.copy) as archive, Instance(archive, {}) as unit:
-            unit.initialise()
-            remarks = unit.warnings
-    except UnitError as error:
-        options.copy.unlink()
-        raise ArgumentError(f"the FMU rejects these maps or values: {error}") from error
-    for remark in remarks:
-        print(f"  warning of the FMU: {remark}", file=sys.stderr)
-    print(options.copy.resolve())
+    with Archive.unpack(options.copy) as archive:
+        try:
+            remarks = _tried(archive, {}, "maps or values")
+        except ArgumentError:
+            options.copy.unlink()
+            raise
+    _print(options.copy, remarks)
     return 0
 
 

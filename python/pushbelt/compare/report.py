@@ -28,9 +28,8 @@ def write(
     wanted: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
 ) -> Path:
-    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both belts if both
-    files have the fields along the belt.
-    """
+    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both
+    belts if both files have the fields along the belt."""
     folder.mkdir(parents=True, exist_ok=True)
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     rows = (
@@ -41,7 +40,7 @@ def write(
     header = ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"]
     tables.write(folder / "differences.csv", header, rows)
     path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path, plain=_plain)
+    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path)
     return path
 
 
@@ -95,8 +94,3 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), gr
     ]
     panels = stack(rows, "time (s)", x_range=(start, end), height=170)
     return Chart(panels, f"Both runs of {pair.name} over time", columns=2, linked=True, group=group, least_width=330)
-
-
-def _plain(value: float) -> str:
-    """A number with four significant digits."""
-    return f"{value:.4g}".replace("-", page.MINUS)

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from pushbelt.fmu.data import curve_at, is_chain
-from pushbelt.fmu.fields import EDGE, push_force_gains
-from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.geometry import EDGE, Array
 from pushbelt.fmu.results import LoadCaseResult, Trace
 from pushbelt.report.page import Check
 
@@ -58,19 +57,13 @@ def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
     torques = {torque for _, torque in ratios}
     table = np.array([[ratios[name, torque] for torque in torques] for name in names])
     found = " < ".join(f"{mean:.3f}" for mean in table.mean(axis=1))
-    ordered = bool((np.diff(table, axis=0) > 0.0).all())
-    return Check(
-        "Thrust ratio orders underdrive < medium < overdrive at every torque",
-        ordered,
-        f"{found} (means over the torques)",
-    )
+    statement = "Thrust ratio orders underdrive < medium < overdrive at every torque"
+    return Check(statement, bool((np.diff(table, axis=0) > 0.0).all()), f"{found} (means over the torques)")
 
 
 def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
-    gains = [
-        push_force_gains(curve_at(parameters, r.steady), r.steady.profile.position, r.steady.profile.push_force)
-        for r in cases
-    ]
+    profiles = [(curve_at(parameters, r.steady), r.steady.profile) for r in cases]
+    gains = [curve.push_force_gains(profile.position, profile.push_force) for curve, profile in profiles]
     built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
     return Check(
         "Push force builds up in the primary arc and decays in the secondary arc",
@@ -95,23 +88,17 @@ def _manoeuvre(trace: Trace) -> list[Check]:
     missing = [event.name for event in events if not event.occurred]
     found = f"at most {100 * (residual / bound).max():.0f} % of the bound, {residual.max():.3g} J"
     within = bool((residual <= bound).all())
+    occurred = f"missing: {', '.join(missing)}" if missing else f"{len(events)} events"
     return [
         Check("Energy residual of the manoeuvre stays within its bound at every output point", within, found),
-        Check(
-            "Every event of the manoeuvre occurs",
-            not missing,
-            f"missing: {', '.join(missing)}" if missing else f"{len(events)} events",
-        ),
+        Check("Every event of the manoeuvre occurs", not missing, occurred),
     ]
 
 
 def evaluate(results: DemoResults) -> list[Check]:
     """All checks."""
     cases, parameters = results.cases, results.parameters
-    constant, slips = (
-        "Push force is constant in the push strand within 1 %",
-        "Slip lies between 0 and 4 %, the largest measured in underdrive",
-    )
+    constant, slips = "Push force is constant in the push strand within 1 %", "Slip lies between 0 and 4 %, the largest measured in underdrive"
     closed = "Losses sum to the net power of both shafts within 0.2 % of the driving power"
     persist = "Steady states persist when the simulation continues"
     of_stack = [

@@ -9,9 +9,8 @@ import numpy as np
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import Trace
+from pushbelt.report.style import RPM
 
-RPM = 30.0 / np.pi
-"""rpm of a speed of 1 rad/s."""
 OVERLOAD = "Over-torque with macro-slip"
 """Name of the event that the over-torque of the manoeuvre causes."""
 
@@ -112,10 +111,8 @@ def torque_steps(trace: Trace) -> list[Event]:
 
 
 def over_torque(trace: Trace) -> list[Event]:
-    """Macro-slip under too much torque, and the recovery from it.
-
-    Of several intervals of macro-slip, the one with the largest external torque is used; the others are additional events.
-    """
+    """Macro-slip under too much torque, and the recovery from it. Of several intervals of macro-slip, the one with the
+    largest external torque is used; the others are additional events."""
     slipping = [one for one in intervals(trace.time, trace["macroSlip"], gap=0.02) if one[1] - one[0] >= 0.02]
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()

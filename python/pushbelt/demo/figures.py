@@ -11,10 +11,10 @@ from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
 from pushbelt.report.belt_view import Motion, over_time
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
-from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .checks import energy_bound
-from .events import RPM, Event
+from .events import Event
 from .simulate import ManoeuvreResult, MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
@@ -136,11 +136,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         ("Losses (kW), linear to 1 kW, logarithmic beyond", losses, kilowatts),
         ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
     ]
-    common = {
-        "x_range": (float(trace.time[0]), float(trace.time[-1])),
-        "height": 190,
-        "marks": [Mark(mark.x) for mark in marks],
-    }
+    common = {"x_range": (float(trace.time[0]), float(trace.time[-1])), "height": 190, "marks": [Mark(mark.x) for mark in marks]}
     panels = stack(rows, TIME, shades=_macro_slip(trace.time, trace["macroSlip"]), **common)
     label = "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time"
     return Chart(panels, label, linked=True, group=GROUP)
@@ -208,19 +204,11 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
     if not profile.push_force.any():
         rows = rows[1:-1]
     names = [title.split(" (")[0] for title, _, _ in rows]
-    panels = stack(
-        [
-            (
-                title,
-                [Series(name, xi, values[order], colour, marker="circle", size=4)],
-                {"shades": shaded_arcs(curve, named=name == names[0])},
-            )
-            for name, (title, values, colour) in zip(names, rows, strict=True)
-        ],
-        "place ξ along the belt (mm)",
-        x_range=(0.0, 1e3 * curve.length),
-        height=170,
-    )
+    lines = [
+        (title, [Series(name, xi, values[order], colour, marker="circle", size=4)], {"shades": shaded_arcs(curve, named=name == names[0])})
+        for name, (title, values, colour) in zip(names, rows, strict=True)
+    ]
+    panels = stack(lines, "place ξ along the belt (mm)", x_range=(0.0, 1e3 * curve.length), height=170)
     return Chart(panels, f"{', '.join(names)} along the belt", linked=True)
 
 

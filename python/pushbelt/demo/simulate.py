@@ -13,7 +13,6 @@ import numpy as np
 from pushbelt.fmu import load_cases
 from pushbelt.fmu.data import (
     EfficiencyPoint,
-    InputTable,
     clamping_force,
     manoeuvre_inputs,
     measured_efficiencies,
@@ -102,7 +101,7 @@ SHORT = Plan(torques=(100.0,), duration=1.0)
 
 
 def manoeuvre(
-    archive: Archive, parameters: Mapping[str, float], inputs: InputTable, duration: float, progress: Callable[[float], None]
+    archive: Archive, parameters: Mapping[str, float], inputs: Trace, duration: float, progress: Callable[[float], None]
 ) -> ManoeuvreResult:
     """Simulates the inputs for a duration, s. `progress` is called with the simulated time of each step, s."""
     times = np.arange(round(duration / STEP) + 1) * STEP

@@ -15,8 +15,7 @@ import fmpy
 import platformdirs
 
 from ..errors import warn
-from . import platforms
-from .unit import Archive, refuse_others
+from .unit import Archive, binaries_of, refuse_others
 from .untrusted import InputFileError, described, named
 
 VARIABLE = "PUSHBELT_CACHE"
@@ -36,13 +35,10 @@ def clear() -> None:
 
 
 def unpacked(fmu: Path) -> Archive:
-    """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not remove the archive: it
-    remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the archive is in a temporary folder
-    of this process.
-
-    Raises OSError if the FMU cannot be read, InputFileError if the file is not an FMU of FMI 2.0 with a
-    binary for this machine.
-    """
+    """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not
+    remove the archive: it remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the
+    archive is in a temporary folder of this process. Raises OSError if the FMU cannot be read, InputFileError if the
+    file is not an FMU of FMI 2.0 with a binary for this machine."""
     name = hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     description = described(fmu)
     refuse_others(fmu, description)
@@ -53,7 +49,7 @@ def unpacked(fmu: Path) -> Archive:
         place = _temporary() / name
         warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {VARIABLE} names another folder")
         _complete(fmu, place)
-    if platforms.folder(place / "binaries") is None:
+    if binaries_of(place) is None:
         others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
         raise InputFileError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
     return Archive(place, description, VARIABLE)

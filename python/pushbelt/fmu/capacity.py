@@ -31,9 +31,7 @@ def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force:
     carried = torque_capacity(parameters, ratio, force)
     if abs(torque) <= BEYOND * carried + DRAG:
         return None
-    why = f"the capacity is {carried:.3g} N·m at {force:g} N"
-    hint = wrong_unit(torque, force, carried)
-    return f"{why}. {hint}" if hint else why
+    return f"the capacity is {carried:.3g} N·m at {force:g} N" + wrong_unit(torque, force, carried)
 
 
 def slip_of_units(values: Mapping[str, Any]) -> str | None:
@@ -48,25 +46,28 @@ def slip_of_units(values: Mapping[str, Any]) -> str | None:
     if abs(torque) <= BEYOND * carried + DRAG and carried > DRAG:
         return None
     hint = wrong_unit(torque, force, carried)
-    return f"the capacity is {carried:.3g} N·m at {force:g} N. {hint}" if hint else None
+    return f"the capacity is {carried:.3g} N·m at {force:g} N{hint}" if hint else None
 
 
-def wrong_unit(torque: float, force: float, carried: float) -> str | None:
-    """The unit that is meant if torque (N·m) or force (N) are larger or smaller by 1000 than a force that carries `carried` N·m allows."""
+def wrong_unit(torque: float, force: float, carried: float) -> str:
+    """A question for the unit that is meant if torque (N·m) or force (N) are larger or smaller by 1000 than a force that carries
+    `carried` N·m allows; empty if they are not."""
     wanted = abs(torque)
     if 0.0 < force < SMALL_FORCE and wanted <= 1e3 * BEYOND * carried:
-        return f"Is the force in kN? {force:g} kN are {1e3 * force:g} N and carry {1e3 * carried:.3g} N·m"
-    if wanted >= 2e3 and 1e-3 * wanted <= BEYOND * carried:
-        return f"Is the torque in N·mm? {wanted:g} N·mm are {1e-3 * wanted:g} N·m"
-    return None
+        return f". Is the force in kN? {force:g} kN are {1e3 * force:g} N and carry {1e3 * carried:.3g} N·m"
+    return _millimetres(wanted) if 1e-3 * wanted <= BEYOND * carried else ""
+
+
+def _millimetres(torque: float) -> str:
+    return f". Is the torque in N·mm? {torque:g} N·mm are {1e-3 * torque:g} N·m" if abs(torque) >= 2e3 else ""
 
 
 def excessive_force(torque: float, force: float) -> str | None:
     """Reason why the force (N) that a torque (N·m) requires is not realistic; None if it is."""
     if force <= LARGE_FORCE:
         return None
-    hint = f". Is the torque in N·mm? {torque:g} N·mm are {1e-3 * torque:g} N·m" if abs(torque) >= 2e3 else ""
-    return f"{torque:g} N·m require a clamping force of {1e-3 * force:.4g} kN, above {1e-3 * LARGE_FORCE:g} kN{hint}"
+    needed = f"a clamping force of {1e-3 * force:.4g} kN, above {1e-3 * LARGE_FORCE:g} kN"
+    return f"{torque:g} N·m require {needed}{_millimetres(torque)}"
 
 
 def excessive_speed(parameters: Mapping[str, Any], ratio: float, speed: float) -> str | None:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +14,8 @@ import numpy as np
 from ..errors import MissingFileError
 from .enumerations import BeltKind
 from .files import RESOURCES
-from .geometry import Array, TwoPulleyCurve, primary_radius, theta_of
-from .results import BeltState, LoadCase
+from .geometry import TwoPulleyCurve, primary_radius, theta_of
+from .results import BeltState, LoadCase, Trace
 from .untrusted import InputFileError, read_parameters
 
 
@@ -29,12 +27,13 @@ def parameter_set(name: str) -> dict[str, float]:
     Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
     parameters have another meaning.
     """
-    path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
+    is_file = name.endswith(".json")
+    path = Path(name) if is_file else RESOURCES / "parameters" / f"{name}.json"
     if not path.is_file():
-        there = parameter_sets()
+        there = sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
         near = difflib.get_close_matches(path.stem, there, n=1, cutoff=0.5)
-        hint = f"; is {near[0]} meant?" if near and not name.endswith(".json") else ""
-        what = f"no file {name}" if name.endswith(".json") else f"no variator {name!r}"
+        hint = f"; is {near[0]} meant?" if near and not is_file else ""
+        what = f"no file {name}" if is_file else f"no variator {name!r}"
         raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{hint}")
     values = read_parameters(path)
     _refuse_old(path, values)
@@ -46,11 +45,6 @@ def parameter_set(name: str) -> dict[str, float]:
 def is_chain(parameters: Mapping[str, float]) -> bool:
     """Whether the belt is a pull chain."""
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
-
-
-def parameter_sets() -> list[str]:
-    """Names of the published variators."""
-    return sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
 
 
 REMOVED = {
@@ -88,10 +82,8 @@ def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurv
 
 
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
-    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P.
-
-    The centre line of the ring has these radii plus the pitch offset.
-    """
+    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P. The centre line of the ring has
+    these radii plus the pitch offset."""
     distance, length = parameters["geometry.centerDistance"], parameters["geometry.beltLength"]
     offset = parameters["belt.pitchOffset"]
     outer = ratio
@@ -115,38 +107,29 @@ BELT_LENGTH = 0.2, 5.0
 
 
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
-    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N.
-
-    Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
-    """
+    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N. Torque in N·m,
+    pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more."""
     return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
 
 
-def load_case_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float) -> float:
-    """Secondary clamping force of a load case, N: a safety factor of 1.3, at least 6 kN."""
-    return max(clamping_force(torque, pitch_radius, friction, wedge_angle, safety=1.3), 6000.0)
-
-
 def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
-    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1.
-
-    The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
-    """
+    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1. The pitch
+    radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N."""
     radius = pitch_radius(parameters, ratio)
     return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, radius)
 
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:
-    """The nine load cases in their published order."""
+    """The nine load cases in their published order, with a safety factor of 1.3 and at least 6 kN of secondary clamping force."""
     described = published_data()["loadCases"]
     friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
     cases = []
     for name in described["order"]:
         ratio_name, torque = name.rsplit("-", 1)
         theta = described["theta"][ratio_name]
-        pitch_radius = curve_of(parameters, theta).primary_radius - parameters["belt.pitchOffset"]
-        force = load_case_force(float(torque), pitch_radius, friction, wedge_angle)
-        cases.append(LoadCase(ratio_name, theta, float(torque), float(force)))
+        radius = curve_of(parameters, theta).primary_radius - parameters["belt.pitchOffset"]
+        force = max(clamping_force(float(torque), radius, friction, wedge_angle, safety=1.3), 6000.0)
+        cases.append(LoadCase(ratio_name, theta, float(torque), force))
     return cases
 
 
@@ -168,27 +151,12 @@ class EfficiencyPoint(NamedTuple):
 
 def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
     """All measured points of the transmission."""
-    points = published_data()["measuredEfficiency"]["points"]
-    return tuple(
-        EfficiencyPoint(*(float(point[key]) for key in ("ratio", "rpm", "torque", "efficiency"))) for point in points
-    )
+    keys = ("ratio", "rpm", "torque", "efficiency")
+    return tuple(EfficiencyPoint(*(float(point[key]) for key in keys)) for point in published_data()["measuredEfficiency"]["points"])
 
 
-@dataclass(frozen=True)
-class InputTable:
-    """Inputs over time, linear between the rows."""
-
-    time: Array
-    columns: Mapping[str, Array]
-
-    def at(self, time: float) -> dict[str, float]:
-        """Inputs at a time."""
-        return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
-
-
-def manoeuvre_inputs() -> InputTable:
+def manoeuvre_inputs() -> Trace:
     """The inputs of `manoeuvre.csv`."""
-    with (RESOURCES / "manoeuvre.csv").open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file)
-    table = np.array(rows, dtype=float)
-    return InputTable(table[:, 0], {name: table[:, k] for k, name in enumerate(header) if k > 0})
+    table = np.genfromtxt(RESOURCES / "manoeuvre.csv", delimiter=",", names=True, deletechars="", encoding="utf-8")
+    time, *names = table.dtype.names
+    return Trace(table[time], {name: table[name] for name in names})

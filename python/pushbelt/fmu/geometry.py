@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import ArgumentError
 
 Array = NDArray[np.float64]
+EDGE = 0.012
+"""Least distance from the arcs at which a field on a strand is read, m. Pressure extends some millimetres beyond the arcs."""
 
 
 def ratio_of(theta: float) -> float:
@@ -28,11 +30,9 @@ def theta_of(ratio: float) -> float:
 
 
 def primary_radius(theta: float, center_distance: float, length: float) -> float:
-    """Radius of the ring's centre line on the primary pulley, m.
-
-    Solves the closure of the belt, L = 2b + 2 r_P(π−φ) + 2 r_S φ with r_S = i r_P, φ = arccos((r_P−r_S)/d) and
-    b = √(d²−(r_P−r_S)²), by Newton's method; its derivative is 2(π−φ) + 2 i φ exactly.
-    """
+    """Radius of the ring's centre line on the primary pulley, m. Solves the closure of the belt, L = 2b + 2 r_P(π−φ) +
+    2 r_S φ with r_S = i r_P, φ = arccos((r_P−r_S)/d) and b = √(d²−(r_P−r_S)²), by Newton's method; its derivative is
+    2(π−φ) + 2 i φ exactly."""
     ratio = ratio_of(theta)
     if not ratio > 0.0:
         raise ArgumentError(f"the ratio coordinate must be between −1 and 1, not {theta}")
@@ -127,7 +127,8 @@ class TwoPulleyCurve:
         normal[:, 1] *= mirror
         return point, normal
 
-    def outline(self, xi: ArrayLike, deviation: ArrayLike) -> Array:
-        """Points at a distance `deviation` (m, outward positive) from the curve at the places ξ."""
-        point, normal = self.frame(xi)
-        return point + np.asarray(deviation, dtype=float)[:, None] * normal
+    def push_force_gains(self, position: Array, push_force: Array) -> tuple[float, float, float]:
+        """Change of the push force over the primary arc, the push strand and the secondary arc, N."""
+        _, upper_start, upper_end, lower_start, lower_end, _ = self.borders
+        places = [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE]
+        return tuple(np.diff(np.interp(places, position, push_force)).tolist())

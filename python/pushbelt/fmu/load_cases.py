@@ -55,10 +55,8 @@ def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, fo
 def steady_state(
     archive: Archive, parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
 ) -> SteadyState:
-    """Steady state with the primary speed (rad/s) and primary sheave held at a ratio.
-
-    Belt torque on P (N·m) and secondary clamping force (N) are specified.
-    """
+    """Steady state with the primary speed (rad/s) and primary sheave held at a ratio. Belt torque on P (N·m) and
+    secondary clamping force (N) are specified."""
     start_values = held_primary(parameters, ratio, speed, force)
     with Instance(archive, start_values) as unit:
         return _solve(unit, start_values, torque)

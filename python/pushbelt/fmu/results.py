@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from ..errors import MissingPackageError, UnknownNameError
+import numpy as np
+
+from ..errors import UnknownNameError, package
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -16,11 +18,7 @@ if TYPE_CHECKING:
 
 def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) -> pandas.DataFrame:
     """A table of columns by name, of rows, or of a record array. Raises MissingPackageError with the extra that brings pandas."""
-    try:
-        import pandas
-    except ModuleNotFoundError as error:
-        raise MissingPackageError("tables need pandas: pip install 'pushbelt[maps]'", name=error.name) from error
-    return pandas.DataFrame(content)
+    return package("pandas", "tables need pandas", "maps").DataFrame(content)
 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
@@ -131,6 +129,10 @@ class Trace:
 
     def __getitem__(self, name: str) -> Array:
         return item(self.columns, name, "run")
+
+    def at(self, time: float) -> dict[str, float]:
+        """Values at a time, linear between the times."""
+        return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
 
     def __repr__(self) -> str:
         return f"<Trace: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"

@@ -26,10 +26,8 @@ def check(document: etree._Element) -> None:
 
 
 def read(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
-    """The values of an SSV file, checked against the FMU's variables. Units must be those of the FMU.
-
-    Raises StartValueError if the file cannot be used, OSError if it cannot be read.
-    """
+    """The values of an SSV file, checked against the FMU's variables. Units must be those of the FMU. Raises
+    StartValueError if the file cannot be used, OSError if it cannot be read."""
     content = path.read_bytes()
     if len(content) > LARGEST:
         raise StartValueError(f"{path} has more than {LARGEST} bytes")

@@ -31,10 +31,8 @@ class StartValueError(PushbeltError, ValueError):
 def checked(
     variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
 ) -> dict[str, float]:
-    """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an enumeration's item.
-
-    Raises StartValueError for an unknown name, a wrong type, or a number out of range.
-    """
+    """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an
+    enumeration's item. Raises StartValueError for an unknown name, a wrong type, or a number out of range."""
     return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}
 
 
@@ -103,12 +101,11 @@ def _item(variable: Any, value: Any) -> int:
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or not at all.
-
-    The values are in the model description for importers, and in a list that the library reads, for importers that do not
-    set start values. Start values of an earlier copy remain unless they are specified again. The GUID is the copy's own: the
-    library does not run it without its list, and importers that remember FMUs by their GUID tell copies apart.
-    """
+    """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or
+    not at all. The values are in the model description for importers, and in a list that the library reads, for
+    importers that do not set start values. Start values of an earlier copy remain unless they are specified again. The
+    GUID is the copy's own: the library does not run it without its list, and importers that remember FMUs by their GUID
+    tell copies apart."""
     with zipfile.ZipFile(fmu) as source:
         listed = _listed(source) | {name: _written(value) for name, value in values.items()}
     lines = [f"{name} = {value}" for name, value in listed.items()]

@@ -8,10 +8,8 @@ from .unit import Archive, Instance, UnitError
 
 
 class SteadyStates:
-    """An instance of the FMU that is started at one steady state after another. It is replaced after a failed call.
-
-    It is a context manager, which frees its instance at its end.
-    """
+    """An instance of the FMU that is started at one steady state after another. It is replaced after a failed call. It
+    is a context manager, which frees its instance at its end."""
 
     def __init__(self, archive: Archive, parameters: Mapping[str, float] | None = None) -> None:
         """`parameters` are start values of all states. The FMU is loaded at the first state."""
@@ -38,10 +36,8 @@ class SteadyStates:
         return self._unit
 
     def at(self, values: Mapping[str, float]) -> Instance:
-        """The instance in the steady state of the parameters and these start values.
-
-        Raises UnitError with the reason if there is none.
-        """
+        """The instance in the steady state of the parameters and these start values. Raises UnitError with the reason
+        if there is none."""
         unit = self.started(values)
         if unit.not_steady:
             raise UnitError(unit.not_steady)

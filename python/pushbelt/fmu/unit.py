@@ -18,7 +18,6 @@ import numpy as np
 from fmpy import fmi2, logging
 
 from ..errors import PushbeltError
-from . import platforms
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
@@ -64,10 +63,8 @@ class Archive:
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
-        """Unpacks an FMU to a directory, or to a temporary one.
-
-        Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
-        """
+        """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
+        OSError if it cannot be read."""
         return cls(*unpacked(fmu, directory))
 
     def __enter__(self) -> Archive:
@@ -281,10 +278,8 @@ class Instance:
     # Beyond the standard
 
     def linearise(self, frequency: float) -> dict[str, Any]:
-        """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz) are states.
-
-        Raises UnitError if there is none. `warnings` contains its warnings.
-        """
+        """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)
+        are states. Raises UnitError if there is none. `warnings` contains its warnings."""
         try:
             function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
         except AttributeError:
@@ -343,7 +338,7 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     described = archive.description
     refuse_others(described.modelName, described)
     identifier = described.coSimulation.modelIdentifier
-    binaries = platforms.folder(archive.directory / "binaries")
+    binaries = binaries_of(archive.directory)
     with _LOADING.lock:
         here = os.getcwd()
         try:
@@ -360,6 +355,16 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
             raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
         finally:
             os.chdir(here)
+
+
+def binaries_of(directory: Path) -> Path | None:
+    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4
+    and later name it as FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had
+    libraries of both processors."""
+    names = [fmpy.platform_tuple]
+    if fmpy.platform_tuple not in ("aarch64-linux", "aarch64-windows"):
+        names.append(fmpy.platform)
+    return next((path for name in names if (path := directory / "binaries" / name).is_dir()), None)
 
 
 def refuse_others(fmu: Path | str, description: Any) -> None:

@@ -29,11 +29,9 @@ class InputFileError(PushbeltError, ValueError):
 
 
 def checked_archive(path: Path) -> None:
-    """Checks an FMU, an SSP package or another ZIP file before it is unpacked.
-
-    Raises InputFileError if the file is not a ZIP file, contains a path outside the folder, a link or a duplicate path, or exceeds
-    LARGEST_FILE bytes or MOST_FILES files. Raises OSError if the file cannot be read.
-    """
+    """Checks an FMU, an SSP package or another ZIP file before it is unpacked. Raises InputFileError if the file is not
+    a ZIP file, contains a path outside the folder, a link or a duplicate path, or exceeds LARGEST_FILE bytes or
+    MOST_FILES files. Raises OSError if the file cannot be read."""
     try:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
@@ -69,10 +67,8 @@ def _objection(entry: zipfile.ZipInfo) -> str | None:
 
 
 def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
-    """Unpacks an FMU to a directory or to a temporary one, and reads its model description.
-
-    Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
-    """
+    """Unpacks an FMU to a directory or to a temporary one, and reads its model description. Raises InputFileError if it
+    is not a usable FMU, OSError if it cannot be read."""
     description = described(path)
     with named(path):
         return Path(fmpy.extract(str(path), directory)), description
@@ -102,10 +98,8 @@ def named(path: Path) -> Iterator[None]:
 
 
 def read_json(path: Path) -> Any:
-    """The content of a JSON file.
-
-    Raises InputFileError if it is not JSON or is larger than LARGEST_JSON, OSError if it cannot be read.
-    """
+    """The content of a JSON file. Raises InputFileError if it is not JSON or is larger than LARGEST_JSON, OSError if it
+    cannot be read."""
     size = path.stat().st_size
     if size > LARGEST_JSON:
         raise InputFileError(f"{path} has {size / 1e6:.0f} MB, above the limit of {LARGEST_JSON / 1e6:.0f} MB")
@@ -122,10 +116,8 @@ def _no_constant(name: str) -> float:
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
-    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text.
-
-    Raises InputFileError for another form, and the errors of `read_json`.
-    """
+    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text. Raises
+    InputFileError for another form, and the errors of `read_json`."""
     document = read_json(path)
     parameters = document.get("parameters") if isinstance(document, dict) else None
     if not isinstance(parameters, dict):

@@ -101,10 +101,8 @@ def point(unit: Instance, ratio: float) -> dict[str, float]:
 
 
 def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
-    """Slip and utilisation at capacity, in the direction of a sign.
-
-    Slips grow by `SLIP_FACTOR` until the utilisation grows by less than `FLAT`; beyond this slip the belt slips through.
-    """
+    """Slip and utilisation at capacity, in the direction of a sign. Slips grow by `SLIP_FACTOR` until the utilisation
+    grows by less than `FLAT`; beyond this slip the belt slips through."""
     slip = FIRST_SLIP
     found = sign * traction(sign * slip)
     while slip * SLIP_FACTOR < MOST_SLIP:
@@ -122,57 +120,39 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     def traction(slip: float) -> float:
         return utilisation_at_slip(states, line, slip)
 
-    limits = [limit(traction, sign) for sign in (-1.0, 1.0)]
+    (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
     points: list[dict[str, float] | None] = []
     for utilisation in along.utilisations:
         try:
-            points.append(_within(states, line, utilisation, [reached for _, reached in limits]))
+            if not TRIED * least < utilisation < TRIED * most:
+                raise UnitError(f"beyond the capacity, a utilisation of {(most if utilisation > 0.0 else least):.3f}")
+            points.append(point(at_torque(states, line, utilisation), line.ratio))
         except UnitError as error:
             points.append(None)
             reasons[f"{utilisation:g}"] = str(error)
+
+    def rates(utilisation: float) -> list[float] | list[None]:
+        try:
+            return shift_rates(states, line, utilisation if least < utilisation < most else 0.0, along.excesses)
+        except UnitError:
+            return [None] * len(along.excesses)
+
+    known = {-1.0: least, 1.0: most}
     return {
         "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
-        "capacity": [reached for _, reached in limits],
-        "capacitySlip": [slip for slip, _ in limits],
-        "traction": [_traction_at(traction, share, limits) for share in along.shares],
-        "shiftRate": [
-            _shift_rates_or_none(states, line, utilisation, along.excesses, limits)
-            for utilisation in along.shift_utilisations
-        ],
+        "capacity": [least, most],
+        "capacitySlip": [low, high],
+        "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
+        "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
         "reasons": reasons,
     }
 
 
-def _within(states: SteadyStates, line: Line, utilisation: float, limits: Sequence[float]) -> dict[str, float]:
-    low, high = limits
-    if not TRIED * low < utilisation < TRIED * high:
-        raise UnitError(f"beyond the capacity, a utilisation of {(high if utilisation > 0.0 else low):.3f}")
-    return point(at_torque(states, line, utilisation), line.ratio)
-
-
-def _traction_at(traction: Callable[[float], float], share: float, limits: Sequence[tuple[float, float]]) -> float:
-    (low, least), (high, most) = limits
-    if abs(share) == 1.0:
-        return most if share > 0.0 else least
-    return traction(share * high if share > 0.0 else -share * low)
-
-
-def _shift_rates_or_none(
-    states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float], limits: Sequence[tuple[float, float]]
-) -> list[float | None]:
-    try:
-        inside = utilisation if limits[0][1] < utilisation < limits[1][1] else 0.0
-        return list(shift_rates(states, line, inside, excesses))
-    except UnitError:
-        return [None] * len(excesses)
-
-
 def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
-    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess.
-
-    The primary speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
-    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the time.
-    """
+    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary
+    speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
+    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the
+    time."""
     load = at_torque(states, line, utilisation).get("secondary.externalTorque")
     unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")

@@ -8,7 +8,7 @@ and change with the ratio. So λ, ℓ, r and A_s are interpolated, not their sum
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
@@ -58,9 +58,7 @@ def interpolated(models: Weighted) -> LinearModel:
     """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
     first = models[0][0]
     if first.coordinates != "physical":
-        raise ArgumentError(
-            "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
-        )
+        raise ArgumentError("modal coordinates differ from point to point, so they have no mean: make the grid with states='physical'")
     kind = attrgetter("inputs", "outputs", "states", "sample_time")
     if any(kind(one) != kind(first) for one, _ in models):
         raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
@@ -72,79 +70,44 @@ def interpolated(models: Weighted) -> LinearModel:
         names = tuple(of(first))
         return dict(zip(names, mean(lambda one: [of(one)[name] for name in names]).tolist(), strict=True))
 
-    parts = [(Parts.of(one), weight) for one, weight in models]
-    if all(part is not None for part, _ in parts):
-        a, b, c = Parts.mean([(part, weight) for part, weight in parts if part is not None]).matrices()
-    else:
-        a, b, c = mean(lambda one: one.a), mean(lambda one: one.b), mean(lambda one: one.c)
+    a, b, c = (mean(attrgetter(name)) for name in "abc")
+    parts = [_parts(one) for one, _ in models]
+    if None not in parts:
+        weights = [weight for _, weight in models]
+        a, b, c = _matrices(*(np.tensordot(weights, np.array(each), 1) for each in zip(*parts, strict=True)))
     return replace(
-        first,
-        a=a,
-        b=b,
-        c=c,
-        d=mean(lambda one: one.d),
-        poles=sorted_poles(a),
+        first, a=a, b=b, c=c, d=mean(attrgetter("d")), poles=sorted_poles(a),
         **{name: named(attrgetter(name)) for name in ("held", "given", "values")},
-        slip=float(mean(lambda one: one.slip)),
+        slip=float(mean(attrgetter("slip"))),
         macro_slip=any(one.macro_slip for one, _ in models),
         remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
+    )  # fmt: skip
+
+
+def _parts(model: LinearModel) -> tuple[Array, ...] | None:
+    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster than
+    the others."""
+    poles = model.poles
+    if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
+        return None
+    values, vectors = np.linalg.eig(model.a)
+    fast = int(np.argmax(np.abs(values)))
+    left, right = np.linalg.inv(vectors)[fast].real, vectors[:, fast].real
+    if left[0] == 0.0:
+        return None
+    right, left = right * left[0], left / left[0]
+    slow = np.eye(len(left)) - np.outer(right, left)
+    rest = slow @ model.a @ slow, slow @ model.b, model.c @ slow
+    return np.array(values[fast].real), left, right, left @ model.b, model.c @ right, *rest
+
+
+def _matrices(pole: Array, left: Array, right: Array, inputs: Array, outputs: Array, *rest: Array) -> tuple[Array, Array, Array]:
+    """A, B and C. The slow rest is projected, so that the fast mode is exactly an eigenvector of A."""
+    a, b, c = rest
+    right = right / (left @ right)
+    slow = np.eye(len(right)) - np.outer(right, left)
+    return (
+        slow @ a @ slow + pole * np.outer(right, left),
+        slow @ b + np.outer(right, inputs),
+        c @ slow + np.outer(outputs, left),
     )
-
-
-@dataclass(frozen=True)
-class Parts:
-    """The fast mode and the slow rest of a model."""
-
-    pole: Array
-    """λ, 1/s."""
-    left: Array
-    """ℓ, with the coefficient 1 of the first state."""
-    right: Array
-    """r."""
-    inputs: Array
-    """ℓ B."""
-    outputs: Array
-    """C r."""
-    a: Array
-    b: Array
-    c: Array
-
-    @classmethod
-    def of(cls, model: LinearModel) -> Parts | None:
-        """The parts of a model; None if no pole is much faster than the others."""
-        poles = model.poles
-        if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
-            return None
-        values, vectors = np.linalg.eig(model.a)
-        fast = int(np.argmax(np.abs(values)))
-        left, right = np.linalg.inv(vectors)[fast].real, vectors[:, fast].real
-        if left[0] == 0.0:
-            return None
-        right, left = right * left[0], left / left[0]
-        slow = np.eye(len(left)) - np.outer(right, left)
-        return cls(
-            pole=np.array(values[fast].real),
-            left=left,
-            right=right,
-            inputs=left @ model.b,
-            outputs=model.c @ right,
-            a=slow @ model.a @ slow,
-            b=slow @ model.b,
-            c=model.c @ slow,
-        )
-
-    @classmethod
-    def mean(cls, parts: Sequence[tuple[Parts, float]]) -> Parts:
-        """The mean of each part."""
-        names = cls.__dataclass_fields__
-        return cls(**{name: sum(weight * getattr(part, name) for part, weight in parts) for name in names})
-
-    def matrices(self) -> tuple[Array, Array, Array]:
-        """A, B and C. The slow rest is projected, so that the fast mode is exactly an eigenvector of A."""
-        right = self.right / (self.left @ self.right)
-        slow = np.eye(len(right)) - np.outer(right, self.left)
-        return (
-            slow @ self.a @ slow + self.pole * np.outer(right, self.left),
-            slow @ self.b + np.outer(right, self.inputs),
-            self.c @ slow + np.outer(self.outputs, self.left),
-        )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import ArgumentError, MissingPackageError, PushbeltError
+from ..errors import ArgumentError, PushbeltError, package
 from ..fmu.results import item
 
 if TYPE_CHECKING:
@@ -78,12 +78,8 @@ class LinearModel:
     def of(cls, document: Mapping[str, Any]) -> LinearModel:
         """Creates a model from the object that the FMU's `pushbeltLinearize` returns."""
         states, loads, readings = document["states"], document["inputs"], document["outputs"]
-        shapes = {
-            "A": (len(states), len(states)),
-            "B": (len(states), len(loads)),
-            "C": (len(readings), len(states)),
-            "D": (len(readings), len(loads)),
-        }
+        n, k, m = len(states), len(loads), len(readings)
+        shapes = {"A": (n, n), "B": (n, k), "C": (m, n), "D": (m, k)}
         poles = np.array(document["poles"], dtype=float).reshape(-1, 2)
         return cls(
             **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
@@ -142,12 +138,7 @@ class LinearModel:
 
     def _held(self, times: Array) -> tuple[Array, Array]:
         """exp(A t) and its integral times B: the states after times (s) under constant inputs. Also for poles at zero and double poles."""
-        try:
-            from scipy.linalg import expm
-        except ModuleNotFoundError as error:
-            raise MissingPackageError(
-                "responses in time need scipy: pip install 'pushbelt[control]'", name=error.name
-            ) from error
+        expm = package("scipy.linalg", "responses in time need scipy", "control").expm
         n, k = self.b.shape
         whole = np.zeros((n + k, n + k))
         whole[:n, :n], whole[:n, n:] = self.a, self.b
@@ -210,16 +201,11 @@ class LinearModel:
 
         With a sample time it is the system in discrete time.
         """
-        try:
-            import control
-        except ModuleNotFoundError as error:
-            raise MissingPackageError(
-                "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
-            ) from error
+        ss = package("control", "to_control needs python-control", "control").ss
         # In python-control a dot in a name separates the system from its signal.
         plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
         matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)
-        return control.ss(*matrices, **plain)
+        return ss(*matrices, **plain)
 
 
 def units_of_states(states: Iterable[str]) -> dict[str, str]:

@@ -59,27 +59,20 @@ class Asked:
 
 def read(settings: Sequence[str], safety: float | None = None) -> Asked:
     """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
-    points: dict[str, list[float]] = {}
-    loads: dict[str, float] = {}
-    parameters: dict[str, str] = {}
-    changes: dict[str, list[str]] = {}
+    found: dict[str, list[str]] = {}
     for setting in settings:
-        name, separator, text = setting.partition("=")
-        if not (separator and name and text):
+        name, _, text = setting.partition("=")
+        if not (name and text):
             raise PointError(f"`{setting}` is not of the form NAME=VALUE")
-        if name in points or name in loads or name in parameters or name in changes:
+        if name in found:
             raise PointError(f"{name} appears twice")
-        words = _words(name, text)
-        if name in AXES:
-            points[name] = [_number(name, word) for word in words]
-        elif name in REACTIONS:
-            if len(words) > 1:
-                raise PointError(f"{name} follows from the point: give at most one value, which is compared with the result")
-            loads[name] = _number(name, words[0])
-        elif len(words) == 1:
-            parameters[name] = words[0]
-        else:
-            changes[name] = words
+        found[name] = _words(name, text)
+        if name in REACTIONS and len(found[name]) > 1:
+            raise PointError(f"{name} follows from the point: give at most one value, which is compared with the result")
+    points = {name: [_number(name, word) for word in found.pop(name)] for name in AXES if name in found}
+    loads = {name: _number(name, found.pop(name)[0]) for name in REACTIONS if name in found}
+    parameters = {name: words[0] for name, words in found.items() if len(words) == 1}
+    changes = {name: words for name, words in found.items() if len(words) > 1}
     if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
         raise PointError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
     if safety is not None and "secondary.clampingForce" in points:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,15 +59,14 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
         "charts": charts,
         "drawn": len(drawn),
     }
-    page.write_html("linearize/linearize.html.j2", context, path, short=short)
+    page.write_html("linearize/linearize.html.j2", context, path)
     return path
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:
-    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a single axis has colours.
-
-    Values are spread evenly over an axis, with the first and the last; further axes are at a middle value.
-    """
+    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a
+    single axis has colours. Values are spread evenly over an axis, with the first and the last; further axes are at a
+    middle value."""
     found = list(grid.points())
     values = {axis: sorted({point[axis] for point, _ in found}) for axis in grid.axes}
     several = sorted((axis for axis in values if len(values[axis]) > 1), key=lambda axis: axis != "ratio")
@@ -121,11 +119,9 @@ def bode(drawn: Sequence[Drawn], output: str, highest: float) -> Chart:
 
 
 def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
-    """Phases over frequency without jumps and on one branch, °.
-
-    The means over the frequencies are within one turn, cut where neighbouring means are the farthest apart. So similar responses are
-    never a turn apart. The mean of all is the closest to zero.
-    """
+    """Phases over frequency without jumps and on one branch, °. The means over the frequencies are within one turn, cut
+    where neighbouring means are the farthest apart. So similar responses are never a turn apart. The mean of all is the
+    closest to zero."""
     found = [np.degrees(np.unwrap(np.angle(values))) for values in responses]
     means = np.array([phase.mean() for phase in found])
     order = np.sort(means % 360.0)
@@ -161,8 +157,3 @@ def pole(value: complex) -> str:
     """An eigenvalue with three digits."""
     turn = f"{'+' if value.imag > 0 else '-'}{abs(value.imag):.3g}i" if value.imag else ""
     return f"{value.real:.3g}{turn}".replace("-", page.MINUS)
-
-
-def short(value: Any) -> str:
-    """A number with four digits, a large one without decimals."""
-    return (f"{value:.0f}" if abs(value) >= 9999.5 else f"{value:.4g}").replace("-", page.MINUS)

@@ -43,10 +43,7 @@ AXES: Mapping[str, Axis] = {
     "force": Axis("N", "Secondary clamping force"),
     "speed": Axis("rad/s", "Primary speed without slip"),
     "ratio": Axis("1", "Geometric ratio secondary / primary pitch radius"),
-    "utilisation": Axis(
-        "1",
-        "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives",
-    ),
+    "utilisation": Axis("1", "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives"),
     "direction": Axis("1", "-1: the secondary pulley drives, 1: the primary pulley drives"),
     "slipShare": Axis("1", "Slip / slip at capacity"),
     "shiftUtilisation": Axis("1", "Torque utilisation at which shifts are measured"),
@@ -65,9 +62,7 @@ class Quantity(NamedTuple):
 POINT = (*ROUTE, "utilisation")
 SHIFT = (*ROUTE, "shiftUtilisation")
 TABLES: Mapping[str, Quantity] = {
-    "thrustRatio": Quantity(
-        POINT, "1", "Thrust ratio F_P/F_S that holds the ratio, with the centrifugal force of the belt"
-    ),
+    "thrustRatio": Quantity(POINT, "1", "Thrust ratio F_P/F_S that holds the ratio, with the centrifugal force of the belt"),
     "slip": Quantity(POINT, "1", "1 - (secondary speed / primary speed) * ratio"),
     "lossSheaves": Quantity(POINT, "W", "Friction loss between elements and sheaves"),
     "lossRing": Quantity(POINT, "W", "Friction loss between ring and elements"),
@@ -76,21 +71,15 @@ TABLES: Mapping[str, Quantity] = {
     "lossSpin": Quantity(POINT, "W", "Loss by elements that turn at entry and exit of an arc, an upper bound"),
     "lossOther": Quantity(POINT, "W", "Loss in dampers"),
     "lossShafts": Quantity(POINT, "W", "Drag loss of both shafts"),
-    "beltTorqueLoss": Quantity(
-        POINT, "N.m", "Belt torque on the primary pulley - belt torque on the secondary pulley / ratio"
-    ),
-    "torqueLoss": Quantity(
-        POINT, "N.m", "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts"
-    ),
+    "beltTorqueLoss": Quantity(POINT, "N.m", "Belt torque on the primary pulley - belt torque on the secondary pulley / ratio"),
+    "torqueLoss": Quantity(POINT, "N.m", "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts"),
     "primaryTorque": Quantity(POINT, "N.m", "Belt torque on the primary pulley, positive where it drives"),
     "efficiency": Quantity(POINT, "1", "Driven / driving shaft power, 0 without power flow"),
     "bearingLoad": Quantity(POINT, "N", "Resultant of the belt's contact forces on a pulley"),
     "beltSpeed": Quantity(POINT, "m/s", "Mean pitch-line speed of the elements"),
     "ringStressMax": Quantity(POINT, "Pa", "Largest stress in the layers of the ring sets"),
     "state": Quantity(POINT, "1", "State of the point: " + ", ".join(f"{k} {name}" for k, name in enumerate(STATES))),
-    "valid": Quantity(
-        POINT, "1", "1 for a steady state, 0 for a gap, which has the nearest value along the utilisation"
-    ),
+    "valid": Quantity(POINT, "1", "1 for a steady state, 0 for a gap, which has the nearest value along the utilisation"),
     "capacity": Quantity((*ROUTE, "direction"), "1", "Torque utilisation at capacity"),
     "capacitySlip": Quantity((*ROUTE, "direction"), "1", "Slip at capacity"),
     "traction": Quantity((*ROUTE, "slipShare"), "1", "Torque utilisation at a slip"),
@@ -169,8 +158,9 @@ class Maps:
         try:
             if document["format"] != "pushbelt maps" or document["version"] != VERSION:
                 raise MapError(f"these are not pushbelt maps of version {VERSION}")
-            axes = {name: np.array(entry["values"], dtype=float) for name, entry in document["axes"].items()}
-            tables = {name: np.array(entry["values"], dtype=float) for name, entry in document["tables"].items()}
+            axes, tables = (
+                {name: np.array(entry["values"], dtype=float) for name, entry in document[part].items()} for part in ("axes", "tables")
+            )
             parameters = {name: float(value) for name, value in document["parameters"].items()}
             return cls(axes, tables, parameters, dict(document["source"]), dict(document["reasons"]))
         except (LookupError, TypeError, AttributeError) as error:
@@ -196,17 +186,7 @@ class Maps:
         except MapError as why:
             raise MapError(f"{path}: {why}") from why
         # Readers of damaged files raise any of these.
-        except (
-            ValueError,
-            LookupError,
-            TypeError,
-            AttributeError,
-            EOFError,
-            OSError,
-            RecursionError,
-            BadZipFile,
-            error,
-        ) as why:
+        except (ValueError, LookupError, TypeError, AttributeError, EOFError, OSError, RecursionError, BadZipFile, error) as why:
             raise MapError(f"{path} is damaged or no file of maps: {why}") from why
 
     def _about(self) -> dict[str, str]:
@@ -246,32 +226,22 @@ class Maps:
 
 def _read_npz(path: Path) -> Any:
     with np.load(path, allow_pickle=False) as file:
-        return _of_arrays(
-            int(file["version"]),
-            {name: str(file[name]) for name in TEXTS},
-            {name: file[f"axis_{name}"] for name in AXES},
-            {name: file[name] for name in TABLES},
-        )
+        return _of_arrays(int(file["version"]), {name: str(file[name]) for name in TEXTS}, file, "axis_")
 
 
 def _read_netcdf(path: Path) -> Any:
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "r", mmap=False) as file:
-        variables = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
-        return _of_arrays(
-            int(np.asarray(file.format_version).item()),
-            {name: getattr(file, name).decode() for name in TEXTS},
-            {name: variables[name] for name in AXES},
-            {name: variables[name] for name in TABLES},
-        )
+        arrays = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
+        return _of_arrays(int(file.format_version), {name: getattr(file, name).decode() for name in TEXTS}, arrays)
 
 
-def _of_arrays(version: int, texts: Mapping[str, str], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> Any:
+def _of_arrays(version: int, texts: Mapping[str, str], arrays: Mapping[str, Array], prefix: str = "") -> Any:
     return {
         "format": "pushbelt maps",
         "version": version,
-        "axes": {name: {"values": values} for name, values in axes.items()},
-        "tables": {name: {"values": values} for name, values in tables.items()},
+        "axes": {name: {"values": arrays[prefix + name]} for name in AXES},
+        "tables": {name: {"values": arrays[name]} for name in TABLES},
         **{name: json.loads(text) for name, text in texts.items()},
     }

@@ -8,19 +8,15 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import Maps
-from pushbelt.maps.panels import TICKS, Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import SLIPS, TICKS, Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
-from pushbelt.report.style import BLUE, ORANGE
+from pushbelt.report.style import BLUE, ORANGE, RPM
 
-RPM = 30.0 / np.pi
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 """Points in the maps, by the numbers of the table `state`. Those beyond the capacity are behind the border."""
-SLIPS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0)
-
-
 QUANTITIES = (
     Quantity("Thrust ratio", "thrustRatio"),
-    Quantity("Slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
+    Quantity("Slip", "slip", 100.0, "%", SLIPS),
     Quantity("Efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 88, 90, 92, 94, 95, 96, 97, 98)),
     Quantity("Torque loss at the primary shaft", "torqueLoss", unit="N·m"),
 )

@@ -9,6 +9,7 @@ import pandas
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
+from pushbelt.report.style import RPM
 
 OWN = ("maps.nc", "maps.npz", "maps.json")
 """Files that `Maps.read` reads."""
@@ -18,8 +19,6 @@ LOOKUP = ("ratio", "utilisation", "speed", "force")
 """Order of the dimensions of tables over points for lookup blocks: `tbl(ratio, utilisation, speed, force)`."""
 COMBI = ("thrustRatio", "slip", "torqueLoss", "beltTorqueLoss", "efficiency", "bearingLoad", "valid")
 """Quantities of the Modelica tables."""
-RPM = 30.0 / np.pi
-
 
 def _matlab(maps: Maps, path: Path) -> None:
     """MAT v5: breakpoints `bp_…` and tables `tbl_…`, as the n-D lookup blocks of Simulink take them."""
@@ -37,11 +36,9 @@ def _matlab(maps: Maps, path: Path) -> None:
 
 
 def combitables(maps: Maps) -> dict[str, Array]:
-    """Matrices of Modelica's CombiTable2D by name, `quantity_f1_s1` for the first force and speed.
-
-    Rows are ratios (`u1`), columns utilisations (`u2`); the first row and column hold their values. `forces` and `speeds` are the
-    values of the numbers in the names.
-    """
+    """Matrices of Modelica's CombiTable2D by name, `quantity_f1_s1` for the first force and speed. Rows are ratios
+    (`u1`), columns utilisations (`u2`); the first row and column hold their values. `forces` and `speeds` are the
+    values of the numbers in the names."""
     found = {"forces": maps.axes["force"][None, :], "speeds": maps.axes["speed"][None, :]}
     for name in COMBI:
         for f, s in np.ndindex(maps[name].shape[:2]):

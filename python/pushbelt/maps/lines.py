@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -15,21 +17,8 @@ from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
 from pushbelt.maps.plan import Plan
 from pushbelt.study.tasks import Row
 
-COLUMNS = {
-    "thrustRatio": "thrustRatio",
-    "slip": "slip",
-    "lossSheaves": "loss.sheaves",
-    "lossRing": "loss.ring",
-    "lossLayers": "loss.layers",
-    "lossJoints": "loss.joints",
-    "lossSpin": "loss.spin",
-    "lossOther": "loss.other",
-    "beltTorqueLoss": "beltTorqueLoss",
-    "bearingLoad": "bearingLoad",
-    "beltSpeed": "belt.speed",
-    "ringStressMax": "ring.stressMax",
-}
-"""Tables that are columns of the measured points."""
+COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "macroSlip"}
+"""Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
 
 
 def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
@@ -38,16 +27,9 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     if not found:
         reasons = {row.get("reason", "") for row in rows.values()}
         raise ArgumentError(f"no line has a steady state: {'; '.join(sorted(reasons))}")
-    axes = {
-        "force": np.array(plan.grid.force),
-        "speed": np.array(plan.grid.speed),
-        "ratio": np.array(plan.ratios),
-        "utilisation": np.array(plan.grid.utilisation),
-        "direction": np.array([-1.0, 1.0]),
-        "slipShare": np.array(plan.grid.slip_share),
-        "shiftUtilisation": np.array(plan.grid.shift_utilisation),
-        "excess": np.array(plan.grid.excess),
-    }
+    grid = plan.grid
+    values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
+    axes = dict(zip(AXES, map(np.array, values), strict=True))
     route = tuple(len(axes[name]) for name in POINT[:3])
     sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
 
@@ -59,15 +41,13 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     state, reasons = _states(plan, rows, raw["macroSlip"], axes["utilisation"])
     tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
-    tables["capacity"] = gathered(lambda row: row["capacity"])
-    tables["capacitySlip"] = gathered(lambda row: row["capacitySlip"])
-    tables["traction"] = gathered(lambda row: row["traction"])
-    tables["shiftRate"] = monotone(gathered(lambda row: row["shiftRate"]), axes["excess"])
+    tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
+    tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
     tables["shiftGain"] = _gains(tables["shiftRate"], axes["excess"])
     tables |= with_shafts(plan.full, axes, tables)
     description = plan.description
     source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
-    assert tables.keys() == TABLES.keys() and axes.keys() == AXES.keys()
+    assert tables.keys() == TABLES.keys()
     return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons)
 
 

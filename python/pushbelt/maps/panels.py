@@ -14,6 +14,9 @@ from ..report.page import MINUS
 from ..report.style import COLOUR_SCALE, INK, MUTED, RED, mixed
 
 TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
+_LEVELS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+SLIPS = (*(-level for level in reversed(_LEVELS)), 0.0, *_LEVELS)
+"""Levels of the slip, %."""
 ROWS = 61
 """Number of values over the utilisation in a map with a border."""
 MOST_TICKS = 9

@@ -14,8 +14,6 @@ from pushbelt.study.run import Effort
 
 from . import figures, files
 
-RPM = 30.0 / np.pi
-
 
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
     """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
@@ -39,20 +37,12 @@ def _context(maps: Maps, effort: Effort, beside: Maps | None) -> dict[str, Any]:
         "thrust": (float(np.nanmin(maps.masked("thrustRatio"))), float(np.nanmax(maps.masked("thrustRatio")))),
         "contours": [(shown.heading, figures.contours(named, shown)) for shown in figures.QUANTITIES],
         "lines": figures.lines(maps),
-        "reasons": Counter(_kind(reason) for reason in maps.reasons.values()).most_common(),
+        # Without the numbers after the first comma.
+        "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
         "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
         "tables": TABLES,
         "files": (*files.OWN, *files.WRITERS),
-        "differing": [
-            (name, value, others.get(name))
-            for name, value in maps.parameters.items()
-            if beside and others.get(name) != value
-        ],
+        "differing": [(name, value, others.get(name)) for name, value in maps.parameters.items() if beside and others.get(name) != value],
         "beside": beside.source if beside else None,
         "parameters": list(maps.parameters.items()),
     }
-
-
-def _kind(reason: str) -> str:
-    """A reason without its numbers after the first comma."""
-    return reason.split(",")[0]

@@ -42,9 +42,7 @@ _PRIME = 0x0000000001000000000000000000013B
 
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_MAP_FMU` names, or the one in the wheel, or that in `target`.
-
-    Raises MissingFileError if it is missing.
-    """
+    Raises MissingFileError if it is missing."""
     return found("PUSHBELT_MAP_FMU", NAME, "cargo fmu build --map")
 
 

@@ -50,10 +50,8 @@ class Motion:
 
 
 def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
-    """Distance of the belt from its reference curve at the points of the profile, outward positive, m.
-
-    On an arc the profile is relative to the arc's mean radius, which differs slightly from the radius of the reference curve.
-    """
+    """Distance of the belt from its reference curve at the points of the profile, outward positive, m. On an arc the
+    profile is relative to the arc's mean radius, which differs slightly from the radius of the reference curve."""
     offset = state.profile.radial_deviation
     for pulley in ("primary", "secondary"):
         on_arc = np.abs(curve.from_middle(pulley, state.profile.position)) < 0.5 * curve.arc_length(pulley)

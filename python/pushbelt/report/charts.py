@@ -23,9 +23,10 @@ BUCKETS = 900
 """Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
 SYMLOG_SHARE = 1.5
 """Height of the linear part of a symlog axis, in decades."""
-DASHES = {"": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 MARGIN = 0.06
 """Empty part of the axes on each side of a figure whose axes have the same scale."""
+
+FONT = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif"
 
 Tick = tuple[float, str]
 
@@ -283,7 +284,7 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
     mode = {"line": "lines", "points": "markers"}[one.kind] + ("+markers" if one.kind == "line" and one.marker else "")
     trace = common | {"type": "scatter", "mode": mode, "x": encoded(x), "y": encoded(y)}
     if one.kind == "line":
-        trace["line"] = {"color": one.colour, "width": one.width, "dash": DASHES[one.dash]}
+        trace["line"] = {"color": one.colour, "width": one.width, "dash": one.dash or "solid"}
     if one.marker or one.kind == "points":
         trace["marker"] = {"color": one.colour, "size": one.size, "symbol": one.marker or "circle"}
         trace["marker"]["line"] = {"width": 1.3 if "open" in one.marker else 0.0, "color": one.colour}
@@ -327,12 +328,7 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
     }  # fmt: skip
     if one.levels is not None:
         start, end, size = one.levels
-        trace |= {
-            "autocontour": False,
-            "contours": {"start": start, "end": end, "size": size},
-            "zmin": start,
-            "zmax": end,
-        }
+        trace |= {"autocontour": False, "contours": {"start": start, "end": end, "size": size}, "zmin": start, "zmax": end}
     if one.lines_only:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
         trace["contours"]["labelfont"] = {"size": 12, "color": MUTED}
@@ -394,10 +390,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
         "margin": {"l": 40, "r": 20, "t": 8, "b": 30},
-        "font": {
-            "family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif",
-            "color": INK,
-        },
+        "font": {"family": FONT, "color": INK},
         "showlegend": False,
         "separators": ".\N{NARROW NO-BREAK SPACE}",
         "hovermode": "x" if linked else "closest",

@@ -41,6 +41,11 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
+def short(value: float) -> str:
+    """A number with four digits, a large one without decimals."""
+    return (f"{value:.0f}" if 9999.5 <= abs(value) < 1e7 else f"{value:.4g}").replace("-", MINUS)
+
+
 def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environment:
     here = Path(__file__).parent
     environment = jinja2.Environment(
@@ -50,7 +55,7 @@ def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environme
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(number=number, percent=percent, **filters)
+    environment.filters.update({"number": number, "percent": percent, "short": short, **filters})
     return environment
 
 

@@ -50,10 +50,9 @@ def tick(amount: float) -> None:
 
 
 def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -> list[Any]:
-    """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is raised at once.
-
-    `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most one per processor.
-    """
+    """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is
+    raised at once. `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most
+    one per processor."""
     with progress_bar(total, title) as bar:
         return run_in_workers(calls, bar.update, max(1, min(os.cpu_count() or 1, workers)))
 

@@ -52,10 +52,8 @@ class ClusterError(PushbeltError, RuntimeError):
 
 @contextmanager
 def connect(scheduler: Any = None, workers: int | None = None) -> Iterator[Client]:
-    """A client of the scheduler at an address such as `tcp://host:port`, of a cluster of dask, or of a new local cluster of processes.
-
-    Raises ClusterError if there is no worker within the timeout.
-    """
+    """A client of the scheduler at an address such as `tcp://host:port`, of a cluster of dask, or of a new local
+    cluster of processes. Raises ClusterError if there is no worker within the timeout."""
     with ExitStack() as stack:
         try:
             timeout = WORKERS_TIMEOUT if scheduler is None or isinstance(scheduler, str) else QUEUE_TIMEOUT
@@ -100,13 +98,9 @@ class UnitPlugin(WorkerPlugin):
 def shipped(
     client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
 ) -> Iterator[Callable[[Chunk], Rows]]:
-    """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there.
-
-    `load` makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which are sent with
-    those of `pushbelt.fmu`.
-
-    Raises ClusterError if a worker cannot load them.
-    """
+    """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there. `load`
+    makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which
+    are sent with those of `pushbelt.fmu`. Raises ClusterError if a worker cannot load them."""
     name = f"pushbelt-{client.id}"
     try:
         with ExitStack() as stack:
@@ -125,10 +119,8 @@ def shipped(
 
 
 def solver(name: str) -> Callable[[Chunk], Rows]:
-    """The function that solves a chunk on a worker.
-
-    It is a local function so that it is pickled by value: scheduler and workers do not have this project's modules.
-    """
+    """The function that solves a chunk on a worker. It is a local function so that it is pickled by value: scheduler
+    and workers do not have this project's modules."""
 
     def solve(chunk: Chunk) -> Rows:
         return get_worker().plugins[name].solver.solve(chunk)
@@ -139,11 +131,9 @@ def solver(name: str) -> Callable[[Chunk], Rows]:
 def rows(
     client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk], waiting: Callable[[], object]
 ) -> Iterator[Rows]:
-    """Rows of the chunks in the order of completion. `waiting` is called periodically.
-
-    Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its worker is split: its points are solved
-    at the end, one at a time, so that the point that crashes the worker is identified. Its reason is `WORKER_LOST`.
-    """
+    """Rows of the chunks in the order of completion. `waiting` is called periodically. Chunks of a lost worker are sent
+    to another one. A chunk that repeatedly loses its worker is split: its points are solved at the end, one at a time,
+    so that the point that crashes the worker is identified. Its reason is `WORKER_LOST`."""
     given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
     suspects: list[Any] = []
     for future in _finished(as_completed(given), waiting):

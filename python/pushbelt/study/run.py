@@ -74,14 +74,12 @@ def solve(
     anew: bool = False,
     progress: Callable[[Progress], object] = lambda _: None,
 ) -> dict[int, Row]:
-    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them, unless `anew`.
-
-    `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local processes are started, one per
-    processor. A program that starts them needs the guard `if __name__ == "__main__":`. `progress` is called at the beginning and about once
-    per second. Tasks that lost their workers are not stored; the next run tries them again.
-
-    Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain stored.
-    """
+    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them,
+    unless `anew`. `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local
+    processes are started, one per processor. A program that starts them needs the guard `if __name__ == "__main__":`.
+    `progress` is called at the beginning and about once per second. Tasks that lost their workers are not stored; the
+    next run tries them again. Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain
+    stored."""
     store = Store(folder, tasks)
     if anew:
         store.clear()

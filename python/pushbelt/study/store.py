@@ -33,10 +33,8 @@ class Store:
             path.unlink()
 
     def rows(self) -> dict[int, Row]:
-        """All stored tasks by their numbers. A damaged file is removed, and its tasks are solved again.
-
-        Raises OSError if a file cannot be read; the file is then not removed.
-        """
+        """All stored tasks by their numbers. A damaged file is removed, and its tasks are solved again. Raises OSError
+        if a file cannot be read; the file is then not removed."""
         found: dict[int, Row] = {}
         for path in sorted(self.folder.glob("tasks-*.json.gz")):
             content = path.read_bytes()

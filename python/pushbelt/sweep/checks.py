@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import xarray
@@ -11,35 +10,14 @@ from xarray import DataArray
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.report.page import Check
+from pushbelt.report.style import RPM
 
-from .maps import in_rpm
 from .study import AXES
-
-ROUGHEST = 10
-"""Number of listed spots."""
-
-
-@dataclass(frozen=True)
-class Spot:
-    """A point that deviates from linear interpolation of its neighbours."""
-
-    where: str
-    quantity: str
-    value: float
-    expected: float
-    """Value interpolated between its two neighbours along an axis."""
-    axis: str
-
-    @property
-    def share(self) -> float:
-        """Relative deviation from the expected value."""
-        return self.value / self.expected - 1.0
-
 
 def name_of(results: xarray.Dataset, at: Mapping[str, float]) -> str:
     """Description of a point."""
     force = f", {at['force']:.0f} N" if results.sizes["force"] > 1 else ""
-    return f"ratio {at['ratio']:.3g}, utilisation {at['utilisation']:g}, μ {at['friction']:g}, {in_rpm(at['speed']):.0f} rpm{force}"
+    return f"ratio {at['ratio']:.3g}, utilisation {at['utilisation']:g}, μ {at['friction']:g}, {RPM * at['speed']:.0f} rpm{force}"
 
 
 def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:
@@ -101,31 +79,9 @@ def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int
 def _single_peak(results: xarray.Dataset, values: DataArray) -> Check:
     """Check that values have one maximum over the utilisation: no rise after a fall."""
     wrong = xarray.zeros_like(values, dtype=bool)
-    lines, marks = (
-        values.values.reshape(-1, values.sizes["utilisation"]),
-        wrong.values.reshape(-1, values.sizes["utilisation"]),
-    )
+    lines, marks = (one.values.reshape(-1, values.sizes["utilisation"]) for one in (values, wrong))
     for line, mark in zip(lines, marks, strict=True):
         found = np.flatnonzero(np.isfinite(line))
         steps = np.diff(line[found])
         mark[found[np.flatnonzero((steps[:-1] < 0.0) & (steps[1:] > 0.0)) + 1]] = True
     return _check(results, "Efficiency has one peak over the torque utilisation", wrong, len(lines), "lines")
-
-
-def spots(results: xarray.Dataset) -> list[Spot]:
-    """The points with the largest deviations from their neighbours along ratio and utilisation, worst first."""
-    pairs = (("thrustRatio", "ratio"), ("thrustRatio", "utilisation"), ("efficiency", "ratio"))
-    return sorted((spot for pair in pairs for spot in _spots(results, *pair)), key=lambda spot: -abs(spot.share))[:ROUGHEST]
-
-
-def _spots(results: xarray.Dataset, column: str, axis: str) -> Iterator[Spot]:
-    values = results[column].where(results.steady & (results.macroSlip == 0.0))
-    x = np.log(results[axis]) if axis == "ratio" else results[axis]
-    (before, after), (low, high) = ((one.shift({axis: 1}), one.shift({axis: -1})) for one in (x, values))
-    share = (x - before) / (after - before)
-    expected = ((1.0 - share) * low + share * high).transpose(*AXES)
-    off = np.abs(values / expected - 1.0).stack(point=list(AXES))
-    for k in np.argsort(-off.fillna(-1.0).values)[:ROUGHEST]:
-        at = dict(zip(AXES, off.point.values[k], strict=True))
-        if np.isfinite(off.values[k]):
-            yield Spot(name_of(results, at), column, float(values.sel(at)), float(expected.sel(at)), axis)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,27 +96,20 @@ class Design:
 
 def varied(text: str) -> Varied:
     """`NAME=A,B,…`, `NAME=LOW:HIGH:N` (N values, evenly spaced) or `NAME=LOW:HIGH` (for a Latin hypercube)."""
-    name, separator, values = (part.strip() for part in text.partition("="))
+    name, _, values = (part.strip() for part in text.partition("="))
     name = AXIS_OF.get(name, name)
     try:
-        if not separator:
-            raise ValueError(f"{text} is none of the forms")
-        numbers = [float(part) for part in re.split("[:,]", values)]
         if ":" not in values:
-            return Varied(name, tuple(numbers))
-        low, high, *count = numbers
-        if "," in values or len(count) > 1 or not low < high:
-            raise ValueError(f"{text} is none of the forms")
-        if not count:
-            return Varied(name, span=(low, high))
-        if count[0] != int(count[0]) or count[0] < 2:
-            raise ValueError(f"{text} is none of the forms")
-        steps = int(count[0]) - 1
-        return Varied(name, tuple(low + (high - low) * k / steps for k in range(steps + 1)))
+            return Varied(name, tuple(float(part) for part in values.split(",")))
+        low, high, *count = values.split(":")
+        span = float(low), float(high)
+        if span[0] < span[1] and not count:
+            return Varied(name, span=span)
+        if span[0] < span[1] and len(count) == 1 and int(count[0]) > 1:
+            return Varied(name, tuple(np.linspace(*span, int(count[0])).tolist()))
     except ValueError:
-        raise DesignError(
-            f"--vary {text} is not of the form NAME=A,B,C, NAME=LOW:HIGH:N or, with --samples, NAME=LOW:HIGH"
-        ) from None
+        pass
+    raise DesignError(f"--vary {text} is not of the form NAME=A,B,C, NAME=LOW:HIGH:N or, with --samples, NAME=LOW:HIGH")
 
 
 def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0) -> Design:
@@ -131,11 +123,8 @@ def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0
     sampled: Sequence[tuple[float, ...]] = [()] if samples is None else _hypercube(ranges, samples, seed)
     if len(sampled) * math.prod(len(column.values) for column in lists) > MOST_POINTS:
         raise DesignError(f"the design has more than {MOST_POINTS} points")
-    rows = tuple(
-        (*combination, *sample)
-        for combination in itertools.product(*(column.values for column in lists))
-        for sample in sampled
-    )
+    combinations = itertools.product(*(column.values for column in lists))
+    rows = tuple((*combination, *sample) for combination in combinations for sample in sampled)
     kind = "grid" if samples is None else "Latin hypercube"
     return Design(kind, tuple(column.name for column in [*lists, *ranges]), rows)
 
@@ -152,10 +141,8 @@ def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[
 
 
 def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = None) -> tuple[Design, list[str]]:
-    """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit a column is in SI.
-
-    Raises DesignError with all faults of the table, OSError if it cannot be read.
-    """
+    """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit
+    a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
     try:
         sheet = sheets.read(path, _known(variables), reading)
         names = [name for name in sheet.taken if _settable(variables, name)]

@@ -7,8 +7,9 @@ import xarray
 
 from pushbelt.maps.panels import Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
+from pushbelt.report.style import RPM
 
-from .maps import QUANTITIES, carried, in_rpm
+from .maps import QUANTITIES, carried
 
 ACROSS = 4
 """Largest number of maps per row."""
@@ -35,7 +36,7 @@ def _maps(results: xarray.Dataset, quantity: Quantity) -> Chart:
             there = np.isfinite(values)
             kinds = {"solved": there & ~slips, "slips through": there & slips, "no steady state": ~there}
             border = Border(carried(axes[1], there & ~slips))
-            title = f"μ = {friction:g}, {in_rpm(speed):.0f} rpm"
+            title = f"μ = {friction:g}, {RPM * speed:.0f} rpm"
             panels.append(panel(title, quantity, axes, values, levels, kinds, border))
     columns = min(len(panels), ACROSS)
     return Chart(panels, f"Maps of {quantity.name}", columns=columns, common_legend=True, least_width=240)

@@ -10,13 +10,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
 import xarray
-from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap
+from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.panels import Quantity, levels_of, middle_of
-from pushbelt.report.style import INK, RED, STYLE, colour_stops
+from pushbelt.maps.panels import SLIPS, Quantity, levels_of, middle_of
+from pushbelt.report.style import INK, RED, RPM, STYLE, colour_stops
 
 from .study import AXES, Grid
 
@@ -35,58 +34,55 @@ def gridded(grid: Grid, table: pa.Table) -> xarray.Dataset:
     return found.assign(steady=found.thrustRatio.notnull())
 
 
-SLIPS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 QUANTITIES = (
     Quantity("thrust ratio", "thrustRatio"),
     Quantity("efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)),
-    Quantity("slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
+    Quantity("slip", "slip", 100.0, "%", SLIPS),
 )
 
 
-def in_rpm(speed: float) -> float:
-    """Revolutions per minute of a speed in rad/s."""
-    return speed * 30.0 / np.pi
-
-
 def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
-    """Maps of a quantity at a clamping force, one per friction and speed."""
-    values = quantity.scale * results[quantity.column].values
-    slipping = results.macroSlip.values > 0.0
-    down, across = [f"μ = {one:g}" for one in results.friction.values], [f"{in_rpm(w):.0f} rpm" for w in results.speed.values]
-    if len(down) > len(across):
-        values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
-        down, across = across, down
-    levels = levels_of(values, quantity.levels)
+    """Maps of a quantity at a clamping force, one per friction and speed, with the capacity and the points without a steady state."""
+    levels = levels_of(quantity.scale * results[quantity.column].values, quantity.levels)
     middle = middle_of(levels)
     # Beyond the first and the last level there is one more colour.
     stops = None if middle is None else colour_stops((middle + 1) / (len(levels) + 1))
     colours = plt.get_cmap("viridis") if stops is None else LinearSegmentedColormap.from_list("diverging", stops)
-    rows, columns = len(down), len(across)
+    norm = BoundaryNorm(levels, colours.N, extend="both")
+    rows, columns = results.sizes["friction"], results.sizes["speed"]
     with plt.rc_context(STYLE):
         size = (2.45 * columns + 1.4, 2.15 * rows + 0.5)
-        figure, panels = plt.subplots(
-            rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained"
-        )
+        figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
         for m, n in np.ndindex(rows, columns):
-            _panel(panels[m, n], results, values[m, n], slipping[m, n], levels, colours)
-            panels[m, n].set_title(f"{down[m]}, {across[n]}" if rows > 1 or columns > 1 else "")
-        for axes in panels[-1]:
-            axes.set_xlabel("ratio $r_S/r_P$")
-        for axes in panels[:, 0]:
-            axes.set_ylabel("torque utilisation")
-        shown = plt.cm.ScalarMappable(BoundaryNorm(levels, colours.N, extend="both"), colours)
-        bar = figure.colorbar(shown, ax=panels, shrink=min(1.0, 1.6 / rows), aspect=32, pad=0.015, ticks=levels)
+            axes, one = panels[m, n], results.isel(friction=m, speed=n).transpose("utilisation", "ratio")
+            values = (quantity.scale * one[quantity.column]).to_masked_array()
+            there, slipping = ~np.ma.getmaskarray(values), one.macroSlip.values > 0.0
+            if min(values.shape) > 1 and values.count() > 3:
+                axes.contourf(one.ratio, one.utilisation, values, levels, cmap=colours, norm=norm, extend="both")
+                for side in carried(one.utilisation.values, (there & ~slipping).T):
+                    axes.plot(one.ratio, side, color=INK, linewidth=1.4)
+            x, y = np.meshgrid(one.ratio, one.utilisation)
+            for where, marker, colour in ((there & slipping, "o", INK), (~there, "x", RED)):
+                if where.any():
+                    axes.plot(x[where], y[where], marker, color=colour, fillstyle="none", markersize=2.8, clip_on=False)
+            axes.set_title(f"μ = {one.friction:g}, {RPM * one.speed:.0f} rpm")
+            axes.set_xscale("log")
+            axes.set_xticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
+            axes.minorticks_off()
+            axes.set(facecolor="#f1f3f5", xmargin=0.0, ymargin=0.0)
+        figure.supxlabel("ratio $r_S/r_P$", fontsize=9)
+        figure.supylabel("torque utilisation", fontsize=9)
+        shown, shrink = plt.cm.ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
+        shown, shrink = plt.cm.ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
+        bar = figure.colorbar(shown, ax=panels, shrink=shrink, aspect=32, pad=0.015, ticks=levels)
         bar.ax.set_yticklabels([f"{level:g}" for level in levels])
-        bar.set_label(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
-        bar.outline.set_visible(False)
+        bar.set_label(quantity.heading)
     return figure
 
 
 def carried(utilisation: Array, holds: np.ndarray) -> Array:
     """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
-
-    `holds` is over ratio × utilisation. NaN where all points hold, or none.
-    """
+    `holds` is over ratio × utilisation. NaN where all points hold, or none."""
     between = 0.5 * (utilisation[1:] + utilisation[:-1])
     border = np.full((2, len(holds)), np.nan)
     for k, line in enumerate(holds):
@@ -96,39 +92,6 @@ def carried(utilisation: Array, holds: np.ndarray) -> Array:
         if places.size and places[-1] < len(utilisation) - 1:
             border[1, k] = between[places[-1]]
     return border
-
-
-def _panel(
-    axes: Axes, results: xarray.Dataset, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap
-) -> None:
-    """One map; `values` over ratio × utilisation."""
-    ratio, utilisation = results.ratio.values, results.utilisation.values
-    field = np.ma.masked_invalid(values.T)
-    axes.set_facecolor("#f1f3f5")
-    if min(values.shape) > 1 and field.count() > 3:
-        norm = BoundaryNorm(levels, colours.N, extend="both")
-        axes.contourf(ratio, utilisation, field, levels, cmap=colours, norm=norm, extend="both")
-        axes.contour(ratio, utilisation, field, levels, colors="white", linewidths=0.4, alpha=0.6)
-        for side in carried(utilisation, np.isfinite(values) & ~slipping):
-            axes.plot(ratio, side, color=INK, linewidth=1.4)
-    places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
-    missing = ~np.isfinite(values)
-    marks = (
-        (~missing & ~slipping, {"marker": ".", "color": "white", "markersize": 1.2, "alpha": 0.8}),
-        (~missing & slipping, {"marker": "o", "color": INK, "fillstyle": "none", "markersize": 2.8}),
-        (missing, {"marker": "x", "color": RED, "markersize": 3.2}),
-    )
-    for where, mark in marks:
-        if where.any():
-            # Markers are not clipped, because many are on the border.
-            axes.plot(*places[:, where], linestyle="", markeredgewidth=0.7, clip_on=False, **mark)
-    axes.set_xscale("log")
-    axes.set_xticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
-    axes.minorticks_off()
-    axes.grid(visible=False)
-    for axis, limits in ((ratio, axes.set_xlim), (utilisation, axes.set_ylim)):
-        if len(axis) > 1:
-            limits(axis[0], axis[-1])
 
 
 def sheets(results: xarray.Dataset) -> dict[str, Figure]:

@@ -18,10 +18,8 @@ class WrongUnitError(PushbeltError, ValueError):
 
 
 def check(study: Study) -> Iterator[str]:
-    """Warnings about points.
-
-    Raises WrongUnitError if no point carries its torque, and a wrong unit explains it at all of them.
-    """
+    """Warnings about points. Raises WrongUnitError if no point carries its torque, and a wrong unit explains it at all
+    of them."""
     points = study.grid.points()
     checked = [study.start_values(point) for point in points[:: -(-len(points) // MOST)]]
     for slips in (capacity.slip_of_units, excessive_speed):

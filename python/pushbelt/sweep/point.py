@@ -50,10 +50,8 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
 
 
 def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
-    """The steady state at these start values after a short step.
-
-    Raises UnitError if there is none or if a call of the FMU fails.
-    """
+    """The steady state at these start values after a short step. Raises UnitError if there is none or if a call of the
+    FMU fails."""
     unit = states.at(values)
     before = unit.get("thrustRatio")
     unit.step_to(SHORT_STEP)

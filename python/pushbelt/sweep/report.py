@@ -11,6 +11,7 @@ import pyarrow as pa
 import xarray
 
 from pushbelt.report.page import write_html
+from pushbelt.report.style import RPM
 from pushbelt.study.run import Effort
 
 from . import checks, figures, maps
@@ -63,17 +64,13 @@ def _context(study: Study, table: pa.Table, results: xarray.Dataset, effort: Eff
     return {
         **common(study, table, effort),
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "steady": {
-            column: results[column].values[steady.values]
-            for column in ("thrustRatio", "efficiency", "slip", "macroSlip")
-        },
+        "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "macroSlip")},
         "failed": checks.names_of(results, ~steady)[:FEW],
         "checks": checks.evaluate(results) if steady.any() else [],
-        "spots": checks.spots(results) if steady.any() else [],
         "cut": {
             "picture": figures.cuts(middle),
             "friction": float(middle.friction),
-            "rpm": maps.in_rpm(float(middle.speed)),
+            "rpm": RPM * float(middle.speed),
             "force": float(middle.force),
         },
         "maps": figures.maps(results),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -79,23 +78,17 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
 def describe(study: Study) -> dict[str, Any]:
     """Description of a study in the metadata."""
     description = study.description
+    # The axes of a grid with their values, or the columns of a design.
+    grid: dict[str, Any] = {axis.column: {"unit": axis.unit, "values": getattr(study.grid, name, ())} for name, axis in AXES.items()}
+    if isinstance(study.grid, Design):
+        units = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
+        grid = {"design": study.grid.kind, "columns": {name: {"unit": units[name]} for name in study.grid.columns}}
     return {
         "study": study.identity,
         "fmu": {"model": description.modelName, "version": description.version, "guid": description.guid},
-        "parameters": {
-            name: {"value": value, "unit": study.variables[name].unit or "1"}
-            for name, value in study.parameters.items()
-        },
-        "grid": _described(study),
+        "parameters": {name: {"value": value, "unit": study.variables[name].unit or "1"} for name, value in study.parameters.items()},
+        "grid": grid,
     }
-
-
-def _described(study: Study) -> dict[str, Any]:
-    """The axes of a grid with their values, or the columns of a design."""
-    if isinstance(study.grid, Design):
-        fields = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
-        return {"design": study.grid.kind, "columns": {name: {"unit": fields[name]} for name in study.grid.columns}}
-    return {axis.column: {"unit": axis.unit, "values": asdict(study.grid)[name]} for name, axis in AXES.items()}
 
 
 def write_parquet(contents: pa.Table, path: Path) -> None:

@@ -129,10 +129,7 @@ class Study(Tasks):
 
 
 def variator(
-    name: str,
-    model: str = "ALE",
-    changes: Mapping[str, Any] | None = None,
-    varied: Collection[str] = (AXES["friction"].column,),
+    name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ("friction.pulley",)
 ) -> dict[str, Any]:
     """Parameters of a variator for a study, with changes and without the varied ones."""
     values = tasks.variator(name, model, changes)

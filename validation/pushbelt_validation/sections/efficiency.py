@@ -12,7 +12,7 @@ from pushbelt.fmu.starts import driven_at_speed, driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad
-from ..measured import ESTIMATE, MapPoint, bound, data, source, transmission_map
+from ..measured import ESTIMATE, MapPoint, data, source, transmission_map
 from ..outcome import PERCENT, POINTS, Check, Column, Part, Section, Table, Unit, curve, reported, share, table, within
 
 SAFETIES = (1.3, 2.0)
@@ -186,9 +186,9 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
     ]
     peak = max([value for row in rows for value in row[2:]] + [value for b in beside for value in b.efficiencies])
     checks = [
-        within("efficiency-overdrive", "Efficiency is lower in overdrive than at ratios 1 and 2.36", bound(0), lower, None, 0.0, POINTS, "lower"),
-        within("efficiency-load", "Efficiency is lower at low load", bound(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m"),
-        within("efficiency-peak", "A peak above 97 % is possible with a small pump", bound(1), [("all points", peak)], 0.97, None, PERCENT),
+        within("efficiency-overdrive", "Efficiency is lower in overdrive than at ratios 1 and 2.36", source(0), lower, None, 0.0, POINTS, "lower"),
+        within("efficiency-load", "Efficiency is lower at low load", source(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m"),
+        within("efficiency-peak", "A peak above 97 % is possible with a small pump", source(1), [("all points", peak)], 0.97, None, PERCENT),
     ]
     columns = (Column("F_S", "kN", 1, 1e-3), Column("Torque", "N·m", 0), *(share(f"ratio {ratio:g}", signed=False) for ratio in BOUND_RATIOS))
     return table("efficiency-bounds", "Efficiency at fixed force, 2000 rpm", columns, rows), checks

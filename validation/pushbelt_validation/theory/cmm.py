@@ -167,10 +167,10 @@ def _turning_points(wrap: float, centre: float, shift: float) -> list[float]:
     return [place for place in places if 0.0 < place < wrap]
 
 
-def _panels(wrap: float, turning_points: list[float], refinement: int) -> Array:
+def _panels(wrap: float, turning_points: list[float]) -> Array:
     """Panel borders, graded geometrically towards every turning point."""
     borders = [0.0, *turning_points, wrap]
-    graded = np.concatenate([[0.0], np.geomspace(FINEST_PANEL, 1.0, refinement * PANELS)])
+    graded = np.concatenate([[0.0], np.geomspace(FINEST_PANEL, 1.0, PANELS)])
     pieces = [np.array(borders)]
     for k, (left, right) in enumerate(zip(borders[:-1], borders[1:])):
         half = (right - left) / 2.0
@@ -190,12 +190,10 @@ class _Integrals:
     log_tension: Array  # at the borders, 0 at entry
 
 
-def _integrate(
-    wrap: float, beta: float, mu: float, creep: float, centre: float, shift: float = 0.0, refinement: int = 1
-) -> _Integrals:
+def _integrate(wrap: float, beta: float, mu: float, creep: float, centre: float, shift: float = 0.0) -> _Integrals:
     """Equations (3) to (7) for a given B and theta_c. psi depends on theta only, so they are solved by quadrature."""
     nodes, weights, cumulate = _gauss(GAUSS_POINTS)
-    borders = _panels(wrap, _turning_points(wrap, centre, shift), refinement)
+    borders = _panels(wrap, _turning_points(wrap, centre, shift))
     widths = np.diff(borders)
     theta = borders[:-1, None] + widths[:, None] * (nodes + 1.0) / 2.0
     v_r, v_t = sliding(theta, centre, creep, shift)
@@ -206,9 +204,7 @@ def _integrate(
     load = tension / (2.0 * radial) * axial * weights * widths[:, None] / 2.0
     thrust = float(load.sum())
     x, y = float((load * np.cos(theta)).sum()), float((load * np.sin(theta)).sum())
-    return _Integrals(
-        float(log_border[-1]), thrust, sqrt(x * x + y * y) / thrust, atan2(y, x) % (2.0 * pi), borders, log_border
-    )
+    return _Integrals(float(log_border[-1]), thrust, sqrt(x * x + y * y) / thrust, atan2(y, x) % (2.0 * pi), borders, log_border)
 
 
 def _check(wrap: float, beta: float, mu: float) -> None:
@@ -221,18 +217,18 @@ def _check(wrap: float, beta: float, mu: float) -> None:
 
 
 @lru_cache(maxsize=100_000)
-def _centre(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, refinement: int = 1) -> float:
+def _centre(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0) -> float:
     """theta_c of equation (7), as a fixed point: the pressure determines the opening of the groove and depends on it."""
 
     def excess(centre: float) -> float:
-        return centre - _integrate(wrap, beta, mu, creep, centre, shift, refinement).direction
+        return centre - _integrate(wrap, beta, mu, creep, centre, shift).direction
 
     return float(brentq(excess, 1.0e-9, wrap - 1.0e-9, xtol=1.0e-13, rtol=1.0e-14))
 
 
-def log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, refinement: int = 1) -> float:
-    centre = _centre(wrap, beta, mu, creep, shift, refinement)
-    return _integrate(wrap, beta, mu, creep, centre, shift, refinement).log_ratio
+def log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0) -> float:
+    centre = _centre(wrap, beta, mu, creep, shift)
+    return _integrate(wrap, beta, mu, creep, centre, shift).log_ratio
 
 
 _WIDEST = 16.0
@@ -272,19 +268,15 @@ def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     _check(wrap, beta, mu)
     low, high = _creep_range(wrap, beta, mu)
     full_slip = mu * wrap / sin(beta)
-    return (
-        min(log_ratio(wrap, beta, mu, creep_of(low)), -full_slip),
-        max(log_ratio(wrap, beta, mu, creep_of(high)), full_slip),
-    )
+    ends = [log_ratio(wrap, beta, mu, creep_of(u)) for u in (low, high)]
+    return min(ends[0], -full_slip), max(ends[1], full_slip)
 
 
-def arc_at_creep(
-    wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, points: int = 181, refinement: int = 1
-) -> Arc:
+def arc_at_creep(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, points: int = 181) -> Arc:
     """Arc for a creep B and a speed of ratio change A; fields at `points` evenly spaced places."""
     _check(wrap, beta, mu)
-    centre = _centre(wrap, beta, mu, creep, shift, refinement)
-    whole = _integrate(wrap, beta, mu, creep, centre, shift, refinement)
+    centre = _centre(wrap, beta, mu, creep, shift)
+    whole = _integrate(wrap, beta, mu, creep, centre, shift)
     unit = (1.0 + np.exp(whole.log_ratio)) / 2.0
     theta = np.linspace(0.0, wrap, points)
     # Borders are dense where psi changes; between them ln F' is smooth with a known slope.
@@ -333,11 +325,6 @@ class Variator:
     def thrust_ratio(self) -> float:
         """S_P/S_S"""
         return self.primary.thrust / self.secondary.thrust
-
-    @property
-    def torque_number(self) -> float:
-        """T_P/(S_S R_P)"""
-        return 2.0 * self.traction / self.secondary.thrust
 
     def mean_force(self, secondary_thrust: float) -> float:
         """(F_1 + F_2)/2 - sigma V^2 in N for an axial force on S in N."""
@@ -392,25 +379,3 @@ def variator_at_torque(
     if excess(0.0) * excess(limit) > 0.0:
         raise ValueError(f"torque {torque:.3f} N m is beyond the capacity at S_S = {secondary_thrust:.1f} N")
     return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
-
-
-# ------------------------------------------------------------------------------- the older theory, for comparison
-
-
-def rest_and_slip_arc(
-    wrap_p: float, wrap_s: float, beta: float, mu: float, traction: float
-) -> tuple[float, float, float, float]:
-    """Rigid pulleys, elastic belt (Eytelwein, Grashof): S_P/S_S, slip arc (rad), S_P and S_S per mean reduced force.
-
-    From the entry on the belt rests on the pulley with constant force; over the slip arc before the exit it creeps
-    tangentially and the force changes by exp(mu gamma/sin beta). There is no radial friction.
-    """
-    slip_arc = 2.0 * atanh(abs(traction)) * sin(beta) / mu
-    if slip_arc > min(wrap_p, wrap_s):
-        raise ValueError(f"traction {traction:.4f} needs a slip arc of {slip_arc:.4f} rad")
-    # In the slip arc T = 2 mu S R/cos beta, whatever its length.
-    slipping = abs(traction) * cos(beta) / mu
-    entry_p, entry_s = 1.0 + traction, 1.0 - traction
-    thrust_p = entry_p * (wrap_p - slip_arc) / (2.0 * tan(beta)) + slipping
-    thrust_s = entry_s * (wrap_s - slip_arc) / (2.0 * tan(beta)) + slipping
-    return thrust_p / thrust_s, slip_arc, thrust_p, thrust_s
