@@ -10,7 +10,7 @@
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
 //! | `inputs` | inputs as functions of time, and those that wait in real time |
-//! | `initial`, `no_steady_state`, `at_rest`, `soft_start` | the state that a run starts from |
+//! | `start`, `steady_start`, `at_rest`, `soft_start` | the state that a run starts from |
 //! | `pace` | the warning of a run that takes too much work |
 //! | `hints` | the warnings of loads and speeds that can hardly be meant |
 
@@ -18,14 +18,14 @@ mod at_rest;
 mod checkpoint;
 mod communication_step;
 mod hints;
-mod initial;
 mod inputs;
-mod no_steady_state;
 mod outcome;
 mod pace;
 mod plant;
 mod real_time;
 pub(crate) mod soft_start;
+pub(crate) mod start;
+mod steady_start;
 mod stepper;
 pub(crate) mod variator;
 

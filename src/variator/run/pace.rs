@@ -14,7 +14,7 @@ const SPAN: f64 = 1.0;
 const RESIDUAL: f64 = 36.0e-9;
 /// Residuals that take as long as a Jacobian with its factors: 12 to 17 under the same loads, since most are updates of
 /// the constitutive tangents.
-const JACOBIAN: f64 = 14.0;
+pub(super) const JACOBIAN: f64 = 14.0;
 
 /// Names of the inputs in the order of [`Inputs::values`], and a usual size of each: changes are counted in it.
 const INPUTS: [(&str, f64); 8] = [

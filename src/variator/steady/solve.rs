@@ -54,7 +54,7 @@ pub(super) const LAST_STEP: f64 = 200.0;
 const SOFT_VELOCITY: f64 = 0.05;
 /// From a neighbouring state within this distance in ln(ratio), the specified friction velocity is tried first, for at most
 /// this number of Newton solves.
-pub(super) const SHARP_WAY: f64 = 0.01;
+const SHARP_WAY: f64 = 0.01;
 const SHARP_SOLVES: usize = 30;
 /// Factor of each reduction of the friction velocity.
 const SHARPENING: f64 = 0.4;
@@ -63,9 +63,8 @@ const PSEUDO_INERTIA: f64 = 40.0;
 /// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
-/// First pseudo-time step from a kinematic and from a steady state, s.
-const COLD_STEP: f64 = 1.0e-6;
-const WARM_STEP: f64 = 1.0e-2;
+/// First pseudo-time step, s.
+pub(super) const FIRST_STEP: f64 = 1.0e-3;
 /// Times in which the reaction force and the set point of Θ are corrected, s.
 const FORCE_TIME: f64 = 0.02;
 const RATIO_TIME: f64 = 0.2;
@@ -159,7 +158,7 @@ fn continuation(
     system.loads = Loads::Constant(control.boundary());
     let settings = Settling {
         time: 0.0,
-        first_step: if task.warm { WARM_STEP } else { COLD_STEP },
+        first_step: FIRST_STEP,
         last_step: LAST_STEP,
         max_solves,
     };
