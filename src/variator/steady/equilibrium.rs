@@ -5,7 +5,7 @@ use crate::solver::State;
 use crate::solver::continuation::{Settled, Settling, settle};
 use crate::solver::newton::Newton;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
-use crate::variator::steady::solve::{FIRST_STEP, LAST_STEP, SteadyTask, cold_start, reaction, solve};
+use crate::variator::steady::solve::{FIRST_STEP, LAST_STEP, NEAR, SteadyTask, cold_start, reaction, solve};
 use crate::variator::system::VariatorSystem;
 
 /// Relative force error of an equilibrium.
@@ -14,9 +14,9 @@ const TOLERANCE: f64 = 1.0e-6;
 /// Number of stages in which the force is applied to a sheave that comes to rest at its end stop.
 const STOP_STAGES: i32 = 8;
 
-/// Largest changes of ln(ratio) from one state to the next: from the kinematic state at first, since a small change needs as many solves
-/// as a large one; from the last state where there is none, and there with the specified friction velocity.
-const RATIO_STEPS: [f64; 3] = [0.5, 0.05, 0.008];
+/// Largest change of ln(ratio) from one state to the next, both solved for from the kinematic one: a small change needs as many solves
+/// as a large one. Where there is no such state, it is [`NEAR`], from the last state.
+const FAR: f64 = 0.5;
 
 /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
 /// secant method on ln(force/reaction) over ln(ratio), each state solved for from the kinematic one or, where it is near,
@@ -43,8 +43,7 @@ pub fn solve_equilibrium(
     let mut f = defect(system, state);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
-    let [mut longest, near, small] = RATIO_STEPS;
-    let mut shorter = [near, small].into_iter();
+    let mut longest = FAR;
     let mut last = Settled::default();
     for _ in 0..max_solves {
         if f.abs() < TOLERANCE {
@@ -58,7 +57,7 @@ pub fn solve_equilibrium(
         }
         let there = SteadyTask {
             ratio: next.exp(),
-            warm: (next - x).abs() <= near,
+            warm: (next - x).abs() <= NEAR,
             ..*task
         };
         let mut trial = state.clone();
@@ -67,8 +66,9 @@ pub fn solve_equilibrium(
         }
         match solve(system, newton, &mut trial, &there, max_solves) {
             Ok(report) => last = report,
-            Err(report) => {
-                longest = shorter.next().ok_or(report)?;
+            Err(report) if longest == NEAR => return Err(report),
+            Err(_) => {
+                longest = NEAR;
                 continue;
             }
         }
