@@ -56,6 +56,18 @@ impl Descriptor {
         }
     }
 
+    /// A direction of the state from one of x and its rate.
+    pub fn direction(&self, x: &[f64], rate: &[f64]) -> State {
+        let n = x.len() - self.positions.len();
+        let mut direction = State::zero(n);
+        direction.y.copy_from_slice(&x[..n]);
+        direction.y_dot.copy_from_slice(&rate[..n]);
+        for (&i, q) in self.positions.iter().zip(&x[n..]) {
+            direction.q[i] = *q;
+        }
+        direction
+    }
+
     /// σE − A.
     pub fn shifted(&self, sigma: f64) -> Mat<f64> {
         &self.e * faer::Scale(sigma) - &self.a

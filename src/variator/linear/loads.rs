@@ -3,11 +3,11 @@
 use faer::Mat;
 
 use crate::pulley::Pulley;
-use crate::variator::linear::working_point::WorkingPoint;
-use crate::variator::pulleys::loads::{Boundary, ShaftMode, SheaveMode};
-use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
+use crate::solver::System;
+use crate::variator::linear::working_point::{TIME, WorkingPoint};
+use crate::variator::pulleys::loads::Loads;
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
-use crate::variator::system::VariatorSystem;
 
 /// An input of the linear model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,33 +39,18 @@ impl Load {
         }
     }
 
-    /// Adds a change of the input to the boundary conditions.
-    pub(super) fn change(self, by: f64, system: &VariatorSystem, boundary: &mut Boundary) {
-        let (Self::ClampingForce(j) | Self::Pressure(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
-        match (self, &mut boundary.sheave[j], &mut boundary.shaft[j]) {
-            (Self::ClampingForce(_), SheaveMode::Force(force), _) => *force += by,
-            (Self::Pressure(_), SheaveMode::Force(force), _) => {
-                *force += system.parameters.pulley(j).cylinder.area * by
-            }
-            (Self::Torque(_) | Self::SpeedSetpoint(_), _, ShaftMode::Torque(load) | ShaftMode::Setpoint(load)) => {
-                *load += by;
-            }
-            _ => {}
-        }
-    }
-
     /// Name of the variable of the FMU.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::ClampingForce(Pulley::Primary) => "primary.clampingForce",
-            Self::ClampingForce(Pulley::Secondary) => "secondary.clampingForce",
-            Self::Pressure(Pulley::Primary) => "primary.pressure",
-            Self::Pressure(Pulley::Secondary) => "secondary.pressure",
-            Self::Torque(Pulley::Primary) => "primary.torque",
-            Self::Torque(Pulley::Secondary) => "secondary.torque",
-            Self::SpeedSetpoint(Pulley::Primary) => "primary.speedSetpoint",
-            Self::SpeedSetpoint(Pulley::Secondary) => "secondary.speedSetpoint",
+        let (pulley, [primary, secondary]) = match self {
+            Self::ClampingForce(j) => (j, ["primary.clampingForce", "secondary.clampingForce"]),
+            Self::Pressure(j) => (j, ["primary.pressure", "secondary.pressure"]),
+            Self::Torque(j) => (j, ["primary.torque", "secondary.torque"]),
+            Self::SpeedSetpoint(j) => (j, ["primary.speedSetpoint", "secondary.speedSetpoint"]),
+        };
+        match pulley {
+            Pulley::Primary => primary,
+            Pulley::Secondary => secondary,
         }
     }
 }
@@ -73,10 +58,8 @@ impl Load {
 /// Inputs that act with these parameters.
 pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
     let mut loads = Vec::new();
-    for (j, pulley) in [
-        (Pulley::Primary, &parameters.primary),
-        (Pulley::Secondary, &parameters.secondary),
-    ] {
+    for j in [Pulley::Primary, Pulley::Secondary] {
+        let pulley = parameters.pulley(j);
         loads.push(match pulley.drive {
             Drive::Torque => Load::Torque(j),
             Drive::Speed => Load::SpeedSetpoint(j),
@@ -91,21 +74,26 @@ pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
     loads
 }
 
-/// B of the descriptor system: the negative derivatives of the residual by the loads.
-pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize) -> Mat<f64> {
+/// B of the descriptor system: the negative derivatives of the residual by the loads, in which it is linear.
+pub(super) fn load_columns(point: &mut WorkingPoint, loads: &[Load], size: usize) -> Mat<f64> {
+    let (system, state, mut inputs) = (&mut point.system, &point.state, point.inputs);
+    let mut residual = |inputs: &Inputs| {
+        let mut out = vec![0.0; state.y.len()];
+        system.loads = Loads::held(inputs);
+        system.residual(TIME, state.view(), &mut out);
+        out
+    };
+    let without = residual(&inputs);
     let mut b = Mat::<f64>::zeros(size, loads.len());
     for (l, load) in loads.iter().enumerate() {
-        let (row, factor) = match *load {
-            Load::ClampingForce(j) => (system.belt.layout.sheave(j), 1.0),
-            Load::Pressure(j) => (system.belt.layout.sheave(j), system.parameters.pulley(j).cylinder.area),
-            Load::Torque(j) => (system.belt.layout.shaft_speed(j), 1.0),
-            Load::SpeedSetpoint(j) => (
-                system.belt.layout.shaft_speed(j),
-                system.parameters.pulley(j).inertia / SPEED_LAG,
-            ),
-        };
-        b[(row, l)] = factor;
+        let given = *load.field(&mut inputs);
+        *load.field(&mut inputs) += 1.0;
+        for (i, (with, without)) in residual(&inputs).iter().zip(&without).enumerate() {
+            b[(i, l)] = without - with;
+        }
+        *load.field(&mut inputs) = given;
     }
+    residual(&inputs);
     b
 }
 

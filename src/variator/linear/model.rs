@@ -10,10 +10,10 @@ use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
 use crate::variator::linear::modes::{SlowModes, slow_modes};
 use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
+use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
-use crate::variator::system::VariatorSystem;
 
 /// Fraction of the cut-off at which the static gain is evaluated. It is not 0, because of the neutral modes.
 const NEARLY_STATIC: f64 = 1.0e-3;
@@ -42,30 +42,6 @@ pub struct LinearModel {
     pub poles: Vec<[f64; 2]>,
     /// Differences from the specified working point: the belt slips through, or other loads hold it. One sentence each.
     pub remarks: Vec<String>,
-}
-
-/// A direction of x = (y, q), and its ẏ, with the load that changes by one along it.
-struct StateDirection {
-    load: Option<Load>,
-    y: Vec<f64>,
-    y_dot: Vec<f64>,
-    q: Vec<f64>,
-}
-
-impl StateDirection {
-    /// Of a load, a column of x and its rate.
-    fn new(n: usize, positions: &[usize], load: Option<Load>, column: &[f64], rate: &[f64]) -> Self {
-        let mut q = vec![0.0; n];
-        for (k, &i) in positions.iter().enumerate() {
-            q[i] = column[n + k];
-        }
-        Self {
-            load,
-            y: column[..n].to_vec(),
-            y_dot: rate[..n].to_vec(),
-            q,
-        }
-    }
 }
 
 /// The descriptor system projected on its slow modes.
@@ -154,17 +130,13 @@ fn about(
     frequency: f64,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Result<LinearModel, LinearError> {
-    let (system, state) = (&mut point.system, &point.state);
-    let loads = loads_in_force(&system.parameters);
-    let descriptor = Descriptor::new(system, state);
-    let b = load_columns(system, &loads, descriptor.a.nrows());
+    let loads = loads_in_force(&point.system.parameters);
+    let descriptor = Descriptor::new(&mut point.system, &point.state);
+    let b = load_columns(&mut point, &loads, descriptor.a.nrows());
     let cut_off = std::f64::consts::TAU * frequency;
     let slow = SlowSystem::new(&descriptor, &b, cut_off)?.ok_or(LinearError::NoMode(frequency))?;
-
-    let n = system.belt.layout.len();
     let mut differentiate = |load: Option<Load>, column: &[f64], rate: &[f64]| {
-        let direction = StateDirection::new(n, &descriptor.positions, load, column, rate);
-        derivatives_along(system, state, &direction, read)
+        derivatives_along(&mut point, load, &descriptor.direction(column, rate), read)
     };
     let c: Vec<Vec<f64>> = (0..slow.right.ncols())
         .map(|k| differentiate(None, &column(&slow.right, k), &column(&slow.rates, k)))
@@ -209,14 +181,18 @@ fn transposed(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Derivatives of outputs along a direction, by central differences over which the laws are nearly linear.
+/// Derivatives of outputs along a direction of the state, in which a load changes by one, by central differences over which the laws are
+/// nearly linear.
 fn derivatives_along(
-    system: &mut VariatorSystem,
-    state: &State,
-    direction: &StateDirection,
+    point: &mut WorkingPoint,
+    load: Option<Load>,
+    direction: &State,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Vec<f64> {
-    let n = system.belt.layout.len();
+    let WorkingPoint {
+        system, state, inputs, ..
+    } = point;
+    let n = direction.y.len();
     let (mut velocity, mut place) = (vec![0.0; n], vec![0.0; n]);
     system.newton_scale(1.0e-6, &mut velocity);
     system.newton_scale(1.0, &mut place);
@@ -235,14 +211,15 @@ fn derivatives_along(
             state.y_dot[i] += step * direction.y_dot[i];
             state.q[i] += step * direction.q[i];
         }
-        let diagnostics = BeltDiagnostics::of(system, state.view());
-        let mut boundary = system.boundary(TIME);
-        if let Some(load) = direction.load {
-            load.change(step, system, &mut boundary);
+        let mut inputs = *inputs;
+        if let Some(load) = load {
+            *load.field(&mut inputs) += step;
         }
+        let diagnostics = BeltDiagnostics::of(system, state.view());
         let BeltSums {
             shaft_torque, axial, ..
         } = diagnostics.sums;
+        let boundary = Loads::held(&inputs).at(TIME, &system.parameters);
         let external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
         let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();

@@ -4,7 +4,8 @@ use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
-use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::Loads;
+use crate::variator::run::start::STANDSTILL;
 use crate::variator::run::{InitialisationError, Variator};
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
@@ -35,9 +36,6 @@ pub enum LinearError {
     #[error("no mode is slower than {0} Hz")]
     NoMode(f64),
 }
-
-/// Slowest primary speed of a working point, rad/s.
-const STANDSTILL: f64 = 1.0e-3;
 
 /// A steady state, and the system under the loads that hold it.
 pub(super) struct WorkingPoint {
@@ -104,47 +102,36 @@ fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
 
 /// Refuses a state in which Θ changes at `rate`, 1/s.
 fn refuse_change(rate: f64) -> Result<(), LinearError> {
-    let rate = rate.abs();
-    if rate > STEADY {
-        return Err(LinearError::Unsteady(format!(
-            "the ratio coordinate Θ changes by {rate:.1e} per second"
-        )));
+    if rate.abs() <= STEADY {
+        return Ok(());
     }
-    Ok(())
+    let why = format!("the ratio coordinate Θ changes by {:.1e} per second", rate.abs());
+    Err(LinearError::Unsteady(why))
 }
 
 /// Sets the loads that hold the state. Returns them as inputs.
 fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
-    let parameters = system.parameters.clone();
     let sums = BeltDiagnostics::of(system, state.view()).sums;
-    let mut boundary = system.boundary(TIME);
-    for (j, pulley, values) in [
-        (Pulley::Primary, &parameters.primary, &mut held.primary),
-        (Pulley::Secondary, &parameters.secondary, &mut held.secondary),
+    for (j, values) in [
+        (Pulley::Primary, &mut held.primary),
+        (Pulley::Secondary, &mut held.secondary),
     ] {
+        let pulley = system.parameters.pulley(j);
         if pulley.axial == Axial::Force {
             let force = system.pulleys().holding_force(j, state.view(), sums.axial[j]);
-            let area = pulley.cylinder.area;
-            if area > 0.0 {
-                values.pressure = (force - values.clamping_force) / area;
+            if pulley.cylinder.area > 0.0 {
+                values.pressure = (force - values.clamping_force) / pulley.cylinder.area;
             } else {
                 values.clamping_force = force;
             }
-            boundary.sheave[j] = SheaveMode::Force(force);
         }
-        boundary.shaft[j] = match pulley.drive {
-            Drive::Torque => {
-                values.torque = -sums.shaft_torque[j];
-                ShaftMode::Torque(values.torque)
-            }
-            Drive::Speed => {
-                values.speed_setpoint = state.y[system.belt.layout.shaft_speed(j)];
-                ShaftMode::Setpoint(values.speed_setpoint)
-            }
-        };
+        match pulley.drive {
+            Drive::Torque => values.torque = -sums.shaft_torque[j],
+            Drive::Speed => values.speed_setpoint = state.y[system.belt.layout.shaft_speed(j)],
+        }
     }
-    load(system, boundary);
+    system.loads = Loads::held(&held);
     refuse_change(change_of_theta(system, state)?)?;
     Ok(held)
 }
@@ -159,11 +146,5 @@ fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, Li
     let singular = |error: Singular| LinearError::Unsteady(error.to_string());
     factors.factor(&matrix).map_err(singular)?;
     factors.solve(&mut residual);
-    Ok(residual[system.belt.layout.theta()].abs())
-}
-
-/// Sets constant loads.
-fn load(system: &mut VariatorSystem, boundary: Boundary) {
-    let mut rates = vec![0.0; system.belt.layout.len()];
-    system.change_loads(Loads::Constant(boundary), TIME, &mut rates);
+    Ok(residual[system.belt.layout.theta()])
 }

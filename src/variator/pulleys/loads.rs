@@ -141,6 +141,12 @@ pub enum Loads {
 }
 
 impl Loads {
+    /// Inputs that are held, in a run under load.
+    #[must_use]
+    pub fn held(inputs: &Inputs) -> Self {
+        Self::Inputs(LinearInputs::constant(0.0, inputs), 1.0)
+    }
+
     /// The boundary conditions at a time, s.
     pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
         let (given, share) = match self {

@@ -14,10 +14,8 @@ use crate::variator::settings::signals::Inputs;
 const SETTLING: f64 = 0.2;
 const SETTLING_TOLERANCE: f64 = 1.0e-2;
 
-/// Time for which a belt that was brought to rest stands before the start, s: friction returns. Where both sheaves are under force,
-/// the clamping force replaces the one that held the ratio.
+/// Time for which a belt between held sheaves stands before the start, s: friction returns. In a longer time it loses tension: 6 % in 10 ms.
 const STANDING: f64 = 5.0e-4;
-const CLAMPING: f64 = 1.0e-2;
 
 /// Residuals that this may take.
 const MOST_RESIDUALS: u64 = 20_000;
@@ -52,7 +50,7 @@ impl Plant {
         if self.system.parameters.holds_both_sheaves() || !self.is_clamped(inputs) {
             return Ok(false);
         }
-        self.clamp_before(SETTLING, self.settling_tolerance(), inputs)?;
+        self.settle(SETTLING, SETTLING_TOLERANCE, &without_torques(inputs), |_| ())?;
         Ok(true)
     }
 
@@ -61,7 +59,7 @@ impl Plant {
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
     pub fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
-        self.clamp_before(SHARPENING, self.system.parameters.solver.tolerance, inputs)
+        self.settle(SHARPENING, 0.0, &without_torques(inputs), |_| ())
     }
 
     /// Lets a belt that nothing clamps hang before a start at a standstill, without loads. From the kinematic state, whose elements all touch,
@@ -70,30 +68,24 @@ impl Plant {
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
     pub fn let_hang(&mut self) -> Result<(), Unsettled> {
-        let mut before = self.before(SHARPENING, self.settling_tolerance());
-        before.soft_start = SoftStart { from: before.time };
-        self.settle(before, &Inputs::ZERO)?;
+        self.settle(SHARPENING, SETTLING_TOLERANCE, &Inputs::ZERO, |_| ())?;
         self.soft_start = SoftStart { from: self.time };
         Ok(())
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act. Places and the distribution of the
     /// elements remain, and so do ring tension and push force. Friction depends on the sliding speed: it returns within microseconds.
+    /// Where both sheaves are under force, the clamping force replaces the one that held the ratio.
     ///
     /// # Errors
     /// As [`Plant::clamp_at_rest`].
     pub fn bring_to_rest(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
         let belt = &self.system.belt;
-        for (speed, has_position) in self.state.y.iter_mut().zip(&belt.has_position) {
-            if *has_position {
-                *speed = 0.0;
-            }
-        }
-        for cell in &belt.cells_at {
-            self.state.y[cell.speed] = 0.0;
-        }
-        for pulley in Pulley::BOTH {
-            self.state.y[belt.layout.shaft_speed(pulley)] = 0.0;
+        let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));
+        let elements = belt.cells_at.iter().map(|cell| cell.speed);
+        let places = (0..belt.layout.len()).filter(|&i| belt.has_position[i]);
+        for i in places.chain(elements).chain(shafts) {
+            self.state.y[i] = 0.0;
         }
         self.state.y_dot.fill(0.0);
         let mut still = *inputs;
@@ -101,38 +93,30 @@ impl Plant {
         let span = if self.system.parameters.holds_a_sheave() {
             STANDING
         } else {
-            CLAMPING
+            SHARPENING
         };
-        let mut before = self.before(span, self.settling_tolerance());
-        let p = &mut before.system.parameters;
-        (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
-        self.settle(before, &still)
+        self.settle(span, SETTLING_TOLERANCE, &still, |before| {
+            before.soft_start = SoftStart::NONE;
+            let p = &mut before.system.parameters;
+            (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
+        })
     }
 
-    fn settling_tolerance(&self) -> f64 {
-        self.system.parameters.solver.tolerance.max(SETTLING_TOLERANCE)
-    }
-
-    /// Lets the clamping forces act on an unloaded belt in the `span` before the start, s. Torques come with the run.
-    fn clamp_before(&mut self, span: f64, tolerance: f64, inputs: &Inputs) -> Result<(), Unsettled> {
-        let mut quiet = *inputs;
-        (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
-        let mut before = self.before(span, tolerance);
-        before.soft_start = SoftStart { from: before.time };
-        self.settle(before, &quiet)
-    }
-
-    /// A copy at a time `span` before the start, s, for steps of another tolerance.
-    fn before(&self, span: f64, tolerance: f64) -> Self {
+    /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes over its state. Loads and friction
+    /// come in softly. The tolerance of the steps is that of the parameters or `tolerance`, whichever is larger.
+    fn settle(
+        &mut self,
+        span: f64,
+        tolerance: f64,
+        inputs: &Inputs,
+        change: impl FnOnce(&mut Self),
+    ) -> Result<(), Unsettled> {
         let mut before = self.clone();
         before.time -= span;
-        before.soft_start = SoftStart::NONE;
-        before.system.parameters.solver.tolerance = tolerance;
-        before
-    }
-
-    /// Advances a copy to the start under constant inputs, and takes over its state.
-    fn settle(&mut self, mut before: Self, inputs: &Inputs) -> Result<(), Unsettled> {
+        before.soft_start = SoftStart { from: before.time };
+        let solver = &mut before.system.parameters.solver;
+        solver.tolerance = solver.tolerance.max(tolerance);
+        change(&mut before);
         let mut accurate = Accurate::new(&before.system, COLD_STEP);
         let profile = InputProfile::constant(before.time, inputs);
         let outcome = loop {
@@ -155,4 +139,11 @@ impl Plant {
         self.start_work = found.start_work;
         self.end_soft_start();
     }
+}
+
+/// Torques come with the run.
+fn without_torques(inputs: &Inputs) -> Inputs {
+    let mut quiet = *inputs;
+    (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
+    quiet
 }

@@ -1,5 +1,6 @@
 //! Loads and speeds that can hardly be meant. Each is remarked upon once in a run.
 
+use crate::pulley::Pulley;
 use crate::reference_curve::ratio_of_theta;
 use crate::tape::Tape;
 use crate::variator::run::plant::Plant;
@@ -26,6 +27,13 @@ pub(super) struct Hints {
     since: f64,
 }
 
+/// What is found, unless it was said before.
+fn once(said: &mut bool, find: impl FnOnce() -> Option<String>) -> Option<String> {
+    let found = if *said { None } else { find() };
+    *said |= found.is_some();
+    found
+}
+
 impl Hints {
     pub const NONE: Self = Self {
         fast: false,
@@ -36,44 +44,38 @@ impl Hints {
 
     /// Hints for the present state that were not given before. `starts`: the run starts from it.
     pub fn new_at(&mut self, plant: &Plant, starts: bool) -> impl Iterator<Item = String> + use<> {
-        let fast = if self.fast { None } else { fast_belt(plant, starts) };
-        let unit = if self.unit { None } else { self.wrong_unit(plant) };
-        let opens = if self.opens { None } else { opening(plant) };
-        self.fast |= fast.is_some();
-        self.opens |= opens.is_some();
-        self.unit |= unit.is_some();
+        let fast = once(&mut self.fast, || fast_belt(plant, starts));
+        let unit = once(&mut self.unit, || wrong_unit(plant, &mut self.since));
+        let opens = once(&mut self.opens, || opening(plant));
         let sign = if starts { same_sign(plant) } else { None };
         [fast, unit, opens, sign].into_iter().flatten()
     }
 
-    /// A force or torque that has seemed to be in another unit for some time.
-    fn wrong_unit(&mut self, plant: &Plant) -> Option<String> {
-        let parameters = &plant.system.parameters;
-        let inputs = plant.inputs();
-        let small = |pulley| Demand::may_be_another_unit(&inputs, pulley);
-        let found = clamped(parameters).filter(|pulley| small(*pulley)).find_map(|pulley| {
-            let view = plant.state.view();
-            let at = [
-                ratio_of_theta(plant.system.belt.theta(view)),
-                plant.system.belt.shaft_speeds(view).primary,
-            ];
-            Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
-        });
-        let Some(demand) = found else {
-            self.since = f64::MAX;
-            return None;
-        };
-        self.since = self.since.min(plant.time);
-        (plant.time - self.since >= LASTING).then(|| format!("at {} s: {demand}", plant.time))
-    }
-
     /// Writes to a tape, or reads from it.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.flag(&mut self.fast);
-        tape.flag(&mut self.unit);
-        tape.flag(&mut self.opens);
+        for said in [&mut self.fast, &mut self.unit, &mut self.opens] {
+            tape.flag(said);
+        }
         tape.real(&mut self.since);
     }
+}
+
+/// A force or torque that has seemed to be in another unit for some time: `since` when, s.
+fn wrong_unit(plant: &Plant, since: &mut f64) -> Option<String> {
+    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
+    let small = |pulley: &Pulley| Demand::may_be_another_unit(&inputs, *pulley);
+    let found = clamped(parameters).filter(small).find_map(|pulley| {
+        let (belt, view) = (&plant.system.belt, plant.state.view());
+        let at = [ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary];
+        Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
+    });
+    *since = if found.is_some() {
+        since.min(plant.time)
+    } else {
+        f64::MAX
+    };
+    let lasting = found.filter(|_| plant.time - *since >= LASTING);
+    lasting.map(|demand| format!("at {} s: {demand}", plant.time))
 }
 
 /// A belt that is faster than belts are.

@@ -4,6 +4,7 @@ use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
+use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::diagnostics::energy_balance::{EnergyBalance, Running};
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{LinearInputs, Loads};
@@ -82,6 +83,11 @@ impl Plant {
     fn loads(&mut self, inputs: LinearInputs) -> Loads {
         self.soften();
         Loads::Inputs(inputs, self.soft_start.load_share(self.time))
+    }
+
+    /// Sums over the belt in the present state.
+    pub fn sums(&self) -> BeltSums {
+        BeltDiagnostics::of(&self.system, self.state.view()).sums
     }
 
     /// Inputs at the present time.

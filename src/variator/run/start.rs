@@ -1,0 +1,288 @@
+//! The state that a run starts from: unloaded or steady as the parameters choose, else the nearest that exists.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::State;
+use crate::solver::newton::Counts;
+use crate::variator::belt::ring::BeltRing;
+use crate::variator::run::at_rest::Unsettled;
+use crate::variator::run::outcome::{InitialisationError, Message};
+use crate::variator::run::plant::Plant;
+use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
+use crate::variator::run::steady_start::NoSteadyState;
+use crate::variator::run::stepper::{COLD_STEP, WARM_STEP};
+use crate::variator::settings::parameters::{Drive, Mode};
+use crate::variator::settings::signals::{Inputs, StartState};
+use crate::variator::steady::start::{Start, kinematic_state};
+use std::sync::Arc;
+
+/// Speed of a pulley below which it stands still, rad/s.
+pub(crate) const STANDSTILL: f64 = 1.0e-3;
+
+/// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
+/// within 2 % of that at half and at double the speed: sliding speeds are far above the friction velocity, a centrifugal tension
+/// of some 2 N is far below the ring's, and oil bears as much as between the elements of a belt that slows down.
+const CREEP_SPEED: f64 = 20.0;
+const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
+
+/// The search for the state that a run starts from.
+pub(super) struct StartSearch<'a> {
+    pub plant: &'a mut Plant,
+    pub messages: &'a mut Vec<Message>,
+    pub inputs: &'a Inputs,
+}
+
+/// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
+/// gives it and the reason. Returns what it is, and the first step from it, s.
+pub(super) fn find_start(
+    plant: &mut Plant,
+    messages: &mut Vec<Message>,
+    time: f64,
+    inputs: &Inputs,
+) -> Result<(StartState, f64), InitialisationError> {
+    plant.start_work = Counts::default();
+    plant.time = time;
+    let mut search = StartSearch {
+        plant,
+        messages,
+        inputs,
+    };
+    search.clamp_initial_ratio();
+    let start = search.start_point();
+    let found = search.find_state(&start)?;
+    search.warn_of_held_sheaves(found);
+    let is_solved = matches!(
+        found,
+        StartState::Steady | StartState::ReducedTorque | StartState::NoEquilibrium
+    ) && start.primary_speed.abs() > STANDSTILL;
+    if plant.system.parameters.solver.mode == Mode::RealTime && plant.soft_start.from == time {
+        // A ring without tension is a mechanism, too rough for steps of bounded work.
+        if let Err(why) = plant.clamp_softly(inputs) {
+            messages.push(no_clamping(&why));
+        }
+    }
+    let is_own = plant.system.belt.ring.starts_on().is_none();
+    Ok((found, if is_solved && is_own { WARM_STEP } else { COLD_STEP }))
+}
+
+fn no_clamping(why: &Unsettled) -> Message {
+    Message {
+        warning: true,
+        text: format!("the belt was not clamped before the start: {why}"),
+    }
+}
+
+impl StartSearch<'_> {
+    pub fn log(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
+    }
+
+    /// Moves an initial ratio beyond an end stop to the stop.
+    fn clamp_initial_ratio(&mut self) {
+        let parameters = &mut self.plant.system.parameters;
+        let (lowest, highest) = parameters.ratio_range();
+        let given = parameters.initial.ratio;
+        let ratio = given.clamp(lowest, highest);
+        if ratio != given {
+            parameters.initial.ratio = ratio;
+            let text = format!(
+                "initial.ratio = {given} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
+            );
+            self.log(false, text);
+        }
+    }
+
+    /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
+    fn start_point(&mut self) -> Start {
+        let (parameters, inputs) = (&self.plant.system.parameters, self.inputs);
+        let (ratio, given) = (parameters.initial.ratio, parameters.initial.primary_speed);
+        let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
+            (Drive::Speed, _) => inputs.primary.speed_setpoint,
+            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
+            (Drive::Torque, Drive::Torque) => given,
+        };
+        let clamping = parameters.closing_forces(inputs, [ratio, primary_speed]);
+        if primary_speed != given {
+            let text = format!(
+                "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
+                 initial.primarySpeed = {given} rad/s"
+            );
+            self.log(false, text);
+        }
+        Start {
+            ratio,
+            primary_speed,
+            clamping,
+        }
+    }
+
+    /// Warns where both sheaves are held: clamping forces have no effect in the run.
+    fn warn_of_held_sheaves(&mut self, found: StartState) {
+        if !self.plant.system.parameters.holds_both_sheaves() {
+            return;
+        }
+        let text = if matches!(
+            found,
+            StartState::Steady | StartState::ReducedTorque | StartState::Clamped
+        ) {
+            "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
+             forces are ignored"
+        } else {
+            "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
+             forces are ignored"
+        };
+        self.log(true, text.into());
+    }
+
+    /// Sets the state that a run starts from.
+    fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+        self.plant.end_soft_start();
+        if let Some(ring) = self.plant.system.belt.ring.starts_on() {
+            return self.start_on(ring, start);
+        }
+        if !self.plant.system.parameters.initial.steady {
+            return self.start_slack(start);
+        }
+        if start.primary_speed.abs() <= STANDSTILL {
+            return self.start_at_rest(start);
+        }
+        self.start_cold(start)?;
+        self.solve_steady().or_else(|why| match why {
+            NoSteadyState::Beyond(_) | NoSteadyState::TooFast(_) => Err(InitialisationError::NoState(why.to_string())),
+            why => {
+                self.log(
+                    true,
+                    format!("{why}: the run starts unloaded and the loads ramp in over {LOAD_RAMP} s"),
+                );
+                self.start_unloaded(start)?;
+                Ok(StartState::NotFound)
+            }
+        })
+    }
+
+    /// Starts at a standstill: as a belt that crept, or else clamped from the unloaded state.
+    fn start_at_rest(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+        if self.may_creep(start)
+            && let Some(found) = self.stop_creeping(start)?
+        {
+            return Ok(found);
+        }
+        self.start_unloaded(start)?;
+        match self.plant.clamp_at_rest(self.inputs) {
+            Ok(true) => Ok(StartState::Clamped),
+            Ok(false) => self.start_slack(start),
+            Err(why) => {
+                self.messages.push(no_clamping(&why));
+                self.start_unloaded(start)?;
+                Ok(StartState::Unloaded)
+            }
+        }
+    }
+
+    /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
+    /// is held or the torques drive the belt.
+    fn may_creep(&self, start: &Start) -> bool {
+        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
+        let stands = p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
+        let free = p.primary.drive == Drive::Torque && p.secondary.drive == Drive::Torque;
+        let torque = inputs.primary.torque + inputs.secondary.torque / start.ratio;
+        let driven = free && torque * creep_speed(start) > 0.0;
+        stands && self.plant.is_clamped(inputs) && (p.holds_a_sheave() || driven)
+    }
+
+    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
+    /// open, so they are those of the motion before. None with a warning where there is no such state, and none where both sheaves are
+    /// under force and friction holds the torques: a belt that crept would roll back.
+    fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
+        let primary_speed = creep_speed(start);
+        let mut creeping = self.plant.clone();
+        creeping.state = self.kinematic_state(&Start {
+            primary_speed,
+            ..*start
+        })?;
+        creeping.system.parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
+        let before = self.messages.len();
+        let mut search = StartSearch {
+            plant: &mut creeping,
+            messages: self.messages,
+            inputs: self.inputs,
+        };
+        let found = search.solve_steady();
+        let of_belt = creeping.sums().shaft_torque.primary;
+        self.plant.take_start(creeping);
+        let holds = (self.inputs.primary.torque + of_belt) * primary_speed <= 0.0;
+        if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {
+            self.messages.truncate(before);
+            return Ok(None);
+        }
+        let stopped = found.and_then(|found| {
+            self.plant.bring_to_rest(self.inputs)?;
+            Ok(found)
+        });
+        Ok(match stopped {
+            Ok(StartState::Steady) => Some(StartState::Clamped),
+            Ok(found) => Some(found),
+            Err(why) => {
+                self.log(
+                    true,
+                    format!("{why}: the run starts at rest without the forces of a belt that has run before"),
+                );
+                None
+            }
+        })
+    }
+
+    fn kinematic_state(&self, start: &Start) -> Result<State, InitialisationError> {
+        kinematic_state(&self.plant.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+    }
+
+    /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
+    fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
+        self.plant.state = self.kinematic_state(start)?;
+        if self.plant.system.parameters.secondary.drive == Drive::Speed {
+            let i = self.plant.system.belt.layout.shaft_speed(Pulley::Secondary);
+            self.plant.state.y[i] = self.inputs.secondary.speed_setpoint;
+        }
+        Ok(())
+    }
+
+    /// Starts unloaded; loads and friction come in softly.
+    fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
+        let clamping = PerPulley::default();
+        self.start_cold(&Start { clamping, ..*start })?;
+        self.plant.soft_start = SoftStart { from: self.plant.time };
+        Ok(())
+    }
+
+    /// Starts unloaded; at a standstill the belt has come to hang.
+    fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+        self.start_unloaded(start)?;
+        if start.primary_speed.abs() <= STANDSTILL && self.plant.let_hang().is_err() {
+            self.start_unloaded(start)?;
+        }
+        Ok(StartState::Unloaded)
+    }
+
+    /// Starts in the state of another ring.
+    fn start_on(&mut self, ring: Arc<dyn BeltRing>, start: &Start) -> Result<StartState, InitialisationError> {
+        let parameters = &self.plant.system.parameters;
+        ring.check(parameters)?;
+        let mut other = Plant::new(parameters, ring);
+        other.time = self.plant.time;
+        let mut search = StartSearch {
+            plant: &mut other,
+            messages: self.messages,
+            inputs: self.inputs,
+        };
+        let found = search.find_state(start)?;
+        self.plant.soft_start = other.soft_start;
+        self.plant.start_work = other.start_work;
+        let belt = &self.plant.system.belt;
+        self.plant.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
+        Ok(found)
+    }
+}
+
+/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the given speed is negative.
+fn creep_speed(start: &Start) -> f64 {
+    CREEP_SPEED.copysign(start.primary_speed)
+}

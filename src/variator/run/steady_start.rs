@@ -1,0 +1,245 @@
+//! The steady state that a run starts from: at the given torques, or at the largest share of them that has one.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::continuation::Settled;
+use crate::solver::newton::{Newton, WorkBound};
+use crate::variator::diagnostics::belt::NO_FORCE;
+use crate::variator::diagnostics::observe::macro_slip;
+use crate::variator::pulleys::loads::{Boundary, ShaftMode};
+use crate::variator::run::at_rest::Unsettled;
+use crate::variator::run::pace::JACOBIAN;
+use crate::variator::run::plant::Plant;
+use crate::variator::run::start::StartSearch;
+use crate::variator::settings::capacity::{Demand, excessive_speed};
+use crate::variator::settings::parameters::{Axial, Drive};
+use crate::variator::settings::signals::StartState;
+use crate::variator::steady::equilibrium::solve_equilibrium;
+use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio, reaction};
+
+/// Most Newton solves for a steady state.
+const STEADY_SOLVES: usize = 400;
+
+/// Share of the torques below which no smaller one is tried, and the factor to which the largest is found.
+const LEAST_SHARE: f64 = 0.05;
+const CLOSE_SHARE: f64 = 1.05;
+/// Factor from one share to the next while there is none that is carried.
+const NEXT_SHARE: f64 = 0.7;
+
+/// Most work of the search for a steady state, in residuals. Of some 220 starts, two thirds of them at random with both rings and chains,
+/// a steady state took at most 49 000, one at reduced torque 77 000.
+const STEADY_WORK: f64 = 2.5e5;
+
+/// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %.
+const SLIP_AT_CAPACITY: f64 = 0.015;
+
+/// Why there is no steady state to start from.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NoSteadyState {
+    /// The force on a pulley, with the name of its variable, N, does not clamp the belt.
+    #[error("no steady state without a clamping force ({}.{} = {} N)", .0.name(), .1, .2)]
+    Unclamped(Pulley, &'static str, f64),
+    /// A small share of the torques is beyond capacity.
+    #[error("no steady state: {0}")]
+    Beyond(Demand),
+    /// No belt bears the speed, for this reason.
+    #[error("no steady state: {0}")]
+    TooFast(String),
+    /// The search has ended without a result.
+    #[error(
+        "no steady state was found (pseudo-time step {:.1e} s after {} solves){}",
+        .0.step, .0.solves, .1.map(|demand| format!(": {demand}")).unwrap_or_default()
+    )]
+    NotFound(Settled, Option<Demand>),
+    /// The belt was not brought to rest.
+    #[error("the belt was not brought to rest: {0}")]
+    NotStopped(#[from] Unsettled),
+}
+
+impl StartSearch<'_> {
+    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
+    pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
+        let mut newton = Newton::new(&self.plant.system);
+        newton.bound = WorkBound {
+            left: STEADY_WORK,
+            jacobian: [JACOBIAN, 0.0],
+            overdraft: f64::INFINITY,
+            ..WorkBound::NONE
+        };
+        let found = self.solve_within(&mut newton);
+        self.plant.start_work += newton.counts;
+        found
+    }
+
+    /// [`StartSearch::solve_steady`] within the work of `newton`.
+    fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
+        let parameters = &self.plant.system.parameters;
+        let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
+        let at = [parameters.initial.ratio, speed];
+        let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
+        let holds_primary = secondary == Axial::Held && primary == Axial::Force;
+        let clamped = if holds_primary {
+            Pulley::Primary
+        } else {
+            Pulley::Secondary
+        };
+        let force = parameters.closing_forces(self.inputs, at)[clamped];
+        if force < NO_FORCE {
+            let name = parameters.name_of_closing(clamped);
+            return Err(NoSteadyState::Unclamped(clamped, name, force));
+        }
+        if let Some(why) = excessive_speed(parameters, self.inputs, at) {
+            return Err(NoSteadyState::TooFast(why));
+        }
+        let free = [primary, secondary] == [Axial::Force; 2];
+        let balance = free && parameters.initial.equilibrium;
+        let demand = Demand::new(parameters, self.inputs, clamped, at);
+        let whole = self.steady_task(clamped.other(), demand, 1.0);
+        let share = self.carry(newton, clamped.other(), demand)?;
+        let mut found = StartState::Steady;
+        if share < 1.0 {
+            found = StartState::ReducedTorque;
+            let text = format!(
+                "no steady state was found at the given torques, which may be beyond the capacity of the clamping forces: the run starts \
+                 from the steady state at {:.0} % of them",
+                100.0 * share
+            );
+            self.log(true, text);
+        }
+        if balance {
+            found = self.balance_forces(newton, &whole, found);
+        }
+        if free {
+            let axial = self.plant.sums().axial.primary;
+            let text = format!(
+                "steady start: primary clamping force less axial belt force is {:.1} N",
+                whole.clamping.primary + self.primary_push() - axial
+            );
+            self.log(false, text);
+        }
+        Ok(found)
+    }
+
+    /// Force of spring and rotating oil on the primary sheave, N.
+    fn primary_push(&self) -> f64 {
+        let Plant { system, state, .. } = &*self.plant;
+        system.pulleys().push(Pulley::Primary, state.view())
+    }
+
+    /// The steady state with a share of the torques. The first guess of the slip is in proportion to them, in the direction of the power.
+    fn steady_task(&self, reaction: Pulley, demand: Option<Demand>, share: f64) -> SteadyTask {
+        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
+        let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| share * pulley.torque);
+        let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
+            (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
+            (Drive::Speed, Drive::Torque) => (ShaftMode::Fixed, ShaftMode::Torque(primary)),
+            (Drive::Torque, Drive::Speed) => (ShaftMode::Torque(own), ShaftMode::Fixed),
+            (Drive::Torque, Drive::Torque) => (ShaftMode::Balanced { own, primary }, ShaftMode::Fixed),
+        };
+        let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
+        let utilisation = demand.map_or(0.0, |demand| -share * demand.share_of_capacity());
+        SteadyTask {
+            ratio: p.initial.ratio,
+            reaction,
+            clamping: PerPulley::from_fn(|pulley| inputs.pulley(pulley).force(&p.pulley(pulley).cylinder)),
+            shaft: PerPulley {
+                secondary: of_secondary,
+                primary: of_primary,
+            },
+            slip: SLIP_AT_CAPACITY * speed.signum() * utilisation.clamp(-1.0, 1.0),
+            warm: false,
+        }
+    }
+
+    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
+    /// beyond capacity has none, and isn't tried. The share.
+    fn carry(&mut self, newton: &mut Newton, reaction: Pulley, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
+        let cold = self.plant.state.clone();
+        let is_beyond = |share| demand.filter(|demand| demand.is_beyond(share));
+        let (mut share, mut beyond) = (1.0, 1.0);
+        loop {
+            let task = self.steady_task(reaction, demand, share);
+            let is_least = share <= LEAST_SHARE;
+            match is_beyond(share) {
+                Some(demand) if is_least => return Err(NoSteadyState::Beyond(demand)),
+                Some(_) => {}
+                None => match self.solve(newton, &task, STEADY_SOLVES) {
+                    // Beyond capacity a pulley that slips for ever may be steady too.
+                    Ok(_) if share == 1.0 || is_least || !self.slips() => break,
+                    Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
+                        return Err(NoSteadyState::NotFound(report, demand));
+                    }
+                    _ => self.plant.state.clone_from(&cold),
+                },
+            }
+            (beyond, share) = (share, NEXT_SHARE * share);
+        }
+        while beyond > CLOSE_SHARE * share {
+            let middle = (share * beyond).sqrt();
+            let task = SteadyTask {
+                warm: true,
+                ..self.steady_task(reaction, demand, middle)
+            };
+            let carried = self.plant.state.clone();
+            let found = is_beyond(middle).is_none() && self.solve(newton, &task, STEADY_SOLVES / 4).is_ok();
+            if found && !self.slips() {
+                share = middle;
+            } else {
+                beyond = middle;
+                self.plant.state = carried;
+            }
+        }
+        Ok(share)
+    }
+
+    /// Solves a task from the present state, in place.
+    fn solve(&mut self, newton: &mut Newton, task: &SteadyTask, max_solves: usize) -> Result<Settled, Settled> {
+        let Plant { system, state, .. } = &mut *self.plant;
+        solve::solve(system, newton, state, task, max_solves)
+    }
+
+    /// Whether the belt slips through, from the state alone.
+    fn slips(&self) -> bool {
+        macro_slip(&self.plant.system, self.plant.state.view(), &self.plant.sums(), false)
+    }
+
+    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
+    fn balance_forces(&mut self, newton: &mut Newton, task: &SteadyTask, found: StartState) -> StartState {
+        let Plant { system, state, .. } = &mut *self.plant;
+        let range = system.parameters.ratio_range();
+        let at_ratio = state.clone();
+        let outcome = solve_equilibrium(system, newton, state, task, range, STEADY_SOLVES);
+        let ratio = geometric_ratio(system, state.view());
+        let (warning, text, found) = match outcome {
+            Ok(true) => (
+                true,
+                format!(
+                    "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
+                ),
+                StartState::Steady,
+            ),
+            Ok(false) => (
+                false,
+                format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+                StartState::Steady,
+            ),
+            Err(_) => {
+                *state = at_ratio;
+                let holding = reaction(system, state.view(), Pulley::Primary) + self.primary_push();
+                (
+                    true,
+                    format!(
+                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
+                         initial ratio, where the primary force would have to be {holding:.1} N"
+                    ),
+                    if found == StartState::Steady {
+                        StartState::NoEquilibrium
+                    } else {
+                        found
+                    },
+                )
+            }
+        };
+        self.log(warning, text);
+        found
+    }
+}
