@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use pushbelt::pulley::Pulley;
-use pushbelt::reference_curve::{Displaced, TwoPulley};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
+use pushbelt::reference_curve::TwoPulley;
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
 use pushbelt::variator::linear::linearise;
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::run::Variator;
@@ -12,7 +12,7 @@ use pushbelt::variator::settings::{BeltKind, Inputs, Mode, Outputs, Parameters, 
 use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::disturbed::{
-    DerivativeError, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, small,
+    Equations, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, small,
 };
 use pushbelt_support::load_cases::{given, pair, speeds};
 use pushbelt_support::manoeuvre::Manoeuvre;
@@ -48,15 +48,15 @@ fn driven(parameters: &Parameters, ratio: f64, torque: f64, speed: f64) -> Stead
 
 #[test]
 fn hand_written_derivatives_are_those_of_forward_differentiation() {
-    let of = |parameters: Parameters, ring: Arc<dyn BeltRing>, error: DerivativeError| {
-        assert_derivatives_by_hand(&parameters, &ring, error);
+    let of = |parameters: Parameters, ring: Arc<dyn BeltRing>, equations: Equations| {
+        assert_derivatives_by_hand(&parameters, &ring, equations);
         assert_update_of_slopes(&parameters, &ring);
     };
-    let planar = deflecting_derivative_error::<2, TwoPulley>;
+    let planar = deflecting_equations::<2, TwoPulley>;
     of(small_chain(RingModel::Ale), Arc::new(Ale::<2>), planar);
-    let spatial = deflecting_derivative_error::<3, TwoPulley>;
+    let spatial = deflecting_equations::<3, TwoPulley>;
     of(in_space(), Arc::new(Ale::<3>), spatial);
-    let guided = guided_derivative_error::<Displaced>;
+    let guided = guided_equations::<TwoPulley>;
     of(small_chain(RingModel::Ale0), Arc::new(Ale0), guided);
 }
 

@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use pushbelt::reference_curve::{Displaced, TwoPulley};
+use pushbelt::reference_curve::TwoPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
-    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product,
-    small,
+    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product, small,
 };
 
 /// The small variator in space.
@@ -23,16 +22,16 @@ fn spatial() -> Parameters {
 
 #[test]
 fn hand_written_derivatives_are_those_of_forward_differentiation() {
-    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, error: DerivativeError| {
+    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, equations: Equations| {
         let mut parameters = parameters.clone();
         parameters.primary.tilt.stiffness = tilt;
-        assert_derivatives_by_hand(&parameters, &ring, error);
+        assert_derivatives_by_hand(&parameters, &ring, equations);
     };
-    let ale = deflecting_derivative_error::<2, TwoPulley>;
+    let ale = deflecting_equations::<2, TwoPulley>;
     of(&small(RingModel::Ale), Arc::new(Ale::<2>), 7e5, ale);
-    let in_space = deflecting_derivative_error::<3, TwoPulley>;
+    let in_space = deflecting_equations::<3, TwoPulley>;
     of(&spatial(), Arc::new(Ale::<3>), 7e5, in_space);
-    let ale0 = guided_derivative_error::<Displaced>;
+    let ale0 = guided_equations::<TwoPulley>;
     of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12, ale0);
 }
 

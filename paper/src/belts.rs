@@ -1,6 +1,6 @@
 //! The belts of the paper's comparison, as rings of a variator.
 
-use crate::reference_curve::{Displaced, ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned, ratio_of_theta};
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned, ratio_of_theta};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::rcm::RcmElement;
@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
     Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, deflecting_equations,
-    deflecting_forward, eulerian_equations, guided_equations, guided_forward,
+    eulerian_equations, guided_equations,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -37,21 +37,21 @@ pub trait OtherEquations: BeltRing {
 
 impl OtherEquations for Ale0 {
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        guided_equations::<Unaligned<Displaced>>(belt)
+        guided_equations::<Unaligned<TwoPulley>>(belt, true)
     }
 
     fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        guided_forward::<Displaced>(belt)
+        guided_equations::<TwoPulley>(belt, false)
     }
 }
 
 impl<const D: usize> OtherEquations for Ale<D> {
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_equations::<D, Unaligned<TwoPulley>>(belt)
+        deflecting_equations::<D, Unaligned<TwoPulley>>(belt, true)
     }
 
     fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_forward::<D, TwoPulley>(belt)
+        deflecting_equations::<D, TwoPulley>(belt, false)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `ALE` with the overlay along the directions of the reference curve.
 
-use crate::reference_curve::{self, Jet, ReferencePoint};
+use crate::reference_curve::{AngledCurve, Jet, ReferencePoint, TangentAngle};
 use crate::ring::Ring;
 use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
@@ -14,7 +14,7 @@ use pushbelt::variator::belt_ring::{
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
     ends: RotatedElement<T>,
-    curve: [reference_curve::TangentAngle<T>; SLOTS],
+    curve: [TangentAngle<T>; SLOTS],
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
@@ -27,7 +27,7 @@ impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
         motion: &'a ReferenceMotion<T>,
         mut nodes: [Motion<Node<T, D>>; 2],
         ends: [T::Constant; 2],
-        curve: impl Fn(T::Constant) -> reference_curve::TangentAngle<T>,
+        curve: impl Fn(T::Constant) -> TangentAngle<T>,
     ) -> Self {
         let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
         let ends = RotatedElement::new(curvature, &motion.theta, &mut nodes);
@@ -92,7 +92,7 @@ impl<const D: usize> Directions for RotatingRing<D> {
     const COORDINATES: usize = 1;
 }
 
-impl<const D: usize, C: MeshCurve> RingKind<D, C> for RotatingRing<D> {
+impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing<D> {
     type Ring<'a, T: Real> = Rotating<'a, T, D>;
 
     #[inline(always)]

@@ -1,6 +1,8 @@
 //! The trait of a reference curve, and the curve at a mesh point.
 
+use super::frame::{CoordinateSlopes, Path, TwoPulleyFrame};
 use super::jet::Jet;
+use super::two_pulley::TwoPulley;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 
@@ -27,45 +29,6 @@ pub struct ReferencePoint<T: Real> {
     pub xi: Jet<T>,
 }
 
-impl<T: Real> ReferencePoint<T> {
-    /// `self` with `lane` replaced by that of `other`.
-    #[must_use]
-    pub fn with_lane(self, lane: usize, other: Self) -> Self {
-        let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
-        Self {
-            r: vector(self.r, other.r),
-            r_theta: vector(self.r_theta, other.r_theta),
-            r_theta2: vector(self.r_theta2, other.r_theta2),
-            t: vector(self.t, other.t),
-            n: vector(self.n, other.n),
-            chi_theta: self.chi_theta.with_lane(lane, other.chi_theta),
-            kappa: self.kappa.with_lane(lane, other.kappa),
-            kappa_theta: self.kappa_theta.with_lane(lane, other.kappa_theta),
-            xi: self.xi.with_lane(lane, other.xi),
-        }
-    }
-}
-
-/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
-#[derive(Clone, Copy, Debug)]
-pub struct TangentAngle<T> {
-    /// Tangent angle χ at fixed η, rad.
-    pub chi: Jet<T>,
-    /// Curvature κ at fixed η, 1/m.
-    pub kappa: Jet<T>,
-}
-
-impl<T: Real> TangentAngle<T> {
-    /// `self` with `lane` replaced by that of `other`.
-    #[must_use]
-    pub fn with_lane(self, lane: usize, other: Self) -> Self {
-        Self {
-            chi: self.chi.with_lane(lane, other.chi),
-            kappa: self.kappa.with_lane(lane, other.kappa),
-        }
-    }
-}
-
 /// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper section 7).
 pub trait ReferenceCurve: Clone + Send + 'static {
     /// Quantities that depend on Θ alone, computed once for all mesh points.
@@ -77,11 +40,6 @@ pub trait ReferenceCurve: Clone + Send + 'static {
     /// Number of segments.
     fn segments(&self) -> usize;
 
-    /// Whether the curve depends on Θ. If not, Θ is no degree of freedom.
-    fn has_ratio(&self) -> bool {
-        true
-    }
-
     /// Geometry at Θ. Outside the admissible range of Θ the frame holds NaN.
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
 
@@ -90,9 +48,6 @@ pub trait ReferenceCurve: Clone + Send + 'static {
 
     /// The curve at fraction `fraction` of `segment`.
     fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
-
-    /// Tangent angle and curvature at fraction `fraction` of `segment`.
-    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
 
     /// Segment and fraction at the place ξ, m, taken around the loop.
     fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {
@@ -113,4 +68,21 @@ pub trait ReferenceCurve: Clone + Send + 'static {
         let (segment, fraction) = self.locate(frame, xi);
         Self::point(frame, segment, fraction)
     }
+}
+
+/// The curve of two pulleys on a mesh, which follows the arcs or not.
+pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
+    /// The frame at one place of a path of the coordinates.
+    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> Self::Frame<T>;
+
+    /// Arcs and strands of a frame.
+    fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
+
+    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is `point`.
+    fn slopes<T: Real>(
+        frame: &Self::Frame<T>,
+        segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> CoordinateSlopes<T>;
 }

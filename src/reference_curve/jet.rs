@@ -1,7 +1,7 @@
 //! A quantity with its derivatives with respect to Θ.
 
 use crate::scalar::Real;
-use num_dual::Dual3_64;
+use nalgebra::Vector2;
 use std::ops::Mul;
 
 /// A quantity and its first and second derivative with respect to Θ at fixed η.
@@ -15,6 +15,18 @@ pub struct Jet<T> {
     pub dd: T,
 }
 
+impl Jet<f64> {
+    /// The same in the scalar `T`, as a constant.
+    #[inline(always)]
+    pub fn lifted<T: Real>(self) -> Jet<T> {
+        Jet {
+            v: T::from(self.v),
+            d: T::from(self.d),
+            dd: T::from(self.dd),
+        }
+    }
+}
+
 impl<T: Real> Jet<T> {
     /// A constant.
     #[inline(always)]
@@ -26,13 +38,13 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// Lifts a third-order jet in Θ to the scalar `T` of Θ; `dtheta` = Θ − Re Θ carries the derivatives of Θ.
+    /// The variable of the derivatives itself.
     #[inline(always)]
-    pub fn lift(x: Dual3_64, dtheta: T) -> Self {
+    pub fn variable(value: T) -> Self {
         Self {
-            v: dtheta * x.v1 + x.re,
-            d: dtheta * x.v2 + x.v1,
-            dd: dtheta * x.v3 + x.v2,
+            v: value,
+            d: T::one(),
+            dd: T::zero(),
         }
     }
 
@@ -92,14 +104,58 @@ impl<T: Real> Jet<T> {
             dd: self.dd + other.dd * factor,
         }
     }
+}
 
-    /// `self` with `lane` replaced by that of `other`.
-    #[must_use]
-    pub fn with_lane(self, lane: usize, other: Self) -> Self {
+/// A vector and its first two derivatives with respect to Θ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VectorJet<T: Real> {
+    pub(super) v: Vector2<T>,
+    pub(super) d: Vector2<T>,
+    pub(super) dd: Vector2<T>,
+}
+
+impl<T: Real> VectorJet<T> {
+    /// O + ρ(−cos χ, sin χ) with χ(Θ), ρ(Θ).
+    #[inline(always)]
+    pub(super) fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
+        let (sin, cos) = chi.v.sin_cos();
+        let e = Vector2::new(-cos, sin);
+        let t = Vector2::new(sin, cos);
         Self {
-            v: self.v.with_lane(lane, other.v),
-            d: self.d.with_lane(lane, other.d),
-            dd: self.dd.with_lane(lane, other.dd),
+            v: e * rho.v,
+            d: e * rho.d + t * (rho.v * chi.d),
+            dd: e * (rho.dd - rho.v * chi.d * chi.d) + t * (rho.d * chi.d * 2.0 + rho.v * chi.dd),
+        }
+    }
+
+    /// From its components.
+    #[inline(always)]
+    pub(super) fn of([x, y]: [Jet<T>; 2]) -> Self {
+        Self {
+            v: Vector2::new(x.v, y.v),
+            d: Vector2::new(x.d, y.d),
+            dd: Vector2::new(x.dd, y.dd),
+        }
+    }
+
+    /// `self` ± `other`.
+    #[inline(always)]
+    pub(super) fn plus_scaled_by(self, other: &Self, factor: f64) -> Self {
+        let f = T::from(factor);
+        Self {
+            v: self.v + other.v * f,
+            d: self.d + other.d * f,
+            dd: self.dd + other.dd * f,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus_scaled(self, other: &Self, factor: T::Constant) -> Self {
+        let f = T::constant(factor);
+        Self {
+            v: self.v + other.v * f,
+            d: self.d + other.d * f,
+            dd: self.dd + other.dd * f,
         }
     }
 }

@@ -6,11 +6,11 @@
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
 
 mod curve;
-mod displaced;
+mod frame;
 mod jet;
 mod two_pulley;
 
-pub use curve::{ReferenceCurve, ReferencePoint, TangentAngle};
-pub use displaced::{COORDINATES, Displaced, DisplacedCurve, DisplacedFrame, DisplacedPoint, Path, PointSlopes};
+pub use curve::{MeshCurve, ReferenceCurve, ReferencePoint};
+pub use frame::{COORDINATES, CoordinateSlopes, Path, PointSlopes, TwoPulleyFrame};
 pub use jet::Jet;
-pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};
+pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};

@@ -116,14 +116,7 @@ pub fn vary_inertia<T: Real, const D: usize>(
 ) {
     let mass = T::from(ring.mass_per_length);
     let w = point.w;
-    let force = (by.r_ddot
-        + by.slope * point.w_dot
-        + point.slope * by.w_dot
-        + by.slope_dot * (w * 2.0)
-        + point.slope_dot * (by.w * 2.0)
-        + by.bend * (w * w)
-        + point.bend * (w * by.w * 2.0))
-        * mass;
+    let force = (by.r_ddot + by.slope * point.w_dot + by.slope_dot * (w * 2.0) + by.bend * (w * w)) * mass;
     load.position += force;
     load.drift += force.dot(&point.slope) + point.acceleration().dot(&by.slope) * mass;
 }
@@ -146,8 +139,7 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let (moment, moment_by) = (kappa * ring.bending_stiffness, kappa_by * ring.bending_stiffness);
     let (gradient, gradient_by) = (point.strain_gradient, by.strain_gradient);
     let viscous = point.strain_rate() * viscosity;
-    let viscous_by =
-        (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + by.w * gradient + point.w * gradient_by) * viscosity;
+    let viscous_by = (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + point.w * gradient_by) * viscosity;
     let tension = point.strain() * ring.axial_stiffness + viscous;
     let tension_by = by.stretch * ring.axial_stiffness + viscous_by;
     load.slope += by.t * tension + point.t * tension_by - embed(t_ref * (moment_by * reference.kappa));

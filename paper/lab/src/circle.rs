@@ -1,8 +1,8 @@
 //! A fixed circle, the reference curve of a free or spinning ring. It does not depend on Θ.
 
 use nalgebra::Vector2;
-use pushbelt::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use pushbelt::scalar::Real;
+use pushbelt_paper::reference_curve::{AngledCurve, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use std::f64::consts::TAU;
 
 /// Circle about the origin, starting at its leftmost point.
@@ -21,10 +21,6 @@ impl ReferenceCurve for Circle {
 
     fn segments(&self) -> usize {
         1
-    }
-
-    fn has_ratio(&self) -> bool {
-        false
     }
 
     fn frame<T: Real>(&self, _theta: T) -> f64 {
@@ -52,6 +48,12 @@ impl ReferenceCurve for Circle {
                 ..Jet::constant(0.0)
             },
         }
+    }
+}
+
+impl AngledCurve for Circle {
+    fn has_ratio(&self) -> bool {
+        false
     }
 
     fn tangent_angle<T: Real>(radius: &f64, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {

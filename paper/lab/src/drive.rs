@@ -16,8 +16,8 @@
 
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
-use pushbelt::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use pushbelt::scalar::{Real, turn_right};
+use pushbelt_paper::reference_curve::{AngledCurve, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
@@ -273,16 +273,17 @@ impl<const N: usize> ReferenceCurve for BeltDrive<N> {
         2 * N + 1
     }
 
-    fn has_ratio(&self) -> bool {
-        self.tensioner.is_some()
-    }
-
     fn frame<T: Real>(&self, theta: T) -> DriveFrame<T, N> {
         let value = theta.re();
         let rest = theta - value;
         let centers = self.fitting_centers(value);
         let behind = strands(&self.pulleys, &centers);
-        let lift = |x: Dual3_64| Jet::lift(x, rest);
+        // A third-order jet in Θ, in the scalar of Θ.
+        let lift = |x: Dual3_64| Jet {
+            v: rest * x.v1 + x.re,
+            d: rest * x.v2 + x.v1,
+            dd: rest * x.v3 + x.v2,
+        };
         let zero = Dual3_64::from_re(0.0);
         let (mut start, mut fits) = (zero, true);
         let mut segment = |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
@@ -365,6 +366,12 @@ impl<const N: usize> ReferenceCurve for BeltDrive<N> {
             kappa_theta: T::zero(),
             xi,
         }
+    }
+}
+
+impl<const N: usize> AngledCurve for BeltDrive<N> {
+    fn has_ratio(&self) -> bool {
+        self.tensioner.is_some()
     }
 
     fn tangent_angle<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {

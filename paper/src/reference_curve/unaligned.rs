@@ -5,8 +5,9 @@
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the paper's (18), the border terms are missing: when
 //! a border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::{AngledCurve, CoordinateSlopes, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use crate::scalar::Real;
+use nalgebra::Vector2;
 
 /// `curve` as one segment.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ impl<F> UnalignedFrame<F> {
     }
 }
 
-impl<C: ReferenceCurve> Unaligned<C> {
+impl<C: AngledCurve> Unaligned<C> {
     /// The frame for a mesh that does not follow the arcs, from `frame` of `curve`.
     #[must_use]
     pub fn frame_of<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
@@ -153,7 +154,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
 
 /// Scalars with derivatives have first derivatives only. Places in the lanes of a pack may lie on different segments; Θ is
 /// the same in all lanes.
-impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
+impl<C: AngledCurve> ReferenceCurve for Unaligned<C> {
     type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
 
     fn length(&self) -> f64 {
@@ -162,10 +163,6 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
 
     fn segments(&self) -> usize {
         1
-    }
-
-    fn has_ratio(&self) -> bool {
-        self.curve.has_ratio()
     }
 
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
@@ -178,13 +175,70 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
 
     fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let of = |segment| Self::point_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, ReferencePoint::with_lane)
+        Self::gather::<T, _>(frame, fraction, of, point_with_lane)
+    }
+}
+
+impl<C: AngledCurve> AngledCurve for Unaligned<C> {
+    fn has_ratio(&self) -> bool {
+        self.curve.has_ratio()
     }
 
     fn tangent_angle<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
         let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, TangentAngle::with_lane)
+        Self::gather::<T, _>(frame, fraction, of, angle_with_lane)
     }
+}
+
+fn vector_with_lane<T: Real>(a: Vector2<T>, lane: usize, b: Vector2<T>) -> Vector2<T> {
+    a.zip_map(&b, |a, b| a.with_lane(lane, b))
+}
+
+fn jet_with_lane<T: Real>(a: Jet<T>, lane: usize, b: Jet<T>) -> Jet<T> {
+    Jet {
+        v: a.v.with_lane(lane, b.v),
+        d: a.d.with_lane(lane, b.d),
+        dd: a.dd.with_lane(lane, b.dd),
+    }
+}
+
+/// `a` with `lane` replaced by that of `b`.
+fn point_with_lane<T: Real>(a: ReferencePoint<T>, lane: usize, b: ReferencePoint<T>) -> ReferencePoint<T> {
+    let vector = |a, b| vector_with_lane(a, lane, b);
+    ReferencePoint {
+        r: vector(a.r, b.r),
+        r_theta: vector(a.r_theta, b.r_theta),
+        r_theta2: vector(a.r_theta2, b.r_theta2),
+        t: vector(a.t, b.t),
+        n: vector(a.n, b.n),
+        chi_theta: a.chi_theta.with_lane(lane, b.chi_theta),
+        kappa: a.kappa.with_lane(lane, b.kappa),
+        kappa_theta: a.kappa_theta.with_lane(lane, b.kappa_theta),
+        xi: jet_with_lane(a.xi, lane, b.xi),
+    }
+}
+
+fn angle_with_lane<T: Real>(a: TangentAngle<T>, lane: usize, b: TangentAngle<T>) -> TangentAngle<T> {
+    TangentAngle {
+        chi: jet_with_lane(a.chi, lane, b.chi),
+        kappa: jet_with_lane(a.kappa, lane, b.kappa),
+    }
+}
+
+/// The same for derivatives with respect to the coordinates.
+pub(crate) fn slopes_with_lane<T: Real>(
+    mut a: CoordinateSlopes<T>,
+    lane: usize,
+    b: CoordinateSlopes<T>,
+) -> CoordinateSlopes<T> {
+    for (to, of) in a.shape.iter_mut().zip(&b.shape) {
+        to.r = vector_with_lane(to.r, lane, of.r);
+        to.xi = to.xi.with_lane(lane, of.xi);
+        to.kappa = to.kappa.with_lane(lane, of.kappa);
+        to.growth = to.growth.with_lane(lane, of.growth);
+    }
+    a.turn = vector_with_lane(a.turn, lane, b.turn);
+    a
 }
 
 #[cfg(test)]
@@ -192,7 +246,6 @@ mod tests {
     use super::*;
     use crate::reference_curve::TwoPulley;
     use crate::scalar::{LANES, Lanes, Tangent};
-    use nalgebra::Vector2;
     use num_dual::Dual64;
 
     /// Derivatives at fixed ξ, and their derivatives through the scalar, against differences.
@@ -230,10 +283,7 @@ mod tests {
     fn lanes_of_a_pack_equal_separate_evaluations() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack = Unaligned::frame_of(
-            &pulleys,
-            pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)),
-        );
+        let pack = Unaligned::frame_of(&pulleys, pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)));
         let alone = Unaligned { curve: pulleys }.frame(Dual64::new(theta, 1.0));
         for k in 0..40 {
             let f: [f64; LANES] = std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);

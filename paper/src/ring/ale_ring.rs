@@ -16,7 +16,7 @@ use super::mesh::{self, RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad, load_of_particle};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
-use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
+use crate::reference_curve::{AngledCurve, Jet, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
@@ -75,7 +75,7 @@ struct ElementState<T: Real, const D: usize> {
     rotated: Option<RotatedElement<T>>,
 }
 
-impl<C: ReferenceCurve> AleRing<C> {
+impl<C: AngledCurve> AleRing<C> {
     /// A ring that deflects in the plane (`ALE`).
     #[must_use]
     pub fn flexible(ring: Ring, curve: C, mesh: RingMesh) -> Self {
@@ -89,7 +89,7 @@ impl<C: ReferenceCurve> AleRing<C> {
     }
 }
 
-impl<C: ReferenceCurve> AleRing<C, 3> {
+impl<C: AngledCurve> AleRing<C, 3> {
     /// A ring that deflects in the plane and along z.
     #[must_use]
     pub fn spatial(ring: Ring, curve: C, mesh: RingMesh) -> Self {
@@ -97,7 +97,7 @@ impl<C: ReferenceCurve> AleRing<C, 3> {
     }
 }
 
-impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
+impl<C: AngledCurve, const D: usize> AleRing<C, D> {
     /// Node unknowns.
     const BLOCK: usize = 2 * D;
 
@@ -272,7 +272,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
     }
 }
 
-impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
+impl<C: AngledCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
 where
     Deflection<D>: UnknownCount<N>,
 {

@@ -235,11 +235,11 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         let layout = &belt.layout;
         let [alpha, beta] = slopes;
         let s = view.q[layout.drift()];
-        let shape = belt.curve.shape(belt.theta(view));
-        let frame = shape.frame(0.0);
+        let theta = belt.theta(view);
+        let frame = belt.curve.frame(theta);
         let frames = PassFrames {
-            still: shape.frame(Slopes::from(0.0)),
-            moving: std::array::from_fn(|k| shape.frame(Slopes::seed(0.0, k, beta))),
+            still: belt.curve.frame(Slopes::from(theta)),
+            moving: std::array::from_fn(|k| belt.curve.frame(Slopes::seed(theta, k, beta))),
         };
         self.order.find(belt, &frame, s);
         out.reorder(&self.order.order);

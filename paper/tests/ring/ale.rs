@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{ReferenceCurve, Unaligned};
+use pushbelt_paper::reference_curve::{AngledCurve, Unaligned};
 use pushbelt_paper::ring::ale_ring::{AleRing, Inertia};
 use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt_paper::ring::mesh::RingMesh;
@@ -15,11 +15,7 @@ use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
 /// moves along s and Θ only.
-fn smooth_wave<C: ReferenceCurve + std::fmt::Debug>(
-    system: &RingSystem<AleRing<C>>,
-    theta: f64,
-    amplitude: f64,
-) -> State {
+fn smooth_wave<C: AngledCurve + std::fmt::Debug>(system: &RingSystem<AleRing<C>>, theta: f64, amplitude: f64) -> State {
     let mut state = system.rest(theta);
     let length = system.model.length();
     let frame = system.model.curve.frame::<f64>(theta);
@@ -51,12 +47,12 @@ fn scaled((a, b): (f64, f64), factor: f64) -> (f64, f64) {
     (a * factor, b * factor)
 }
 
-fn flexible<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
+fn flexible<C: AngledCurve + std::fmt::Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
     RingSystem::new(AleRing::flexible(solid(), curve, mesh))
 }
 
 /// Relative error of the residual's inertia against [`inertia_by_differences`].
-fn wave_inertia_error<C: ReferenceCurve + std::fmt::Debug>(
+fn wave_inertia_error<C: AngledCurve + std::fmt::Debug>(
     mut system: RingSystem<AleRing<C>>,
     inertia: Inertia,
     amplitude: f64,
@@ -200,7 +196,7 @@ fn order_in_time_of_the_reference_motion() {
 
 /// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Largest energy drift relative to the energy. Later the
 /// leftmost point approaches the axis of S and Θ reaches its limit (Θ → 1 at 1.1 ms).
-fn deformable_ring<C: ReferenceCurve + std::fmt::Debug>(
+fn deformable_ring<C: AngledCurve + std::fmt::Debug>(
     curve: C,
     mesh: RingMesh,
     inertia: Inertia,
@@ -246,7 +242,7 @@ fn conservative_inertia_conserves() {
 }
 
 /// Energy drift of the reference oscillation relative to the energy of the swing.
-fn swing<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: f64) -> f64 {
+fn swing<C: AngledCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: f64) -> f64 {
     let (_, record, swing) = reference_oscillation(curve, mesh, tolerance);
     assert_eq!(record.samples.len(), 101);
     record.energy_drift() / swing

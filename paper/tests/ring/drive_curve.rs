@@ -1,7 +1,7 @@
 //! The curve of a belt drive with idlers: closure, Θ derivatives, drives around which no belt runs.
 
 use nalgebra::Vector2;
-use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
 use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
 use std::f64::consts::TAU;
 

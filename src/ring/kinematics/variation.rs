@@ -7,7 +7,7 @@ use super::vectors::{cross, embed, in_plane};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
-/// Derivatives of a [`RingPoint`] in a direction that does not change the reference curve.
+/// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the drift.
 #[derive(Clone, Copy, Debug)]
 pub struct RingVariation<T: Real, const D: usize = 2> {
     /// δr.
@@ -28,10 +28,6 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
     pub t: SVector<T, D>,
     /// Variations of the [`RingPoint::normals`].
     pub normals: [SVector<T, D>; 2],
-    /// δw.
-    pub w: T,
-    /// δẇ.
-    pub w_dot: T,
     /// δγ'.
     pub strain_gradient: T,
 }
@@ -51,8 +47,6 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
             stretch: T::zero(),
             t: zero,
             normals: [zero; 2],
-            w: T::zero(),
-            w_dot: T::zero(),
             strain_gradient: T::zero(),
         }
     }

@@ -1,24 +1,37 @@
 //! The balance of a pack of cells, generic over the scalar.
 
-use crate::reference_curve::Jet;
+use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path};
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
-use crate::variator::assembly::kinds::{MeshCurve, RingKind};
+use crate::variator::assembly::kinds::RingKind;
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
+use crate::variator::cell::directions::Directions;
 use crate::variator::cell::observer::{Sampler, StationObserver};
 use crate::variator::cell::sample::Sample;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{EulerianRing, RingForces};
 
+/// The path along which a ring of kind `K` follows the curve, with the motion `path`: that of Θ as the variable, unless
+/// the curve has other coordinates.
+#[inline(always)]
+pub(crate) fn path_of<T: Real, K: Directions>(path: Path<T>) -> Path<T> {
+    if K::COORDINATES > 1 {
+        return path;
+    }
+    let mut by_theta = [Jet::constant(0.0); COORDINATES];
+    by_theta[0] = Jet::variable(path[0].v);
+    by_theta
+}
+
 /// The frame of the curve at a state.
 #[inline(always)]
-pub(crate) fn frame<C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
-    C::mesh_frame(&C::shape(&belt.curve, &belt.path(view)), |_| Jet::constant(0.0))
+pub(crate) fn frame<K: Directions, C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
+    C::on_path(&belt.curve, &path_of::<_, K>(belt.path(view).map(Jet::lifted)))
 }
 
 /// The balance of a pack of cells; `record` is called with the values at every station.

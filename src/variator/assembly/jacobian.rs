@@ -1,192 +1,44 @@
-//! Derivatives of a pack of cells: analytic where available, otherwise by forward differentiation.
+//! Derivatives of a pack of cells: by hand where a ring has them, otherwise by forward differentiation.
 
 use crate::chain::Transport;
-use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
-use crate::ring::Ring;
-use crate::ring::kinematics::ReferenceMotion;
-use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::assembly::evaluate::pack_balance;
+use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
+use crate::scalar::{Lanes, Tangent};
+use crate::variator::assembly::evaluate::{pack_balance, path_of};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
-use crate::variator::assembly::kinds::{MeshCurve, RingKind};
+use crate::variator::assembly::kinds::RingKind;
 use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::regime::{Regime, RegimeObserver, TangentScales};
-use crate::variator::assembly::unknowns::{ReadUnknowns, Unknowns, motion, rows};
-use crate::variator::belt::equations::InForce;
-use crate::variator::belt::equations::ReusePolicy;
+use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
+use crate::variator::belt::equations::{InForce, ReusePolicy};
 use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
+use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ArgumentRecorder, LawArguments};
-use crate::variator::cell::observer::{AtStation, NoObserver, StationObserver};
+use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
-use crate::variator::cell::variation::{Evaluated, Linearised};
-use crate::variator::law::place::{CellBalance, Place};
+use crate::variator::cell::variation::{Direction, Evaluated, Linearised};
+use crate::variator::law::place::CellBalance;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
-use num_traits::Zero;
 use std::cell::OnceCell;
+use std::ops::Range;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
+/// Most passes over drift and coordinates of the curve.
+const PASSES: usize = (1 + COORDINATES).div_ceil(PASS);
 
-/// A ring whose cells can be differentiated.
-pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
-    /// Frames of the curve, without derivatives and with those in the coordinates of this ring.
-    type Frames;
-
-    /// Frames at one place of a path of the coordinates; `slopes` are the factors of acceleration and position.
-    fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames;
-
-    /// Shape of the curve.
-    fn shape(frames: &Self::Frames) -> &C::Shape;
-
-    /// The laws' part of analytic derivatives, for a pack with this number of stations.
-    fn law_part(stations: usize) -> Option<LawPart> {
-        Some(LawPart::new::<Self, D>(stations))
-    }
-
-    /// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`,
-    /// analytically if the ring supports it. Returns the part that was evaluated.
-    fn update(
-        &self,
-        acting: InForce<'_>,
-        pack: &Pack,
-        frames: &Self::Frames,
-        at: (&Unknowns<Lanes>, [f64; 2]),
-        policy: ReusePolicy,
-        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, CacheUpdate);
-}
-
-/// Implements the frames of a ring with derivatives in this number of coordinates of the curve.
-macro_rules! frames_along {
-    ($coordinates:expr) => {
-        type Frames = Frames<C, { $coordinates }>;
-
-        fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames {
-            Frames::new(curve, path, slopes)
-        }
-
-        fn shape(frames: &Self::Frames) -> &C::Shape {
-            &frames.shape
-        }
-    };
-}
-
-impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
-    frames_along!(COORDINATES);
-
-    fn update(
-        &self,
-        acting: InForce<'_>,
-        pack: &Pack,
-        frames: &Self::Frames,
-        at: (&Unknowns<Lanes>, [f64; 2]),
-        policy: ReusePolicy,
-        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, CacheUpdate) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, (self, pack), frames, at, policy, cache)
-    }
-}
-
-impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
-    frames_along!(1);
-
-    fn update(
-        &self,
-        acting: InForce<'_>,
-        pack: &Pack,
-        frames: &Self::Frames,
-        at: (&Unknowns<Lanes>, [f64; 2]),
-        policy: ReusePolicy,
-        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, CacheUpdate) {
-        by_hand::<Self, D, C, 1>(acting, (self, pack), frames, at, policy, cache)
-    }
-}
-
-/// A ring of kind `K` whose cells use forward differentiation alone.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Forward<K>(pub K);
-
-impl<K: Directions> Directions for Forward<K> {
-    const NODES: usize = K::NODES;
-    const TENSIONS: usize = K::TENSIONS;
-    const COORDINATES: usize = K::COORDINATES;
-}
-
-impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward<K> {
-    type Ring<'a, T: Real> = K::Ring<'a, T>;
-
-    #[inline(always)]
-    fn ring<'a, T: Real>(
-        &self,
-        ring: &'a Ring,
-        at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        curve: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
-        slopes: [f64; 2],
-        seed: impl Fn(T::Constant, usize, f64) -> T,
-    ) -> Self::Ring<'a, T> {
-        self.0.ring(ring, at, curve, unknowns, slopes, seed)
-    }
-}
-
-impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Forward<K> {
-    frames_along!(1);
-
-    fn law_part(_stations: usize) -> Option<LawPart> {
-        None
-    }
-
-    fn update(
-        &self,
-        acting: InForce<'_>,
-        pack: &Pack,
-        frames: &Self::Frames,
-        at: (&Unknowns<Lanes>, [f64; 2]),
-        policy: ReusePolicy,
-        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, CacheUpdate) {
-        let (unknowns, slopes) = at;
-        let mut regime = Regime::zero();
-        let mut observer = RegimeObserver {
-            alpha: slopes[0],
-            regime: &mut regime,
-        };
-        let plain = |value, _, _| value;
-        let (b, _) = pack_balance::<_, _, Self, D, C>(
-            acting,
-            (self, pack),
-            &frames.plain,
-            unknowns,
-            slopes,
-            plain,
-            &mut observer,
-        );
-        let place = pack.place::<Lanes, C>(acting.law, &frames.plain);
-        let scales = scales(acting, &place, slopes[0]);
-        let update = cache.0.update::<Self>(policy, (&regime, &scales), at, place.length.v);
-        if update == CacheUpdate::All {
-            forward::<Self, D, C>(acting, (self, pack), &frames.shape, at, cache);
-        }
-        (b, update)
-    }
-}
-
-/// [`Differentiate::update`] with analytic derivatives, and forward differentiation in N coordinates of the curve.
+/// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`.
+/// Returns the part that was evaluated.
 #[inline(never)]
-fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
+pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     (kind, pack): (&K, &Pack),
-    frames: &Frames<C, N>,
+    frames: &Frames<'_, C>,
     at: (&Unknowns<Lanes>, [f64; 2]),
     policy: ReusePolicy,
     (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-) -> (CellBalance<Lanes>, CacheUpdate)
-where
-    for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
-{
+) -> (CellBalance<Lanes>, CacheUpdate) {
     let (InForce { law, friction, .. }, frame, (unknowns, slopes)) = (acting, &frames.plain, at);
     let plain = |value, _, _| value;
     let motion = motion::<Lanes, K>(unknowns, slopes, plain);
@@ -216,48 +68,63 @@ where
         forces: &mut forces,
     };
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut observer);
-    let scales = scales(acting, &place, slopes[0]);
-    let update = cache.update::<K>(policy, (&regime, &scales), at, place.length.v);
+    let length = place.length.v;
+    let scales = TangentScales::new(law, friction, slopes[0], length * place.stations[0].weight);
+    let update = cache.update::<K>(policy, (&regime, &scales), at, length);
     if update != CacheUpdate::All {
         return (b, update);
     }
-    let evaluated = Evaluated {
-        cell,
-        slots: &slots,
-        forces: &forces,
-        laws: &regime.laws,
+    let mut columns = Columns {
+        pack,
+        count: K::COUNT,
+        block: &mut cache.block,
+        laws: cache.laws.as_mut(),
+        transports,
     };
-    let linear = Linearised::new(given, &ring, evaluated, slopes);
-    let mut columns = Columns::of::<K>(pack, cache, transports);
-    for k in 0..K::COUNT {
-        if let Some(direction) = K::direction(k) {
-            let mut arguments = LawArguments::zero();
-            let (b, ring) = linear.vary(direction, &mut arguments);
-            columns.record::<K>(k, &rows::<_, K, D>(&b, &ring), &b.transport);
-            columns.record_arguments::<K>(k, &arguments);
+    if frames.by_hand {
+        let evaluated = Evaluated {
+            given,
+            cell,
+            slots: &slots,
+            forces: &forces,
+            laws: &regime.laws,
+            slopes,
+        };
+        K::by_hand(&ring, evaluated, &mut columns);
+    }
+    for (directions, frame) in frames.passes::<K>() {
+        let first = directions.start;
+        let mut arguments = LawArguments::zero();
+        let seed = |value, k: usize, slope| Tangent::seed(value, k.wrapping_sub(first), slope);
+        let recorder = &mut ArgumentRecorder(&mut arguments);
+        let (b, ring) =
+            pack_balance::<Tangent<PASS>, _, K, D, C>(acting, (kind, pack), frame, unknowns, slopes, seed, recorder);
+        let rows = rows::<_, K, D>(&b, &ring);
+        for (i, k) in directions.enumerate() {
+            let transport = b.transport.map(|of| of.eps[i]);
+            let arguments = arguments.map(|of| of.eps[i]);
+            columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport, &arguments);
         }
-    }
-    let mut arguments = LawArguments::zero();
-    let recorder = &mut ArgumentRecorder(&mut arguments);
-    let (rows, transport) = pack_pass::<N, K, D, C>(acting, (kind, pack), frames.moving(), at, K::THETA, recorder);
-    for i in 0..N {
-        columns.record::<K>(
-            K::THETA + i,
-            &rows.map(|row| row.eps[i]),
-            &transport.map(|of| of.eps[i]),
-        );
-        columns.record_arguments::<K>(K::THETA + i, &arguments.map(|of| of.eps[i]));
-    }
-    if let Some(laws) = &mut cache.laws {
-        laws.keep::<K, _, D>(&linear, &regime.laws);
     }
     (b, update)
 }
 
-/// Scales of the tangents of the laws, for a step with this factor 1/(hγ), 1/s.
+/// Derivatives by hand in the directions of the cells' own unknowns and of the pulley, and the laws' part.
 #[inline(always)]
-fn scales(InForce { law, friction, .. }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> TangentScales {
-    TangentScales::new(law, friction, alpha, place.length.v * place.stations[0].weight)
+pub(crate) fn vary_own<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
+    ring: &R,
+    evaluated: Evaluated<'_, D>,
+    columns: &mut Columns<'_>,
+) {
+    let linear = Linearised::new(ring, evaluated);
+    for k in (0..K::DRIFT).chain(K::SHEAVE..K::COUNT) {
+        let mut arguments = LawArguments::zero();
+        let (b, ring) = linear.vary(Direction::of::<K>(k), &mut arguments);
+        columns.record::<K>(k, &rows::<_, K, D>(&b, &ring), &b.transport, &arguments);
+    }
+    if let Some(laws) = &mut columns.laws {
+        laws.keep::<K, _, D>(&linear, evaluated.laws);
+    }
 }
 
 /// Records the forces at the stations and the regime.
@@ -274,91 +141,8 @@ impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
     }
 }
 
-/// Differentiates a pack by forward differentiation alone.
-fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    (kind, pack): (&K, &Pack),
-    shape: &C::Shape,
-    (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
-    (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-) {
-    let mut columns = Columns::of::<K>(pack, cache, transports);
-    for first in (0..K::COUNT).step_by(PASS) {
-        let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
-        let at = (unknowns, slopes);
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, (kind, pack), &frame, at, first, &mut NoObserver);
-        for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
-            columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
-        }
-    }
-}
-
-/// One pass over a pack: derivatives in the directions `first` and on.
-#[inline(never)]
-fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    of: (&K, &Pack),
-    frame: &C::Frame<Tangent<N>>,
-    (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
-    first: usize,
-    observer: &mut impl StationObserver<Tangent<N>, D>,
-) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
-    let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, slopes, seed, observer);
-    (rows::<_, K, D>(&b, &ring), b.transport)
-}
-
-/// Largest difference between analytic derivatives of a pack and forward differentiation, relative to the largest entry of
-/// its column, or of all derivatives of the transport quantities (at least 1e-6: they are of the order of 1).
-pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    (kind, pack): (&K, &Pack),
-    frames: &K::Frames,
-    at: (&Unknowns<Lanes>, [f64; 2]),
-    cache: &JacobianCache,
-    transports: &[Transport<[f64; MOST]>],
-) -> f64 {
-    use crate::variator::cell::directions::RESULTANT;
-    let count = K::COUNT;
-    let mut worst = 0.0_f64;
-    let mut cache = [cache.clone(), cache.clone()];
-    let mut transports = [transports.to_vec(), transports.to_vec()];
-    cache[0].forget();
-    let of_hand = (&mut cache[0], &mut transports[0][..]);
-    kind.update(acting, pack, frames, at, ReusePolicy::None, of_hand);
-    forward::<K, D, C>(
-        acting,
-        (kind, pack),
-        K::shape(frames),
-        at,
-        (&mut cache[1], &mut transports[1]),
-    );
-    for lane in 0..pack.group.used {
-        let [hand, forward] = cache.each_ref().map(|cache| {
-            let entry = |row: usize, column: usize| cache.block[row * count + column].to_array()[lane];
-            let column = |column| {
-                (0..count - 1 + RESULTANT)
-                    .map(move |row| entry(row, column))
-                    .collect::<Vec<_>>()
-            };
-            (0..count).map(column).collect::<Vec<_>>()
-        });
-        let [of_hand, of_forward] = transports
-            .each_ref()
-            .map(|t| t[pack.group.cells[lane]].each().map(|of| of[..count].to_vec()));
-        let pairs = hand.iter().zip(&forward).chain(of_hand.iter().zip(&of_forward));
-        for (hand, forward) in pairs {
-            let scale = forward.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
-            for (a, b) in hand.iter().zip(forward) {
-                worst = worst.max((a - b).abs() / scale);
-            }
-        }
-    }
-    worst
-}
-
 /// Memory for the derivatives of a pack: a column for each direction.
-struct Columns<'a> {
+pub struct Columns<'a> {
     pack: &'a Pack,
     /// Directions.
     count: usize,
@@ -367,26 +151,16 @@ struct Columns<'a> {
     transports: &'a mut [Transport<[f64; MOST]>],
 }
 
-impl<'a> Columns<'a> {
-    /// The columns of a pack.
+impl Columns<'_> {
+    /// Records the derivatives of balance, transport quantities and arguments of the laws in a direction.
     #[inline(always)]
-    fn of<K: Directions>(
-        pack: &'a Pack,
-        cache: &'a mut JacobianCache,
-        transports: &'a mut [Transport<[f64; MOST]>],
-    ) -> Self {
-        Self {
-            pack,
-            count: K::COUNT,
-            block: &mut cache.block,
-            laws: cache.laws.as_mut(),
-            transports,
-        }
-    }
-
-    /// Records the derivatives of balance and transport quantities in a direction.
-    #[inline(always)]
-    fn record<K: Directions>(&mut self, direction: usize, rows: &[Lanes; MOST_ROWS], transport: &Transport<Lanes>) {
+    fn record<K: Directions>(
+        &mut self,
+        direction: usize,
+        rows: &[Lanes; MOST_ROWS],
+        transport: &Transport<Lanes>,
+        arguments: &LawArguments<Lanes>,
+    ) {
         for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(self.count)) {
             block[direction] = *row;
         }
@@ -395,49 +169,68 @@ impl<'a> Columns<'a> {
                 self.transports[cell].each_mut()[figure][direction] = slope;
             }
         }
-    }
-
-    /// Records the variation of the arguments of the laws in a direction.
-    #[inline(always)]
-    fn record_arguments<K: Directions>(&mut self, direction: usize, by: &LawArguments<Lanes>) {
         if let Some(laws) = &mut self.laws {
-            laws.record::<K>(direction, by);
+            laws.record::<K>(direction, arguments);
         }
     }
 }
 
-/// Frames of the curve without derivatives, and with those in its first N coordinates, computed at first use.
-pub(crate) struct Frames<C: MeshCurve, const N: usize> {
-    shape: C::Shape,
-    plain: C::Frame<Lanes>,
-    moving: OnceCell<C::Frame<Tangent<N>>>,
+/// Frames of the curve at one place of a path: without derivatives, and with those in the directions of a pass of forward
+/// differentiation, computed at first use.
+pub(crate) struct Frames<'a, C: MeshCurve> {
+    curve: &'a TwoPulley,
+    path: Path<f64>,
     slopes: [f64; 2],
+    /// Whether only drift and coordinates of the curve are differentiated forward.
+    by_hand: bool,
+    plain: C::Frame<Lanes>,
+    /// For the passes over drift and coordinates of the curve; the last for all others, without derivatives.
+    moving: [OnceCell<C::Frame<Tangent<PASS>>>; PASSES + 1],
 }
 
-impl<C: MeshCurve, const N: usize> Frames<C, N> {
-    /// Frames at one place of a path.
-    fn new(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self {
-        let shape = C::shape(curve, path);
+impl<'a, C: MeshCurve> Frames<'a, C> {
+    /// Frames for a ring of kind `K`, with derivatives `by_hand` or by forward differentiation alone.
+    pub fn new<K: Directions>(curve: &'a TwoPulley, path: Path<f64>, slopes: [f64; 2], by_hand: bool) -> Self {
         Self {
-            plain: C::mesh_frame(&shape, |_| Jet::constant(0.0)),
-            moving: OnceCell::new(),
-            shape,
+            curve,
+            path,
             slopes,
+            by_hand,
+            plain: C::on_path(curve, &path_of::<_, K>(path.map(Jet::lifted))),
+            moving: std::array::from_fn(|_| OnceCell::new()),
         }
     }
 
-    fn moving(&self) -> &C::Frame<Tangent<N>> {
-        self.moving
-            .get_or_init(|| C::mesh_frame(&self.shape, |k| moving(k, self.slopes)))
-    }
-}
-
-/// Zero with the derivatives of a coordinate of the curve and of its rates, if it is direction `k` of a pass.
-fn moving<const N: usize>(k: usize, [alpha, beta]: [f64; 2]) -> Jet<Tangent<N>> {
-    let seed = |slope| Tangent::seed(Lanes::zero(), k, slope);
-    Jet {
-        v: seed(beta),
-        d: seed(1.0),
-        dd: seed(alpha),
+    /// Directions and frame of each pass.
+    fn passes<K: Directions>(&self) -> impl Iterator<Item = (Range<usize>, &C::Frame<Tangent<PASS>>)> {
+        let [own, pulley] = if self.by_hand {
+            [0..0, 0..0]
+        } else {
+            [0..K::DRIFT, K::SHEAVE..K::COUNT]
+        };
+        let passes = |range: Range<usize>| {
+            let end = range.end;
+            range.step_by(PASS).map(move |first| first..end.min(first + PASS))
+        };
+        let of_curve = passes(K::DRIFT..K::SHEAVE).zip(&self.moving);
+        let still = &self.moving[PASSES];
+        let others = passes(own).chain(passes(pulley)).map(move |pass| (pass, still));
+        let slopes = self.slopes;
+        of_curve.chain(others).map(move |(pass, frame)| {
+            let moving = || {
+                let seed = |k: usize, value, slope| {
+                    let direction = (K::THETA + k).wrapping_sub(pass.start);
+                    Tangent::seed(Lanes::from(value), direction, slope)
+                };
+                let path = std::array::from_fn(|k| Jet {
+                    v: seed(k, self.path[k].v, slopes[1]),
+                    d: seed(k, self.path[k].d, 1.0),
+                    dd: seed(k, self.path[k].dd, slopes[0]),
+                });
+                C::on_path(self.curve, &path_of::<_, K>(path))
+            };
+            let frame = frame.get_or_init(moving);
+            (pass, frame)
+        })
     }
 }

@@ -1,92 +1,17 @@
 //! Kinds of ring and of mesh as types, chosen once at the start.
 
-use crate::reference_curve::{
-    Displaced, DisplacedCurve, DisplacedFrame, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame, TwoPulleyShape,
-};
+use crate::reference_curve::MeshCurve;
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
+use crate::variator::assembly::jacobian::{Columns, vary_own};
 use crate::variator::assembly::unknowns::{ReadUnknowns, nodes, tensions};
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing};
+use crate::variator::cell::variation::Evaluated;
 use crate::variator::law::place::Place;
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::EulerianRing;
-
-/// The reference curve of a mesh, evenly spaced or following the arcs.
-pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// The curve at given coordinates, independent of the scalar.
-    type Shape;
-
-    /// The shape at one place of a path of the coordinates.
-    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape;
-
-    /// The frame of a shape. `by` returns zero with the derivatives of a coordinate of the path and of its derivatives
-    /// along the path.
-    fn mesh_frame<T: Real>(shape: &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T>;
-
-    /// Radii of the secondary and of the primary arc, m.
-    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
-
-    /// Wrap angles of the secondary and of the primary arc, rad.
-    fn arc_wraps<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
-}
-
-/// The curve of a mesh whose element borders follow the arc borders.
-impl MeshCurve for TwoPulley {
-    type Shape = TwoPulleyShape;
-
-    #[inline(always)]
-    fn shape(curve: &TwoPulley, path: &Path<f64>) -> TwoPulleyShape {
-        curve.shape(path[0].v)
-    }
-
-    #[inline(always)]
-    fn mesh_frame<T: Real>(shape: &TwoPulleyShape, by: impl Fn(usize) -> Jet<T>) -> TwoPulleyFrame<T> {
-        shape.frame(by(0).v)
-    }
-
-    #[inline(always)]
-    fn arc_radii<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
-        frame.radius.map(|radius| radius.v)
-    }
-
-    #[inline(always)]
-    fn arc_wraps<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
-        frame.wraps()
-    }
-}
-
-/// The curve with displaced centres: its frame holds derivatives along the motion.
-impl MeshCurve for Displaced {
-    type Shape = (TwoPulley, Path<f64>);
-
-    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape {
-        (curve.clone(), *path)
-    }
-
-    fn mesh_frame<T: Real>((curve, path): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> DisplacedFrame<T> {
-        let path = std::array::from_fn(|k| {
-            let (of, by) = (path[k], by(k));
-            Jet {
-                v: by.v + of.v,
-                d: by.d + of.d,
-                dd: by.dd + of.dd,
-            }
-        });
-        Self::at_place(curve, &path)
-    }
-
-    #[inline(always)]
-    fn arc_radii<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
-        frame.radius.map(|radius| radius.v)
-    }
-
-    #[inline(always)]
-    fn arc_wraps<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
-        frame.wraps()
-    }
-}
 
 /// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of the ring beyond those of
 /// the beam.
@@ -105,9 +30,13 @@ pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Self::Ring<'a, T>;
+
+    /// Derivatives by hand in the directions before the drift, of the rings that have them.
+    #[doc(hidden)]
+    fn by_hand(_ring: &Self::Ring<'_, Lanes>, _evaluated: Evaluated<'_, D>, _columns: &mut Columns<'_>) {}
 }
 
-impl<C: MeshCurve + DisplacedCurve> RingKind<2, C> for GuidedRing {
+impl<C: MeshCurve> RingKind<2, C> for GuidedRing {
     type Ring<'a, T: Real> = Guided<'a, T, C>;
 
     #[inline(always)]
@@ -121,6 +50,11 @@ impl<C: MeshCurve + DisplacedCurve> RingKind<2, C> for GuidedRing {
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Guided<'a, T, C> {
         Guided::new(ring, (place, motion), curve, tensions(unknowns, seed))
+    }
+
+    #[inline(always)]
+    fn by_hand(ring: &Guided<'_, Lanes, C>, evaluated: Evaluated<'_, 2>, columns: &mut Columns<'_>) {
+        vary_own::<Self, _, 2>(ring, evaluated, columns);
     }
 }
 
@@ -138,5 +72,10 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Deflecting<'a, T, D> {
         Deflecting::new(ring, place, motion, &nodes(unknowns, slopes, seed))
+    }
+
+    #[inline(always)]
+    fn by_hand(ring: &Deflecting<'_, Lanes, D>, evaluated: Evaluated<'_, D>, columns: &mut Columns<'_>) {
+        vary_own::<Self, _, D>(ring, evaluated, columns);
     }
 }

@@ -1,13 +1,12 @@
 //! Packs of cells, one in each lane of a register: their places on the belt and the indices of their unknowns.
 
 use crate::pulley::Pulley;
-use crate::reference_curve::Jet;
+use crate::reference_curve::{Jet, MeshCurve};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::ResultantSlopes;
@@ -62,7 +61,8 @@ impl Pack {
     /// Place of its cells on the belt.
     #[inline(always)]
     pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, law: &CellLaw, frame: &C::Frame<T>) -> Place<'_, T> {
-        let [of_secondary, of_primary] = law.arc_drags(C::arc_radii(frame), C::arc_wraps(frame));
+        let arcs = C::arcs(frame);
+        let [of_secondary, of_primary] = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
         let on = &self.group.on;
         Place {
             of_segment: self.of_segment,

@@ -2,18 +2,17 @@
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
-use crate::reference_curve::{COORDINATES, DisplacedCurve};
+use crate::reference_curve::{COORDINATES, MeshCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
-use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, Forward};
+use crate::variator::assembly::jacobian::{Frames, update};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
-use crate::variator::assembly::kinds::{MeshCurve, RingKind};
-use crate::variator::assembly::law_part::LawWork;
+use crate::variator::assembly::kinds::RingKind;
+use crate::variator::assembly::law_part::{LawPart, LawWork};
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
@@ -44,16 +43,18 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     globals: GlobalSlopes,
     work: LawWork,
     kind: K,
+    by_hand: bool,
     curve: PhantomData<C>,
 }
 
-impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
-    /// The cells of a belt.
-    pub fn new(kind: K, belt: &Belt) -> Self {
+impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
+    /// The cells of a belt, with derivatives by hand, of a ring that has them, if `by_hand`.
+    fn of_belt(kind: K, belt: &Belt, by_hand: bool) -> Box<dyn Assembly> {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
-        Self {
-            caches: vec![JacobianCache::new::<K>(K::law_part(belt.mesh.points)); packs.len()],
+        let laws = by_hand.then(|| LawPart::new::<K, D>(belt.mesh.points));
+        Box::new(Self {
+            caches: vec![JacobianCache::new::<K>(laws); packs.len()],
             packs,
             differentiations: [0; 2],
             transports: Transports::new(cells),
@@ -63,19 +64,9 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             globals: GlobalSlopes::new::<K>(),
             work: LawWork::new::<K>(),
             kind,
+            by_hand,
             curve: PhantomData,
-        }
-    }
-
-    fn derivative_error(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
-        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
-            let mut unknowns = Unknowns::zero();
-            InPlace { pack, view }.gather::<K>(&mut unknowns);
-            let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
-        };
-        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
+        })
     }
 
     /// Adds the derivatives of the balance of the amounts. The fluxes do not depend on the pulleys.
@@ -105,14 +96,14 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
     }
 }
 
-impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
+impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
     fn boxed(&self) -> Box<dyn Assembly> {
         Box::new(self.clone())
     }
 
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
-        let frame = frame::<C>(belt, view);
+        let frame = frame::<K, C>(belt, view);
         let [mut drift, mut theta] = [Lanes::zero(); 2];
         let mut centres = [Lanes::zero(); COORDINATES - 1];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
@@ -156,14 +147,14 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let frames = K::frames(&belt.curve, &belt.path(view), slopes);
+        let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), slopes, self.by_hand);
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
-            let (b, update) = self.kind.update(acting, pack, &frames, at, policy, of_pack);
+            let (b, update) = update::<K, D, C>(acting, (&self.kind, pack), &frames, at, policy, of_pack);
             for (count, of) in self
                 .differentiations
                 .iter_mut()
@@ -190,7 +181,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     }
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
-        let frame = frame::<C>(acting.belt, view);
+        let frame = frame::<K, C>(acting.belt, view);
         let mut places = out.iter_mut();
         for pack in &self.packs {
             sampled_balance::<K, D, C>(
@@ -215,10 +206,11 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             cache.forget();
             for (origin, policy) in origins.iter().zip([ReusePolicy::None, ReusePolicy::Geometry]) {
                 if origin.exists() {
-                    let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
+                    let (curve, path) = (&acting.belt.curve, path::<K>(&origin.unknowns));
+                    let frames = Frames::<C>::new::<K>(curve, path, origin.slopes, self.by_hand);
                     let at = (&origin.unknowns, origin.slopes);
                     let of_pack = (&mut *cache, &mut *self.transport_slopes);
-                    self.kind.update(acting, pack, &frames, at, policy, of_pack);
+                    update::<K, D, C>(acting, (&self.kind, pack), &frames, at, policy, of_pack);
                 }
             }
         }
@@ -235,56 +227,24 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     }
 }
 
-/// Equations of a belt whose ring follows the curve `C` (`ALE0`).
+/// Equations of a belt whose ring follows the curve `C` (`ALE0`), with derivatives by hand or by forward differentiation
+/// alone.
 #[must_use]
-pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<GuidedRing, 2, C>::new(GuidedRing, belt))
+pub fn guided_equations<C: MeshCurve>(belt: &Belt, by_hand: bool) -> Box<dyn Assembly> {
+    PackedCells::<GuidedRing, 2, C>::of_belt(GuidedRing, belt, by_hand)
 }
 
-/// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
+/// The same for a ring that deflects from the curve `C` in D components (`ALE`).
 #[must_use]
-pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
-}
-
-/// [`guided_equations`] with derivatives of the kind of [`eulerian_equations`].
-#[doc(hidden)]
-#[must_use]
-pub fn guided_forward<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    eulerian_equations::<GuidedRing, 2, C>(GuidedRing, belt)
-}
-
-/// [`deflecting_equations`] with derivatives of the kind of [`eulerian_equations`].
-#[doc(hidden)]
-#[must_use]
-pub fn deflecting_forward<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    eulerian_equations::<DeflectingRing<D>, D, C>(DeflectingRing, belt)
+pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt, by_hand: bool) -> Box<dyn Assembly> {
+    PackedCells::<DeflectingRing<D>, D, C>::of_belt(DeflectingRing, belt, by_hand)
 }
 
 /// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
 /// forward differentiation of the ring's functions.
 #[must_use]
 pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
-}
-
-/// Largest difference in a state between the analytic derivatives of [`guided_equations`] and forward differentiation,
-/// relative to the largest entry of its column.
-#[doc(hidden)]
-#[must_use]
-pub fn guided_derivative_error<C: MeshCurve + DisplacedCurve>(acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-    PackedCells::<_, 2, C>::new(GuidedRing, acting.belt).derivative_error(acting, view, alpha)
-}
-
-/// The same for [`deflecting_equations`].
-#[doc(hidden)]
-#[must_use]
-pub fn deflecting_derivative_error<const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    view: View<'_>,
-    alpha: f64,
-) -> f64 {
-    PackedCells::<_, D, C>::new(DeflectingRing::<D>, acting.belt).derivative_error(acting, view, alpha)
+    PackedCells::<K, D, C>::of_belt(kind, belt, false)
 }
 
 /// Adds the loads of a pack on the pulleys.

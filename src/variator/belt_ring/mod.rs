@@ -15,11 +15,8 @@
 mod standard;
 
 pub use crate::chain::Transport;
-pub use crate::variator::assembly::kinds::{MeshCurve, RingKind};
-#[doc(hidden)]
-pub use crate::variator::assembly::packed::{
-    deflecting_derivative_error, deflecting_forward, guided_derivative_error, guided_forward,
-};
+pub use crate::reference_curve::MeshCurve;
+pub use crate::variator::assembly::kinds::RingKind;
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
 pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};
@@ -28,7 +25,7 @@ pub use crate::variator::belt::ring::BeltRing;
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 pub use crate::variator::belt::{Belt, HOLD};
 pub use crate::variator::cell::balance::balance;
-pub use crate::variator::cell::directions::{Direction, Directions};
+pub use crate::variator::cell::directions::Directions;
 pub use crate::variator::cell::observer::{NoObserver, Sampler, StationObserver};
 pub use crate::variator::cell::sample::Sample;
 pub use crate::variator::cell::state::CellInput;

@@ -1,6 +1,6 @@
 //! The rings that `ring.model` and `ring.spatial` choose: `ALE0`, `ALE`, and `ALE` in space.
 
-use crate::reference_curve::{Displaced, TwoPulley};
+use crate::reference_curve::TwoPulley;
 use crate::variator::assembly::packed::{deflecting_equations, guided_equations};
 use crate::variator::belt::Belt;
 use crate::variator::belt::equations::Assembly;
@@ -45,7 +45,7 @@ impl BeltRing for Ale0 {
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        guided_equations::<Displaced>(belt)
+        guided_equations::<TwoPulley>(belt, true)
     }
 }
 
@@ -63,7 +63,7 @@ impl<const D: usize> BeltRing for Ale<D> {
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_equations::<D, TwoPulley>(belt)
+        deflecting_equations::<D, TwoPulley>(belt, true)
     }
 }
 

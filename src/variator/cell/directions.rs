@@ -5,8 +5,8 @@
 
 use crate::reference_curve::COORDINATES;
 
-/// Largest number of directions of a cell: 12 node motions in space, V, V, N, and six globals.
-pub(crate) const MOST: usize = 21;
+/// Largest number of directions of a cell, that of a ring in space.
+pub(crate) const MOST: usize = DeflectingRing::<3>::COUNT;
 
 /// Largest number of rows of a cell: one for each direction, and two for the resultant of the contact forces.
 pub(crate) const MOST_ROWS: usize = MOST + RESULTANT;
@@ -35,28 +35,6 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     const SHEAVE: usize = Self::THETA + Self::COORDINATES;
     /// Number of all directions.
     const COUNT: usize = Self::SHEAVE + OF_PULLEY;
-
-    /// Unknown of direction `k`; none for coordinates of the curve, where forward differentiation is used.
-    fn direction(k: usize) -> Option<Direction> {
-        if k < Self::NODES {
-            return Some(Direction::Ring(k));
-        }
-        if k < Self::DRIFT {
-            return Some(match k - Self::NODES {
-                face @ (0 | 1) => Direction::Speed(face),
-                2 => Direction::Amount,
-                tension => Direction::Ring(tension - 3),
-            });
-        }
-        if k < Self::SHEAVE {
-            return (k == Self::DRIFT).then_some(Direction::Drift);
-        }
-        match k - Self::SHEAVE {
-            0 => Some(Direction::Sheave),
-            axis @ (1 | 2) => Some(Direction::Tilt(axis - 1)),
-            _ => Some(Direction::Shaft),
-        }
-    }
 }
 
 /// `ALE0`: the ring follows the reference curve.
@@ -77,23 +55,4 @@ impl<const D: usize> Directions for DeflectingRing<D> {
     const NODES: usize = 4 * D;
     const TENSIONS: usize = 0;
     const COORDINATES: usize = 1;
-}
-
-/// An unknown of a cell that varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// An unknown of the ring: of a node, or (`ALE0`) the tension at a face.
-    Ring(usize),
-    /// The speed V at a face.
-    Speed(usize),
-    /// The amount N of elements in the cell.
-    Amount,
-    /// The drift rate ṡ.
-    Drift,
-    /// The axial speed ż of the movable sheave.
-    Sheave,
-    /// The tilt ψ_x (0) or ψ_y (1) of the sheaves.
-    Tilt(usize),
-    /// The angular speed ω of the pulley.
-    Shaft,
 }

@@ -25,7 +25,7 @@ pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> [T; FLANK_ARGUMENTS]
 
 /// Tangents of the normal force, of friction around and of friction along the flank, each with respect to penetration,
 /// closing, sliding around and sliding along.
-pub(crate) type FlankTangents = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
+pub type FlankTangents = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
 
 /// Tangents of the forces of a flank with this `motion`.
 #[inline(always)]

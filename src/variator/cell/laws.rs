@@ -107,14 +107,14 @@ pub(crate) enum LawForce {
 
 /// Tangents of the laws of a pack of cells.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LawTangents {
+pub struct LawTangents {
     pub stations: [StationTangents; STATIONS],
     pub stack: [Lanes; STACK_ARGUMENTS],
 }
 
 /// Tangents of the laws at a station.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StationTangents {
+pub struct StationTangents {
     pub flanks: [FlankTangents; 2],
     pub ring: [Lanes; RING_ARGUMENTS],
 }

@@ -14,7 +14,7 @@ use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
 
 /// Arguments of the cell law: constants, friction, place and motion.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct CellInput<'a, T: Real> {
     /// Constants of the laws.
     pub law: &'a CellLaw,

@@ -45,9 +45,8 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     /// Variation of inertia and drag of the elements along the belt, and of inertia and push force across it, N/m.
     pub along: Lanes,
     pub inward: [Lanes; 2],
-    /// Variation of T, and of T − m_r ṡ², N.
+    /// Variation of T, N.
     pub tension: Lanes,
-    pub pressing: Lanes,
 }
 
 /// Variation of the loads of both flanks, per dξ.
@@ -367,19 +366,18 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         motions: &[FlankMotion<Lanes>; 2],
     ) -> ([Lanes; 2], StationArguments<Lanes>) {
         let (ring, chain, by) = (self.ring, self.chain, change.by);
-        let mut speed = by.w * ring.stretch;
-        let mut sliding = speed - change.chain.speed * chain.lead;
+        let mut speed = Lanes::from(0.0);
+        let mut sliding = -(change.chain.speed * chain.lead);
         if MOVES {
-            let more = change.chain.along + ring.w * by.stretch;
-            speed += more;
-            sliding += more - chain.speed * change.chain.lead;
+            speed = change.chain.along + ring.w * by.stretch;
+            sliding += speed - chain.speed * change.chain.lead;
         }
         let arguments = StationArguments {
             flanks: motions.each_ref().map(of_flank),
-            ring: [change.pressing, sliding],
+            ring: [change.tension, sliding],
         };
         let friction = along(&self.friction_by, &arguments.ring);
-        let drag = along(&self.drag_by, &[change.pressing, speed]);
+        let drag = along(&self.drag_by, &[change.tension, speed]);
         ([friction, drag], arguments)
     }
 }

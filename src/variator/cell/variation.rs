@@ -1,16 +1,16 @@
-//! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) in every direction that does not change the
-//! reference curve.
+//! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) with the own unknowns of a cell and those of
+//! its pulley.
 //!
 //! Forward differentiation repeats the whole law for each direction, although a node moves only the ring, a sheave only
 //! the flanks, and nearly all relations between them are linear. Here the coefficients of the variation are stored for each
 //! station. Nonlinear laws (flanks, stack) are differentiated forward in their few arguments. This takes less than half the
-//! time and agrees to rounding: a test of `variator` compares the two. Θ changes every quantity, so its derivatives use
-//! forward differentiation.
+//! time and agrees to rounding: a test of `variator` compares the two. The drift and the coordinates of the curve change
+//! every quantity, so they use forward differentiation.
 
 use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
-use crate::variator::cell::directions::Direction;
+use crate::variator::cell::directions::Directions;
 use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::laws::{LawArguments, LawForce, LawTangents, STACK_ARGUMENTS, StationArguments};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
@@ -23,11 +23,14 @@ use num_traits::Zero;
 
 /// An evaluated pack of cells: its state, ring and chain, forces at the stations, tangents of the laws.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Evaluated<'a, const D: usize> {
+pub struct Evaluated<'a, const D: usize> {
+    pub given: CellInput<'a, Lanes>,
     pub cell: CellState<Lanes>,
     pub slots: &'a Slots<Lanes, D>,
     pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
     pub laws: &'a LawTangents,
+    /// Factors of acceleration and position.
+    pub slopes: [f64; 2],
 }
 
 /// A pack of cells and the coefficients of the variations of its balance.
@@ -45,6 +48,53 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     push_by: [Lanes; STACK_ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
+}
+
+/// An unknown that a cell has alone, or of its pulley.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// An unknown of the ring: of a node, or (`ALE0`) the tension at a face.
+    Ring(usize),
+    /// The speed V at a face.
+    Speed(usize),
+    /// The amount N of elements in the cell.
+    Amount,
+    /// The axial speed ż of the movable sheave.
+    Sheave,
+    /// The tilt ψ_x (0) or ψ_y (1) of the sheaves.
+    Tilt(usize),
+    /// The angular speed ω of the pulley.
+    Shaft,
+}
+
+impl Direction {
+    /// That of direction `k`, without those of the drift and the curve.
+    #[inline(always)]
+    pub fn of<K: Directions>(k: usize) -> Self {
+        if k < K::NODES {
+            return Self::Ring(k);
+        }
+        if k < K::DRIFT {
+            return match k - K::NODES {
+                face @ (0 | 1) => Self::Speed(face),
+                2 => Self::Amount,
+                tension => Self::Ring(tension - 3),
+            };
+        }
+        match k - K::SHEAVE {
+            0 => Self::Sheave,
+            axis @ (1 | 2) => Self::Tilt(axis - 1),
+            _ => Self::Shaft,
+        }
+    }
+
+    #[inline(always)]
+    fn of_ring(self) -> Option<usize> {
+        match self {
+            Self::Ring(own) => Some(own),
+            _ => None,
+        }
+    }
 }
 
 /// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
@@ -75,14 +125,16 @@ struct StackVariation {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises `evaluated` cells with this `ring`. `slopes` are the factors of acceleration and position.
+    /// Linearises `evaluated` cells with this `ring`.
     #[inline(always)]
-    pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: Evaluated<'a, D>, slopes: [f64; 2]) -> Self {
+    pub fn new(ring: &'a R, evaluated: Evaluated<'a, D>) -> Self {
         let Evaluated {
+            given,
             cell,
             slots,
             forces,
             laws,
+            slopes,
         } = evaluated;
         let push = cell.push(given.law).force;
         let face = slots.face();
@@ -115,38 +167,31 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of balance and ring forces in a direction. Writes that of the `arguments` of the laws, which must be
-    /// zero before.
+    /// Variation of balance and ring forces with an unknown. Writes that of the `arguments` of the laws, which must be zero
+    /// before.
     #[inline(always)]
     pub fn vary(
         &self,
         direction: Direction,
         arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let own = match direction {
-            Direction::Ring(own) => Some(own),
-            _ => None,
-        };
-        if matches!(direction, Direction::Sheave | Direction::Tilt(_) | Direction::Shaft) {
-            self.pulley_column(direction, arguments)
-        } else if direction == Direction::Drift || R::MOVES && own.is_some() {
-            self.column::<true>(direction, own, arguments)
-        } else {
-            self.column::<false>(direction, own, arguments)
+        match direction {
+            Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
+            Direction::Ring(_) | Direction::Speed(_) | Direction::Amount => self.column::<false>(direction, arguments),
+            _ => self.pulley_column(direction, arguments),
         }
     }
 
-    /// Variation in a direction that moves ring (`MOVES`) or chain.
+    /// Variation with an unknown that moves the ring (`MOVES`) or the elements alone.
     #[inline(always)]
     fn column<const MOVES: bool>(
         &self,
         direction: Direction,
-        own: Option<usize>,
         arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let [alpha, beta] = self.slopes;
         let mut varied = [None; STATIONS];
-        let cell = self.vary_cell::<MOVES>(direction, own, &mut varied);
+        let cell = self.vary_cell::<MOVES>(direction, &mut varied);
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
         let mut out = nothing();
@@ -167,48 +212,38 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 continue;
             };
             let mut load = LineLoad::zero();
-            let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
+            let tension = self
+                .ring
+                .vary_own_load(i + 1, station.ring, by, direction.of_ring(), &mut load);
             let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
+            let flank = station.vary_approach::<MOVES>(&self.given, by, chain);
             let change = StationVariation {
                 by,
                 chain,
-                flank: &station.vary_approach::<MOVES>(&self.given, by, chain),
+                flank: &flank,
                 along,
                 inward,
                 tension,
-                pressing: if direction == Direction::Drift {
-                    tension - self.given.motion.reference.s_dot * (2.0 * self.given.law.saddle_mass)
-                } else {
-                    tension
-                },
             };
             arguments.stations[i] = self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
         }
-        (out, self.ring.varied_forces(&sum, own, beta))
+        (out, self.ring.varied_forces(&sum, direction.of_ring(), beta))
     }
 
-    /// Variation of ring and chain at the face (0) or at a station (1 and up), where V varies by `speed`. In a
-    /// direction that moves the ring (`MOVES`) one of its own unknowns varies, otherwise the drift rate.
+    /// Variation of ring and chain at the face (0) or at a station (1 and up), where V varies by `speed`.
     #[inline(always)]
     fn vary_slot<const MOVES: bool>(
         &self,
         (slot, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes, D>),
-        own: Option<usize>,
+        direction: Direction,
         speed: Lanes,
     ) -> (RingVariation<Lanes, D>, ChainVariation<Lanes>) {
-        if !MOVES {
+        let (true, Direction::Ring(own)) = (MOVES, direction) else {
             return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
-        }
-        let by = match own {
-            Some(own) => self.ring.vary(slot, ring, own, self.slopes),
-            None => RingVariation {
-                w: Lanes::from(1.0),
-                w_dot: Lanes::from(self.slopes[0]),
-                ..RingVariation::none()
-            },
         };
+        let by = self.ring.vary(slot, ring, own, self.slopes);
         let speed = if self.given.law.is_chain() {
-            by.t.dot(&ring.r_dot) + ring.t.dot(&by.r_dot) + by.w * ring.stretch + ring.w * by.stretch
+            by.t.dot(&ring.r_dot) + ring.t.dot(&by.r_dot) + ring.w * by.stretch
         } else {
             speed
         };
@@ -217,12 +252,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Variation of ring and chain.
     #[inline(always)]
-    fn vary_cell<const MOVES: bool>(
-        &self,
-        direction: Direction,
-        own: Option<usize>,
-        stations: &mut VariedStations<D>,
-    ) -> CellVariation {
+    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> CellVariation {
         let zero = Lanes::zero();
         let mut speed = [zero; 2];
         if let (Direction::Speed(face), false) = (direction, self.given.law.is_chain()) {
@@ -233,7 +263,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let Some(station) = station else { continue };
             let (chain, weight) = (station.chain, station.weight);
             let slot = (i + 1, station.ring, chain);
-            let (by, chain_by) = self.vary_slot::<MOVES>(slot, own, between(&speed, station.right));
+            let (by, chain_by) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
@@ -252,7 +282,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             }
         }
         let (ring, chain) = &self.face;
-        let (_, face) = self.vary_slot::<MOVES>((0, ring, chain), own, speed[0]);
+        let (_, face) = self.vary_slot::<MOVES>((0, ring, chain), direction, speed[0]);
         CellVariation {
             flow_in: face.flow,
             pitch_length,
@@ -285,7 +315,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation in a direction that moves the pulley only.
+    /// Variation with an unknown of the pulley, which moves neither ring nor elements.
     #[inline(always)]
     fn pulley_column(
         &self,
@@ -312,7 +342,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 along: zero,
                 inward: [zero; 2],
                 tension: zero,
-                pressing: zero,
             };
             arguments.stations[i] =
                 self.add_station::<false>((i, station), &change, LineLoad::zero(), &mut out, &mut sum);
@@ -354,7 +383,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 along: zero,
                 inward,
                 tension: zero,
-                pressing: zero,
             };
             let loads = (LineLoad::zero(), &flanks, [friction, zero]);
             self.add_loads::<false>((i, station), &change, loads, &mut out, &mut sum);

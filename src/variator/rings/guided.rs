@@ -1,6 +1,6 @@
 //! `ALE0`: the ring follows the reference curve, whose arcs have free centres.
 //!
-//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ ([`Displaced`]). The virtual motion of a
+//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ ([`TwoPulley`]). The virtual motion of a
 //! mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects loads on p. The curve holds derivatives along the motion in place of
 //! those with respect to Θ, so its Θ̇ is one.
 //!
@@ -8,9 +8,9 @@
 //! arcs, by angle, is EA (γ + η γ̇); the balance of the forces across, ∮(f·n − Tκ) dξ = 0, is the conjugate of δ, so the power of the
 //! stack on the growing loop is balanced.
 //!
-//! [`Displaced`]: crate::reference_curve::Displaced
+//! [`TwoPulley`]: crate::reference_curve::TwoPulley
 
-use crate::reference_curve::{COORDINATES, DisplacedCurve, PointSlopes, ReferencePoint};
+use crate::reference_curve::{COORDINATES, MeshCurve, PointSlopes, ReferencePoint};
 use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
@@ -21,7 +21,7 @@ use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, 
 const GROWTH: usize = COORDINATES - 1;
 
 /// `ALE0`: the ring follows the reference curve; its tension is an unknown at the faces.
-pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
+pub(crate) struct Guided<'a, T: Real, C: MeshCurve> {
     ring: &'a Ring,
     place: &'a Place<'a, T>,
     motion: &'a ReferenceMotion<T>,
@@ -68,7 +68,7 @@ impl<T: Real> GuidedSum<T> {
     }
 }
 
-impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
+impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
     /// The ring `at` a place with this motion and the tensions at the two faces, N. `curve` is frame and segment.
     #[inline(always)]
     pub fn new(
@@ -93,7 +93,7 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
     /// EA (γ + η γ̇), N.
     #[inline(always)]
     fn mean_tension(&self) -> T {
-        let [_, strain] = C::growth(self.curve.0);
+        let strain = C::arcs(self.curve.0).strain;
         strain.v * self.ring.axial_stiffness + strain.d * self.ring.viscosity()
     }
 
@@ -130,17 +130,17 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
     }
 }
 
-impl<T: Real, C: DisplacedCurve> EulerianRing<T> for Guided<'_, T, C> {
+impl<T: Real, C: MeshCurve> EulerianRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn forces(&self) -> RingForces<T> {
         self.sum.forces()
     }
 }
 
-impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
+impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn point(&self, _slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        RingPoint::guided(reference, self.motion, &C::growth(self.curve.0)[0])
+        RingPoint::guided(reference, self.motion, &C::arcs(self.curve.0).growth)
     }
 
     #[inline(always)]
@@ -164,7 +164,7 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
-        let [_, strain] = C::growth(self.curve.0);
+        let strain = C::arcs(self.curve.0).strain;
         RingDensity {
             kinetic: ale::kinetic_energy_density(self.ring, point),
             elastic: strain.v * strain.v * (0.5 * self.ring.axial_stiffness)
@@ -175,7 +175,7 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
 }
 
 /// The unknowns of the ring are the tensions at the faces.
-impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
+impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
     type Sum = GuidedSum<T>;
 
     const MOVES: bool = false;

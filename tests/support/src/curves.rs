@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use num_dual::Dual64;
 use pushbelt::reference_curve::{
-    COORDINATES, Displaced, DisplacedCurve, DisplacedFrame, Jet, Path, PointSlopes, ReferenceCurve, TwoPulley,
+    COORDINATES, Jet, MeshCurve, Path, PointSlopes, ReferenceCurve, TwoPulley, TwoPulleyFrame,
 };
 
 /// Fractions of a segment at which the curve is examined.
@@ -32,14 +32,14 @@ pub fn path(t: f64) -> Path<f64> {
 }
 
 /// The frame at t = 0 with its derivatives in time.
-pub fn moving_frame() -> DisplacedFrame<Dual64> {
+pub fn moving_frame() -> TwoPulleyFrame<Dual64> {
     // Derivatives in time of a coordinate and its rates; the third derivative is zero.
     let moving = path(0.0).map(|x| Jet {
         v: Dual64::new(x.v, x.d),
         d: Dual64::new(x.d, x.dd),
         dd: Dual64::new(x.dd, 0.0),
     });
-    Displaced::at_place(&curve(), &moving)
+    curve().on_path(&moving)
 }
 
 #[track_caller]
@@ -79,7 +79,7 @@ pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual
 
 /// Derivatives by each coordinate against central differences.
 #[track_caller]
-pub fn assert_slopes<C: DisplacedCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
+pub fn assert_slopes<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
     let h = 1e-6;
     for segment in 0..segments {
         for f in FRACTIONS {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::differences::compare;
-use pushbelt::solver::{State, System, View};
-use pushbelt::variator::belt_ring::{BeltRing, InForce, ReusePolicy};
+use pushbelt::solver::{State, System};
+use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantSlopes, ReusePolicy};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
@@ -111,17 +111,49 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     });
 }
 
-/// Largest difference between hand-written derivatives and forward differentiation in a state, with the factor α of rates.
-pub type DerivativeError = fn(InForce<'_>, View<'_>, f64) -> f64;
+/// Equations of a belt, with derivatives by hand or by forward differentiation.
+pub type Equations = fn(&Belt, bool) -> Box<dyn Assembly>;
+
+/// Derivatives of the `equations` in a state, column by column: rows of the matrix, then resultants of the contact forces.
+fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand: bool) -> Vec<Vec<f64>> {
+    let (belt, law, friction) = (&*system.belt, &system.belt.law, &system.friction());
+    let n = state.y.len();
+    let (mut matrix, mut resultants) = (Arrow::new(system.shape()), ResultantSlopes::new(n));
+    equations(belt, by_hand).jacobian(
+        InForce { belt, law, friction },
+        state.view(),
+        [1.0e4, 1.0e-4],
+        ReusePolicy::None,
+        (&mut matrix, &mut resultants),
+    );
+    let column = |k: usize| {
+        let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
+        unit[k] = 1.0;
+        matrix.multiply(&unit, &mut column);
+        for pulley in Pulley::BOTH {
+            column
+                .extend([[1.0, 0.0], [0.0, 1.0]].map(|axis| resultants.along(pulley, axis).nth(k).unwrap_or(f64::NAN)));
+        }
+        column
+    };
+    (0..n).map(column).collect()
+}
 
 /// The hand-written derivatives are those of forward differentiation, to rounding.
 #[track_caller]
-pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, error: DerivativeError) {
+pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, equations: Equations) {
     for speed in [200.0, -200.0, 0.0] {
         let (system, state) = disturbed_with(parameters, Arc::clone(ring), speed);
-        let (belt, law, friction) = (&*system.belt, &system.belt.law, &system.friction());
-        let worst = error(InForce { belt, law, friction }, state.view(), 1.0e4);
-        assert!(worst < 1e-9, "{ring:?}, {speed} rad/s: {worst:e}");
+        let [by_hand, forward] = [true, false].map(|by_hand| columns(&system, &state, equations, by_hand));
+        for (k, (by_hand, forward)) in by_hand.iter().zip(&forward).enumerate() {
+            let scale = forward.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
+            for (row, (a, b)) in by_hand.iter().zip(forward).enumerate() {
+                assert!(
+                    (a - b).abs() < 1e-9 * scale,
+                    "{ring:?}, {speed} rad/s, row {row}, column {k}: {a:e} {b:e}"
+                );
+            }
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The curve around two pulleys with arcs about displaced centres.
+//! The curve around two pulleys with arcs about displaced centres, and its derivatives along a path of its coordinates.
 //!
 //! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin θ)/tan β), to first
 //! order a circle about a displaced centre. The curve about centres at the distance d_A + a is that of two pulleys,
@@ -15,15 +15,17 @@
 //!
 //! A motion is a path through these coordinates. A frame holds derivatives along a path: derivatives with respect to Θ
 //! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
-//! first derivatives with respect to each coordinate: [`DisplacedPoint`].
+//! first derivatives with respect to each coordinate: [`CoordinateSlopes`].
 
-use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
-use super::jet::Jet;
-use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles, on_arc, on_strand, wraps};
+use super::curve::{MeshCurve, ReferenceCurve, ReferencePoint};
+use super::jet::{Jet, VectorJet};
+use super::two_pulley::TwoPulley;
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
+/// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary arc.
+const SEGMENTS: usize = 5;
 /// Number of coordinates: Θ, spread a (m), turn γ (rad), shift s (two, m), growth δ (m).
 pub const COORDINATES: usize = 6;
 /// Coordinates that change the shape: Θ and spread. They come first.
@@ -32,16 +34,9 @@ const OF_SHAPE: usize = 2;
 /// Coordinates with their first and second derivatives along a path.
 pub type Path<T> = [Jet<T>; COORDINATES];
 
-/// [`TwoPulley`] about displaced centres.
+/// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
-pub struct Displaced {
-    /// The curve about the axes.
-    pub curve: TwoPulley,
-}
-
-/// [`Displaced`] at one place of a path.
-#[derive(Clone, Debug)]
-pub struct DisplacedFrame<T: Real> {
+pub struct TwoPulleyFrame<T: Real> {
     centers: [VectorJet<T>; 2],
     /// Arc radii without growth, secondary first, m.
     pub radius: [Jet<T>; 2],
@@ -49,10 +44,12 @@ pub struct DisplacedFrame<T: Real> {
     pub growth: Jet<T>,
     /// Strain 2πδ/L of the loop.
     pub strain: Jet<T>,
-    phi: Jet<T>,
+    /// φ: half the secondary wrap angle, rad.
+    pub phi: Jet<T>,
     turn: Jet<T>,
     lengths: [Jet<T>; SEGMENTS],
     starts: [Jet<T>; SEGMENTS],
+    /// Start and vector of each strand.
     strands: [(VectorJet<T>, VectorJet<T>); 2],
     /// M + s, m.
     middle: Vector2<T>,
@@ -74,7 +71,7 @@ struct ShapeSlopes<T: Real> {
 
 /// Derivatives of the curve at a mesh point with respect to its coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct DisplacedPoint<T: Real> {
+pub struct CoordinateSlopes<T: Real> {
     /// With respect to Θ and to the spread.
     pub shape: [PointSlopes<T>; OF_SHAPE],
     /// ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of them changes ξ or κ.
@@ -92,25 +89,6 @@ pub struct PointSlopes<T: Real> {
     pub kappa: T,
     /// Of ln dξ.
     pub growth: T,
-}
-
-impl<T: Real> DisplacedPoint<T> {
-    /// `self` with `lane` replaced by that of `other`.
-    #[must_use]
-    pub fn with_lane(self, lane: usize, other: Self) -> Self {
-        let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
-        let mut merged = self;
-        for (to, of) in merged.shape.iter_mut().zip(&other.shape) {
-            *to = PointSlopes {
-                r: vector(to.r, of.r),
-                xi: to.xi.with_lane(lane, of.xi),
-                kappa: to.kappa.with_lane(lane, of.kappa),
-                growth: to.growth.with_lane(lane, of.growth),
-            };
-        }
-        merged.turn = vector(self.turn, other.turn);
-        merged
-    }
 }
 
 /// Radius r_P, φ and b on a path, with their first derivatives.
@@ -131,7 +109,7 @@ impl<T: Real> Dimensions<T> {
         // Solved for plain numbers, and extended to `T` by the first derivatives.
         let (i0, d0) = (i.re(), d.v.re());
         let r0 = if d0 > 0.0 {
-            curve.at_distance(d0).primary_radius(i0)
+            TwoPulley::new(d0, curve.length).primary_radius(i0)
         } else {
             f64::NAN
         };
@@ -220,15 +198,29 @@ fn around<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
     [half, strand, arc, strand, half]
 }
 
-impl Displaced {
+/// Pulley, and tangent angle at the start and sweep, each as [a, b] in a + bφ, of the segments.
+const ANGLES: [(usize, [f64; 2], [f64; 2]); SEGMENTS] = [
+    (0, [0.0, 0.0], [0.0, 1.0]),
+    (0, [0.0, 1.0], [0.0, 0.0]),
+    (1, [0.0, 1.0], [2.0 * PI, -2.0]),
+    (1, [2.0 * PI, -1.0], [0.0, 0.0]),
+    (0, [2.0 * PI, -1.0], [0.0, 1.0]),
+];
+
+#[inline(always)]
+fn is_strand(segment: usize) -> bool {
+    segment % 2 == 1
+}
+
+impl TwoPulley {
     /// The curve at one place of a path.
     #[must_use]
-    pub fn at_place<T: Real>(curve: &TwoPulley, path: &Path<T>) -> DisplacedFrame<T> {
+    pub fn on_path<T: Real>(&self, path: &Path<T>) -> TwoPulleyFrame<T> {
         let [theta, spread, turn, x, y, growth] = *path;
-        let axes = curve.center_distance();
+        let axes = self.center_distance;
         let mut distance = spread;
         distance.v += T::from(axes);
-        let dimensions = Dimensions::new(curve, &theta, &distance);
+        let dimensions = Dimensions::new(self, &theta, &distance);
         let Dimensions { r_p, r_s, phi, b, .. } = dimensions;
         let radius = [r_s, r_p];
         let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
@@ -289,11 +281,11 @@ impl Displaced {
                 strands,
             }
         });
-        DisplacedFrame {
+        TwoPulleyFrame {
             centers,
             radius,
             growth,
-            strain: growth.scaled(2.0 * PI / curve.length()),
+            strain: growth.scaled(2.0 * PI / self.length),
             phi,
             turn,
             lengths,
@@ -305,34 +297,46 @@ impl Displaced {
     }
 }
 
-impl<T: Real> DisplacedFrame<T> {
+impl<T: Real> TwoPulleyFrame<T> {
     /// Wrap angles, secondary first, rad.
     #[inline(always)]
     #[must_use]
     pub fn wraps(&self) -> [T; 2] {
-        wraps(self.phi.v)
+        [self.phi.v * 2.0, self.phi.v * -2.0 + 2.0 * PI]
     }
 
-    /// Tangent angle χ of an arc at a fraction of its segment, and the pulley of the arc.
+    /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle χ at `fraction`, rad.
     #[inline(always)]
-    fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
-        let (pulley, start, sweep) = arc_angles(segment);
+    #[must_use]
+    pub fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
+        let (pulley, start, sweep) = ANGLES[segment];
         let mut chi = self.turn.plus_scaled(self.phi, fraction * sweep[1] + start[1]);
         chi.v += T::constant(fraction * sweep[0] + start[0]);
         (pulley, chi)
     }
 
+    /// Curvature κ of a segment, 1/m.
+    #[inline(always)]
+    #[must_use]
+    pub fn curvature(&self, segment: usize) -> Jet<T> {
+        if is_strand(segment) {
+            Jet::constant(0.0)
+        } else {
+            self.radius[ANGLES[segment].0].recip()
+        }
+    }
+
     /// Derivatives at a fraction of a segment, where the curve is `point`.
     #[inline(always)]
     #[must_use]
-    pub fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> DisplacedPoint<T> {
+    pub fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> CoordinateSlopes<T> {
         let (t, n) = (point.t, point.n);
         let shape = self.by.each_ref().map(|by| {
-            let (r, kappa) = if segment == 1 || segment == 3 {
+            let (r, kappa) = if is_strand(segment) {
                 let (start, along) = &by.strands[segment / 2];
                 (start + along * fraction, T::zero())
             } else {
-                let (pulley, start, sweep) = arc_angles(segment);
+                let (pulley, start, sweep) = ANGLES[segment];
                 let chi = (fraction * sweep[1] + start[1]) * by.phi;
                 let across = n * -by.radius[pulley];
                 (
@@ -347,7 +351,7 @@ impl<T: Real> DisplacedFrame<T> {
                 growth: by.growth[segment],
             }
         });
-        DisplacedPoint {
+        CoordinateSlopes {
             shape,
             turn: turn_right(point.r - self.middle),
         }
@@ -355,97 +359,72 @@ impl<T: Real> DisplacedFrame<T> {
 }
 
 /// Derivatives are those along the path of the frame.
-impl ReferenceCurve for Displaced {
-    type Frame<T: Real> = DisplacedFrame<T>;
+impl ReferenceCurve for TwoPulley {
+    type Frame<T: Real> = TwoPulleyFrame<T>;
 
     fn length(&self) -> f64 {
-        self.curve.length()
+        self.length
     }
 
     fn segments(&self) -> usize {
         SEGMENTS
     }
 
-    /// The curve about the axes, on the path with Θ̇ = 1.
-    fn frame<T: Real>(&self, theta: T) -> DisplacedFrame<T> {
+    fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
         let mut path = [Jet::constant(0.0); COORDINATES];
-        path[0] = Jet {
-            v: theta,
-            d: T::one(),
-            dd: T::zero(),
-        };
-        Self::at_place(&self.curve, &path)
+        path[0] = Jet::variable(theta);
+        self.on_path(&path)
     }
 
     #[inline(always)]
-    fn segment_length<T: Real>(frame: &DisplacedFrame<T>, segment: usize) -> Jet<T> {
+    fn segment_length<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize) -> Jet<T> {
         frame.lengths[segment]
     }
 
     #[inline(always)]
-    fn point<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
-        let xi = frame.starts[segment].plus_scaled(frame.lengths[segment], fraction);
-        if segment == 1 || segment == 3 {
-            let (start, along) = &frame.strands[segment / 2];
-            let phi_d = if segment == 1 { frame.phi.d } else { -frame.phi.d };
-            let t = along.v * frame.lengths[segment].v.recip();
-            return on_strand(start.plus_scaled(along, fraction), t, phi_d + frame.turn.d, xi);
-        }
+    fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let (pulley, chi) = frame.angle(segment, fraction);
-        let radius = frame.radius[pulley];
-        let kappa = radius.recip();
-        let grown = radius.plus_scaled(frame.growth, 1.0);
+        let (position, n, kappa) = if is_strand(segment) {
+            let (start, along) = &frame.strands[segment / 2];
+            let n = turn_right(along.v * frame.lengths[segment].v.recip());
+            (start.plus_scaled(along, fraction), n, Jet::constant(0.0))
+        } else {
+            let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
+            let arm = VectorJet::polar(grown, chi);
+            let position = frame.centers[pulley].plus_scaled_by(&arm, 1.0);
+            (position, arm.v * -grown.v.recip(), frame.curvature(segment))
+        };
         ReferencePoint {
+            r: position.v,
+            r_theta: position.d,
+            r_theta2: position.dd,
+            t: Vector2::new(-n.y, n.x),
+            n,
+            chi_theta: chi.d,
             kappa: kappa.v,
             kappa_theta: kappa.d,
-            ..on_arc(grown, chi, xi, |arm| frame.centers[pulley].plus_scaled_by(&arm, 1.0))
-        }
-    }
-
-    fn tangent_angle<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
-        if segment == 1 || segment == 3 {
-            let sign = if segment == 1 { 1.0 } else { -1.0 };
-            let chi = frame.turn.plus_scaled(frame.phi, sign);
-            return TangentAngle {
-                chi: chi.raised(if segment == 1 { 0.0 } else { 2.0 * PI }),
-                kappa: Jet::constant(0.0),
-            };
-        }
-        let (pulley, chi) = frame.angle(segment, fraction);
-        TangentAngle {
-            chi,
-            kappa: frame.radius[pulley].recip(),
+            xi: frame.starts[segment].plus_scaled(frame.lengths[segment], fraction),
         }
     }
 }
 
-/// A curve with displaced centres, on any mesh.
-pub trait DisplacedCurve: ReferenceCurve {
-    /// Derivatives with respect to its coordinates at a fraction of a segment, where the curve is `point`.
-    fn slopes<T: Real>(
-        frame: &Self::Frame<T>,
-        segment: usize,
-        fraction: T::Constant,
-        point: &ReferencePoint<T>,
-    ) -> DisplacedPoint<T>;
+impl MeshCurve for TwoPulley {
+    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> TwoPulleyFrame<T> {
+        curve.on_path(path)
+    }
 
-    /// Growth δ along the outward normal, m, and the strain of the loop.
-    fn growth<T: Real>(frame: &Self::Frame<T>) -> [Jet<T>; 2];
-}
+    #[inline(always)]
+    fn arcs<T: Real>(frame: &TwoPulleyFrame<T>) -> &TwoPulleyFrame<T> {
+        frame
+    }
 
-impl DisplacedCurve for Displaced {
     #[inline(always)]
     fn slopes<T: Real>(
-        frame: &DisplacedFrame<T>,
+        frame: &TwoPulleyFrame<T>,
         segment: usize,
         fraction: T::Constant,
         point: &ReferencePoint<T>,
-    ) -> DisplacedPoint<T> {
+    ) -> CoordinateSlopes<T> {
         frame.slopes(segment, T::constant(fraction), point)
-    }
-
-    #[inline(always)]
-    fn growth<T: Real>(frame: &DisplacedFrame<T>) -> [Jet<T>; 2] {
-        [frame.growth, frame.strain]
     }
 }

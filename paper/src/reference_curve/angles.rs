@@ -1,0 +1,33 @@
+//! What the comparison needs of a reference curve beyond the variator: its tangent angle, and whether it changes with Θ.
+
+use super::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::scalar::Real;
+
+/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentAngle<T> {
+    /// Tangent angle χ at fixed η, rad.
+    pub chi: Jet<T>,
+    /// Curvature κ at fixed η, 1/m.
+    pub kappa: Jet<T>,
+}
+
+/// A reference curve with its tangent angle.
+pub trait AngledCurve: ReferenceCurve {
+    /// Whether the curve depends on Θ. If not, Θ is no degree of freedom.
+    fn has_ratio(&self) -> bool {
+        true
+    }
+
+    /// Tangent angle and curvature at fraction `fraction` of `segment`.
+    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
+}
+
+impl AngledCurve for TwoPulley {
+    fn tangent_angle<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+        TangentAngle {
+            chi: frame.angle(segment, fraction).1,
+            kappa: frame.curvature(segment),
+        }
+    }
+}
