@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use pushbelt::fmi::Unit;
-use pushbelt::fmi::table::{Access, Causality, Kind};
+use pushbelt::fmi::table::{Access, Causality, Kind, Value, Variable};
 use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, model_description3, terminals};
 use pushbelt::variator::settings::range_of;
 
@@ -40,22 +40,19 @@ fn arrays_are_their_elements() {
             assert_eq!(element.name, format!("{}[{number}]", array.name));
             assert_eq!(table.array_of(reference), Some(array));
             assert_eq!(element.causality, first.causality);
-            match (&element.kind, &first.kind) {
-                (
-                    Kind::Real {
-                        unit, range, access, ..
-                    },
-                    Kind::Real {
-                        unit: of_first,
-                        range: range_of_first,
-                        ..
-                    },
-                ) => {
-                    assert_eq!((unit, range), (of_first, range_of_first));
-                    assert!(matches!(access, Access::Element(_, at) if at + 1 == number));
-                }
-                _ => panic!("{} is no real", element.name),
-            }
+            let limits = |variable: &Variable<_, _>| match variable.kind {
+                Kind::Real { unit, range, .. } => Some((unit, range)),
+                _ => None,
+            };
+            assert_eq!(limits(element), limits(first));
+            let Kind::Real {
+                access: Access::Element(_, at),
+                ..
+            } = &element.kind
+            else {
+                panic!("{} is no element of reals", element.name);
+            };
+            assert_eq!(at + 1, number);
             elements += 1;
         }
         for beyond in [array.first - 1, array.first + array.size] {
@@ -134,17 +131,11 @@ fn value_references_do_not_change() {
     }
 }
 
+/// A setting has a value without readings, and nothing else has.
 #[test]
 fn settings_are_bound_to_settings_and_readings_to_readings() {
-    fn is_setting<S, R, T>(access: &Access<S, R, T>) -> bool {
-        matches!(access, Access::Setting { .. })
-    }
     for variable in VariatorUnit::table().variables() {
-        let bound = match &variable.kind {
-            Kind::Real { access, .. } => is_setting(access),
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => is_setting(access),
-            Kind::Boolean { access } => is_setting(access),
-        };
+        let bound = variable.value(&Settings::default(), None).is_some();
         assert_eq!(bound, variable.causality.is_setting(), "{}", variable.name);
     }
 }
@@ -176,71 +167,49 @@ fn every_number_that_is_set_has_a_range() {
 #[test]
 fn each_setting_has_a_field_of_its_own() {
     let table = VariatorUnit::table();
-    let read = |settings: &Settings| -> Vec<f64> {
-        let value = |kind: &Kind<_, _>| match kind {
-            Kind::Real {
-                access: Access::Setting { get, .. },
-                ..
-            } => get(settings),
-            Kind::Integer {
-                access: Access::Setting { get, .. },
-                ..
-            }
-            | Kind::Enumeration {
-                access: Access::Setting { get, .. },
-                ..
-            } => f64::from(get(settings)),
-            Kind::Boolean {
-                access: Access::Setting { get, .. },
-            } => f64::from(u8::from(get(settings))),
-            _ => 0.0,
-        };
-        table.variables().iter().map(|v| value(&v.kind)).collect()
-    };
+    let variables = table.variables();
+    let read = |settings: &Settings| -> Vec<_> { variables.iter().map(|one| one.value(settings, None)).collect() };
     let before = read(&Settings::default());
-    for (at, variable) in table.variables().iter().enumerate() {
-        let mut settings = Settings::default();
-        match &variable.kind {
-            Kind::Real {
-                access: Access::Setting { get, set },
-                ..
-            } => set(&mut settings, get(&Settings::default()) + 0.125),
-            Kind::Integer {
-                access: Access::Setting { get, set },
-                ..
-            } => set(&mut settings, get(&Settings::default()) + 1),
-            Kind::Enumeration {
-                of,
-                access: Access::Setting { get, set },
-            } => {
-                let present = get(&Settings::default());
-                let other = of.items.iter().find(|item| item.value != present);
-                set(&mut settings, other.expect("there is a choice").value);
+    for (at, variable) in variables.iter().enumerate() {
+        let other = match (&variable.kind, before[at]) {
+            (_, None) => continue,
+            (Kind::Real { range, .. }, Some(Value::Real(start))) => {
+                Value::Real(range.max.map_or(2.0 * start, |max| 0.5 * (start + max)))
             }
-            Kind::Boolean {
-                access: Access::Setting { get, set },
-            } => set(&mut settings, !get(&Settings::default())),
-            _ => continue,
-        }
+            (Kind::Enumeration { of, .. }, Some(start)) => {
+                let mut items = of.items.iter().map(|item| Value::Integer(item.value.into()));
+                items.find(|item| *item != start).expect("there is a choice")
+            }
+            (_, Some(Value::Integer(start))) => Value::Integer(start + 1),
+            (_, Some(Value::Boolean(start))) => Value::Boolean(!start),
+            (_, Some(start)) => panic!("{} = {start} has another type", variable.name),
+        };
+        let mut settings = Settings::default();
+        variable
+            .set(&mut settings, other)
+            .unwrap_or_else(|error| panic!("{error}"));
         let after = read(&settings);
         let moved: Vec<_> = (0..before.len()).filter(|i| before[*i] != after[*i]).collect();
-        assert_eq!(moved, [at], "{}", variable.name);
+        assert_eq!((moved, after[at]), (vec![at], Some(other)), "{}", variable.name);
     }
 }
 
 #[test]
 fn every_enumeration_item_can_be_set() {
     for variable in VariatorUnit::table().variables() {
-        if let Kind::Enumeration {
-            of,
-            access: Access::Setting { get, set },
-        } = &variable.kind
-        {
-            for item in of.items {
-                let mut settings = Settings::default();
-                set(&mut settings, item.value);
-                assert_eq!(get(&settings), item.value, "{} {}", variable.name, item.name);
-            }
+        let Kind::Enumeration { of, .. } = &variable.kind else {
+            continue;
+        };
+        for item in of.items.iter().filter(|_| variable.causality.is_setting()) {
+            let (mut settings, value) = (Settings::default(), Value::Integer(item.value.into()));
+            assert_eq!(variable.set(&mut settings, value), Ok(()));
+            assert_eq!(
+                variable.value(&settings, None),
+                Some(value),
+                "{} {}",
+                variable.name,
+                item.name
+            );
         }
     }
 }
@@ -296,24 +265,19 @@ fn display_units_are_those_of_engineering_practice() {
         let Kind::Real {
             unit: base,
             display_unit,
-            access: Access::Setting { get, .. },
             ..
         } = &variable.kind
         else {
-            panic!("{name} is a real setting");
+            panic!("{name} is real");
         };
         assert_eq!(*display_unit, Some(unit), "{name}");
-        let declared = table
-            .units
-            .iter()
-            .find(|declared| declared.name == *base)
-            .expect("declared");
-        let (_, factor) = declared
-            .display
-            .iter()
-            .find(|(name, _)| *name == unit)
-            .expect("declared");
-        let value = factor * get(&Settings::default());
+        let mut units = table.units.iter().filter(|declared| declared.name == *base);
+        let mut displays = units.next().expect("declared").display.iter();
+        let (_, factor) = displays.find(|(name, _)| *name == unit).expect("declared");
+        let Some(Value::Real(start)) = variable.value(&Settings::default(), None) else {
+            panic!("{name} is a setting");
+        };
+        let value = factor * start;
         assert!((value - shown).abs() < 1e-5 * shown, "{name}: {value} {unit}");
     }
 }

@@ -164,19 +164,6 @@ fn a_reset_instance_equals_a_fresh_one_and_no_other_instance_matters() {
     }
 }
 
-/// A step that is rounding alone changes nothing of a belt, though its inputs have changed.
-#[test]
-fn a_step_that_is_rounding_alone_changes_nothing() {
-    let importer = Importer::running(Two);
-    importer.advance(0.0, 0.1);
-    let before = importer.readings();
-    importer.put("primary.torque", 80.0);
-    importer.advance(0.1, 1e-17);
-    importer.advance(0.1, 0.1_f64.next_up() - 0.1);
-    assert_eq!(importer.readings(), before);
-    importer.advance(0.1_f64.next_up(), 1e-3);
-}
-
 /// A steady start, a linear model, steps, slip through the belt, a stored state, on a host that traps, flushes or rounds upward.
 #[cfg(target_arch = "x86_64")]
 #[test]

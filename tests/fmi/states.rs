@@ -4,7 +4,7 @@ use pushbelt::fmi::hash;
 use pushbelt::fmi::log::Status::{Error, Ok};
 use pushbelt::fmi::slave::Version::{Three, Two};
 
-use crate::importer::{BOTH, Handles};
+use crate::importer::Handles;
 use crate::variator::{Importer, ramp, reference};
 
 /// In the ramp of the loads and after it, with a parameter that is not yet in force, also in the other version.
@@ -34,19 +34,6 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
             assert!(other.bytes() == bytes, "a state at rest is itself");
             assert!(other.run(from) == expected, "{from} ms");
         }
-    }
-}
-
-#[test]
-fn a_state_before_the_start_can_be_serialized() {
-    for version in BOTH {
-        let importer = Importer::coarse(version, Handles::default());
-        importer.put("friction.pulley", 0.08);
-        let other = Importer::new(version);
-        assert_eq!(other.continue_from(&importer.bytes()), Ok);
-        importer.start();
-        other.start();
-        assert_eq!(other.run(0), importer.run(0));
     }
 }
 

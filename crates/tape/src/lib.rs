@@ -174,10 +174,10 @@ impl<'a> Tape<'a> {
 mod tests {
     use super::{Mismatch, Tape};
 
-    #[derive(Clone, Debug, PartialEq)]
+    #[derive(Debug, Default, PartialEq)]
     struct Thing {
-        numbers: Vec<f64>,
-        order: Vec<usize>,
+        numbers: [f64; 3],
+        order: [usize; 2],
         flag: bool,
         option: Option<f64>,
     }
@@ -193,19 +193,10 @@ mod tests {
 
     fn thing() -> Thing {
         Thing {
-            numbers: vec![-0.0, f64::MIN_POSITIVE / 2.0, 1.0 / 3.0],
-            order: vec![2, 0],
+            numbers: [-0.0, f64::MIN_POSITIVE / 2.0, 1.0 / 3.0],
+            order: [2, 0],
             flag: true,
             option: Some(-1.0),
-        }
-    }
-
-    fn blank() -> Thing {
-        Thing {
-            numbers: vec![0.0; 3],
-            order: vec![0; 2],
-            flag: false,
-            option: None,
         }
     }
 
@@ -223,7 +214,7 @@ mod tests {
 
     #[test]
     fn what_was_written_is_read() {
-        let mut found = blank();
+        let mut found = Thing::default();
         assert_eq!(read(&bytes(), &mut found), Ok(()));
         assert_eq!(found, thing());
         assert!(found.numbers[0].is_sign_negative());
@@ -271,16 +262,16 @@ mod tests {
     fn what_does_not_fit_is_found_out() {
         let bytes = bytes();
         for end in 0..bytes.len() {
-            assert_eq!(read(&bytes[..end], &mut blank()), Err(Mismatch), "{end} bytes");
+            assert_eq!(read(&bytes[..end], &mut Thing::default()), Err(Mismatch), "{end} bytes");
         }
-        assert_eq!(read(&[&bytes[..], &[0]].concat(), &mut blank()), Err(Mismatch));
-        let mut longer = blank();
-        longer.numbers.push(0.0);
-        assert_eq!(read(&bytes, &mut longer), Err(Mismatch));
+        assert_eq!(read(&[&bytes[..], &[0]].concat(), &mut Thing::default()), Err(Mismatch));
+        let mut longer = Tape::reader(&bytes);
+        longer.reals(&mut [0.0; 4]);
+        assert_eq!(longer.finish(), Err(Mismatch));
         let mut out_of_range = thing();
         out_of_range.order[0] = 7;
         let mut tape = Tape::writer();
         out_of_range.serialize(&mut tape);
-        assert_eq!(read(&tape.into_bytes(), &mut blank()), Err(Mismatch));
+        assert_eq!(read(&tape.into_bytes(), &mut Thing::default()), Err(Mismatch));
     }
 }

@@ -28,6 +28,25 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     function: &str,
     body: impl FnOnce(&mut Slave<U>) -> Result<T, CallError>,
 ) -> Status {
+    let mut body = Some(body);
+    let mut call = |slave: &mut Slave<U>| match body.take() {
+        Some(body) => body(slave).map(Into::into),
+        None => Ok(Status::Error),
+    };
+    // SAFETY: as the caller grants.
+    unsafe { make(instance, function, &mut call) }
+}
+
+/// [`enter`] for any call: compiled once, not for each of a hundred functions.
+///
+/// # Safety
+/// As for [`enter`].
+#[inline(never)]
+unsafe fn make<U: Unit>(
+    instance: *mut c_void,
+    function: &str,
+    body: &mut dyn FnMut(&mut Slave<U>) -> Result<Status, CallError>,
+) -> Status {
     contain(Status::Error, || {
         // SAFETY: as the caller grants.
         match unsafe { instance.cast::<Slave<U>>().as_mut() } {

@@ -59,11 +59,7 @@ pub(super) unsafe fn do_step<U: Unit>(
             };
         }
     });
-    let ended = ended.unwrap_or(Ended {
-        event: false,
-        early: false,
-        time: time.get(),
-    });
+    let ended = ended.unwrap_or_else(|| Ended::at(time.get()));
     if writable {
         let [event, terminate, early] = flags;
         // SAFETY: none of the places is null.

@@ -44,6 +44,18 @@ pub struct Ended {
     pub time: f64,
 }
 
+impl Ended {
+    /// Without an event, at a time, s, that was not early.
+    #[must_use]
+    pub fn at(time: f64) -> Self {
+        Self {
+            event: false,
+            early: false,
+            time,
+        }
+    }
+}
+
 /// Kinds of `fmi2StatusKind`, with their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusKind {
@@ -87,11 +99,7 @@ impl<U: Unit> Slave<U> {
         if !end.is_after(unit.time()) {
             // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
             (*clock, *rates, self.now.state) = (end, None, State::StepComplete);
-            return Ok(Next::Ended(Ended {
-                event: false,
-                early: false,
-                time: end.point,
-            }));
+            return Ok(Next::Ended(Ended::at(end.point)));
         }
         // A longer previous step may have ended on a coarser grid, just ahead of this time.
         let to = end.on_grid(step).max(unit.time());

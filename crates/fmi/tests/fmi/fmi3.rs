@@ -123,10 +123,7 @@ fn arrays_lie_between_scalars_and_the_time() {
     let importer = running(Three);
     assert_eq!(importer.step(0.0, 0.5).status, Ok);
     let references = [INFLOW, DEPTH, TIME, LEVEL];
-    assert_eq!(
-        importer.reals(&references, 6),
-        Result::Ok(vec![2.0, 0.0, 1.0, 2.0, 0.5, 2.0])
-    );
+    importer.assert_reals(&references, &[2.0, 0.0, 1.0, 2.0, 0.5, 2.0]);
     for count in [4, 5, 7] {
         assert_eq!(importer.reals(&references, count), Err(Error));
         importer.assert_logged(&format!("{count} values for 4 variables, which have 6 values together"));

@@ -406,6 +406,16 @@ impl<U: Unit> Importer<U> {
         done(status, values)
     }
 
+    /// Real variables have these values.
+    pub fn assert_reals(&self, references: &[u32], values: &[f64]) {
+        assert_eq!(
+            self.reals(references, values.len()).as_deref(),
+            Ok(values),
+            "{}",
+            self.last()
+        );
+    }
+
     pub fn set(&self, reference: u32, value: f64) -> Status {
         self.set_reals(&[reference], &[value])
     }

@@ -30,10 +30,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
         let (mut state, bytes) = (importer.stored(), importer.bytes());
         let expected = go_on(&importer, 0.7);
         assert_eq!(importer.restore(state), Ok);
-        assert_eq!(
-            importer.reals(&[GAIN, MARK, INFLOW], 3),
-            Result::Ok(vec![1.0 / 3.0, 7.0, 2.0])
-        );
+        importer.assert_reals(&[GAIN, MARK, INFLOW], &[1.0 / 3.0, 7.0, 2.0]);
         assert_eq!(importer.bytes(), bytes, "a state at rest is itself");
         assert_eq!(go_on(&importer, 0.7), expected);
         let handle = state;

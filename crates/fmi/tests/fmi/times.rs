@@ -58,11 +58,13 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
             let importer = running_from(version, start);
             assert_eq!(importer.step(start, 0.1).status, Ok);
             let (mut time, level) = (start + 0.1, importer.real(LEVEL));
+            assert_eq!(importer.set(INFLOW, 9.0), Ok);
             for size in steps {
                 assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
                 assert_eq!(importer.real(LEVEL), level, "{size}");
                 time += size;
             }
+            assert_eq!(importer.set(INFLOW, 2.0), Ok);
             assert_eq!(importer.step(time, 0.1).status, Ok);
             assert!((importer.real(LEVEL) - level - 0.2).abs() < 3e-6);
             for size in [0.0, -1e-300] {
