@@ -38,16 +38,12 @@ def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list
     reach = max(1, round(window / (time[1] - time[0])))
     change = np.abs(values[reach:] - values[:-reach])
     found = []
-    for first, last in _runs(change > size):
+    for first, last in intervals(np.arange(len(change)), change > size):
+        first, last = int(first), int(last)
         before, after = values[first], values[min(last + reach, len(values) - 1)]
         middle = first + int(np.argmax(np.abs(np.diff(values[first : last + reach + 1]))))
         found.append((float(time[middle]), float(before), float(after)))
     return found
-
-
-def _runs(mask: Array) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
 
 
 def launch(trace: Trace) -> Event:
@@ -96,8 +92,7 @@ def torque_steps(trace: Trace) -> list[Event]:
     events = []
     slipping = intervals(trace.time, trace["macroSlip"], gap=0.02)
     for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=20.0):
-        overload = any(start - 0.1 <= at <= end + 0.1 for start, end in slipping)
-        if overload:
+        if any(start - 0.1 <= at <= end + 0.1 for start, end in slipping):
             continue
         window = (trace.time >= at) & (trace.time <= at + 0.3)
         belt = -trace["primary.shaftTorque"][window][-1]

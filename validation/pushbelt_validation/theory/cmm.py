@@ -326,6 +326,11 @@ class Variator:
         """S_P/S_S"""
         return self.primary.thrust / self.secondary.thrust
 
+    @property
+    def torque_number(self) -> float:
+        """T_P/(S_S R_P)"""
+        return 2.0 * self.traction / self.secondary.thrust
+
     def mean_force(self, secondary_thrust: float) -> float:
         """(F_1 + F_2)/2 - sigma V^2 in N for an axial force on S in N."""
         return secondary_thrust / self.secondary.thrust
@@ -379,3 +384,23 @@ def variator_at_torque(
     if excess(0.0) * excess(limit) > 0.0:
         raise ValueError(f"torque {torque:.3f} N m is beyond the capacity at S_S = {secondary_thrust:.1f} N")
     return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
+
+
+# ------------------------------------------------------------------------------- the older theory, for comparison
+
+
+def rest_and_slip_arc(wrap_p: float, wrap_s: float, beta: float, mu: float, traction: float) -> tuple[float, float, float, float]:
+    """Rigid pulleys, elastic belt (Eytelwein, Grashof): S_P/S_S, slip arc (rad), S_P and S_S per mean reduced force.
+
+    From the entry on the belt rests on the pulley with constant force; over the slip arc before the exit it creeps
+    tangentially and the force changes by exp(mu gamma/sin beta). There is no radial friction.
+    """
+    slip_arc = 2.0 * atanh(abs(traction)) * sin(beta) / mu
+    if slip_arc > min(wrap_p, wrap_s):
+        raise ValueError(f"traction {traction:.4f} needs a slip arc of {slip_arc:.4f} rad")
+    # In the slip arc T = 2 mu S R/cos beta, whatever its length.
+    slipping = abs(traction) * cos(beta) / mu
+    entry_p, entry_s = 1.0 + traction, 1.0 - traction
+    thrust_p = entry_p * (wrap_p - slip_arc) / (2.0 * tan(beta)) + slipping
+    thrust_s = entry_s * (wrap_s - slip_arc) / (2.0 * tan(beta)) + slipping
+    return thrust_p / thrust_s, slip_arc, thrust_p, thrust_s
