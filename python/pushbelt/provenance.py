@@ -11,26 +11,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import NamedTuple
 
 COMMAND = "PUSHBELT_COMMAND"
 """Environment variable with the command that started the program, if another tool did."""
 OUTPUT = "--output"
 """Option with the folder of the results."""
-DIGITS = 16
-"""Hexadecimal digits of a hash that are shown."""
 
 
-@dataclass(frozen=True)
-class Input:
+class Input(NamedTuple):
     """A file or a folder that was read."""
 
     name: str
     sha256: str
-
-    @property
-    def short(self) -> str:
-        """Start of the hash."""
-        return self.sha256[:DIGITS]
 
 
 @dataclass(frozen=True)

@@ -109,19 +109,9 @@ class Page:
 def page(program: str) -> Iterator[Page]:
     """A page of a browser that is closed at the end of the block."""
     with tempfile.TemporaryDirectory(prefix="pushbelt-browser-", ignore_cleanup_errors=True) as profile:
-        options = [
-            "--headless=new",
-            "--remote-debugging-port=0",
-            f"--user-data-dir={profile}",
-            "--disable-gpu",
-            "--no-first-run",
-        ]
-        options += [
-            "--disable-dev-shm-usage",
-            "--disable-background-networking",
-            "--disable-component-update",
-            "about:blank",
-        ]
+        options = ["--headless=new", "--remote-debugging-port=0", f"--user-data-dir={profile}", "--no-first-run", "--disable-gpu"]
+        options += [f"--disable-{what}" for what in ("dev-shm-usage", "background-networking", "component-update")]
+        options.append("about:blank")
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.insert(0, "--no-sandbox")  # Chromium refuses to run as root otherwise.
         process = subprocess.Popen([program, *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

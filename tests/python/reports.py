@@ -64,9 +64,7 @@ def _is_drawn(page: browser.Page) -> None:
     )
     assert missing == []
     images = page.run("[...document.images].filter((one) => one.naturalWidth === 0).length")
-    empty = page.run(
-        "[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length"
-    )
+    empty = page.run("[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length")
     assert (images, empty) == (0, 0)
 
 
@@ -90,9 +88,7 @@ def _fits(page: browser.Page, width: int) -> None:
     """Checks that the page does not scroll sideways (wide parts scroll separately), and that no card is smaller than its content."""
     assert page.run("document.documentElement.scrollWidth") <= width
     tight = "one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1"
-    assert (
-        page.run(f"[...document.querySelectorAll('.statements li, .facts div')].filter((one) => {tight}).length") == 0
-    )
+    assert page.run(f"[...document.querySelectorAll('.statements li, .facts div')].filter((one) => {tight}).length") == 0
 
 
 def _sliders_move(page: browser.Page) -> None:

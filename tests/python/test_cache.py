@@ -17,7 +17,7 @@ from pushbelt.fmu import cache, unit
 
 
 @pytest.fixture(autouse=True)
-def place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+def folder_of_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setenv("PUSHBELT_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -31,9 +31,9 @@ def library(archive: unit.Archive) -> Path:
     return path
 
 
-def test_what_is_not_whole_is_unpacked_again(fmu: Path, place: Path) -> None:
+def test_what_is_not_whole_is_unpacked_again(fmu: Path, folder_of_cache: Path) -> None:
     archive = cache.unpacked(fmu)
-    assert archive.directory.parent == place
+    assert archive.directory.parent == folder_of_cache
     with zipfile.ZipFile(fmu) as source:
         whole = {entry.filename: entry.file_size for entry in source.infolist() if not entry.is_dir()}
     assert files(archive.directory) == whole

@@ -51,6 +51,13 @@ def test_belt_is_as_long_as_it_is(theta: float) -> None:
     assert np.abs((along * normals).sum(axis=1)).max() < 1e-3 * np.linalg.norm(along, axis=1).max()
 
 
+def test_the_push_force_changes_from_strand_to_strand() -> None:
+    curve = data.curve_of(BENCH, 0.2)
+    _, upper, p_start, p_end, lower, length = curve.borders
+    gains = curve.push_force_gains(np.array([0.0, upper, p_start, p_end, lower, length]), np.array([0.0, 10.0, 20.0, 70.0, 100.0, 0.0]))
+    assert gains == pytest.approx((50.0, 30.0, -90.0), abs=6.0)
+
+
 def test_impossible_belts_are_refused() -> None:
     with pytest.raises(ValueError, match="is too short for two axes"):
         primary_radius(0.0, 0.4, 0.7)

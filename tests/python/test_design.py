@@ -20,12 +20,12 @@ import reports
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.tables import units
 from pushbelt.study.cluster import ClusterError
-from pushbelt.sweep import Design, DesignError, Study, plausible, slurm, sweep
+from pushbelt.sweep import Design, DesignError, Study, slurm, sweep
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import Varied, crossed, listed, varied
 from pushbelt.sweep.point import start_values
 from pushbelt.sweep.results import METADATA
-from pushbelt.sweep.study import variator
+from pushbelt.sweep.study import variator, warnings_of
 
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
 
@@ -246,7 +246,7 @@ def test_a_slip_of_units_is_answered_before_the_first_point(
 def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
     def warned(**columns: tuple[float, ...]) -> list[str]:
         design = crossed([Varied(name.replace("_", "."), values) for name, values in columns.items()])
-        return list(plausible.check(Study(fmu, variator("bench168", varied=design.columns), design)))
+        return list(warnings_of(Study(fmu, variator("bench168", varied=design.columns), design)))
 
     (text,) = warned(secondary_clampingForce=(15.0, 15e3, 20e3), primary_torque=(30.0, 60.0))
     assert "Is the force in kN? 15 kN are 15000 N" in text and "1 more of 6 points" in text
@@ -256,7 +256,7 @@ def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
     assert not warned(primary_torque=(30.0, 400.0), secondary_clampingForce=(9e3,))
     assert not warned(secondary_clampingForce=(0.0, 12e3))
     assert not warned(initial_primarySpeed=(600.0,), initial_ratio=(0.8, 2.0))
-    assert not list(plausible.check(Study(fmu, variator("bench168"))))
+    assert not list(warnings_of(Study(fmu, variator("bench168"))))
 
 
 # Slurm

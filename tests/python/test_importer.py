@@ -12,12 +12,7 @@ from conftest import ROOT
 
 from pushbelt.fmu.unit import Archive, Instance
 
-INPUTS = {
-    "primary.torque": 60.0,
-    "secondary.torque": -58.0,
-    "primary.clampingForce": 14e3,
-    "secondary.clampingForce": 10e3,
-}
+INPUTS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
 STEPS = 40
 
 

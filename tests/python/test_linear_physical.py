@@ -47,23 +47,11 @@ def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3
         k = len(poles)
     numbers = dict.fromkeys(inputs, 1.0)
     return LinearModel(
-        a=a,
-        b=random.normal(size=(size, len(inputs))),
-        c=random.normal(size=(4, size)),
-        d=random.normal(size=(4, len(inputs))),
-        inputs=inputs,
-        outputs=OUTPUTS,
-        states=tuple(f"mode{n + 1}" for n in range(size)),
-        poles=np.array(poles),
-        held=numbers,
-        values={"primary.speed": 180.0, "secondary.speed": 120.0, "ratio.geometric": 1.5, "slip": 0.01},
-        units={name: "1" for name in (*inputs, *OUTPUTS)},
-        frequency=200.0,
-        slip=0.01,
-        macro_slip=False,
-        given=numbers,
-        remarks=(),
-    )
+        a=a, b=random.normal(size=(size, len(inputs))), c=random.normal(size=(4, size)), d=random.normal(size=(4, len(inputs))),
+        inputs=inputs, outputs=OUTPUTS, states=tuple(f"mode{n + 1}" for n in range(size)), poles=np.array(poles),
+        held=numbers, given=numbers, values=dict(zip(OUTPUTS, (180.0, 120.0, 1.5, 0.01), strict=True)),
+        units=dict.fromkeys((*inputs, *OUTPUTS), "1"), frequency=200.0, slip=0.01, macro_slip=False, remarks=(),
+    )  # fmt: skip
 
 
 # The transform
@@ -81,13 +69,6 @@ def test_real_modes_are_transformed_without_loss() -> None:
     assert found.c[2] == pytest.approx([0.0, 0.0, 1.5], abs=1e-9)
 
 
-def test_faster_modes_are_quasi_static() -> None:
-    model = invented([-0.2, -1.1, -150.0, -900.0 + 300.0j])
-    found = physical(model)
-    assert found.poles == pytest.approx([-0.2, -1.1, -150.0])
-    assert found.response(0.0) == pytest.approx(model.response(0.0))
-
-
 def test_a_pair_becomes_a_lag() -> None:
     model = invented([-0.2 + 0.1j, -60.0 + 170.0j, -500.0])
     found = physical(model)
@@ -103,10 +84,7 @@ def test_a_pair_becomes_a_lag() -> None:
     ("inputs", "states"),
     [
         (ALL, ("primary.speed", "secondary.speed", LOG_RATIO)),
-        (
-            ("primary.torque", "primary.clampingForce", "secondary.speedSetpoint", "secondary.clampingForce"),
-            ("primary.speed", LOG_RATIO),
-        ),
+        (("primary.torque", *ALL[1::2], "secondary.speedSetpoint"), ("primary.speed", LOG_RATIO)),
         (("primary.torque", "secondary.torque", "secondary.clampingForce"), ("primary.speed", "secondary.speed")),
         (("primary.speedSetpoint", "secondary.speedSetpoint", *ALL[1::2]), (LOG_RATIO,)),
     ],
@@ -119,9 +97,7 @@ def test_coordinates_that_are_held_drop_out(inputs: tuple[str, ...], states: tup
 def test_what_has_no_physical_coordinates_is_refused() -> None:
     with pytest.raises(NotPhysicalError, match="both speeds and the ratio are held"):
         physical(invented([-0.3], ("primary.speedSetpoint", "secondary.speedSetpoint")))
-    with pytest.raises(
-        NotPhysicalError, match=r"2 modes are below 200 Hz, but 3 are needed for primary.speed, secondary.speed, ln"
-    ):
+    with pytest.raises(NotPhysicalError, match="2 modes .* 3 are needed"):
         physical(invented([-0.3, -2.0]))
     model = invented([-0.3, -2.0, -140.0])
     nearly = model.c.copy()

@@ -22,9 +22,10 @@ from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
+from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
-from pushbelt.maps.data import MapError, Maps
+from pushbelt.maps.data import AXES, TABLES, MapError, Maps
 
 LOADS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
 
@@ -111,15 +112,7 @@ def test_the_state_beyond_the_tables_is_logged_once(maps_archive: Archive) -> No
 def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_archive: Archive) -> None:
     """At points between those of the tables: slip, thrust ratio and loss with a held primary sheave."""
     for ratio, speed, torque, force in ((0.75, 140.0, 50.0, 8e3), (1.3, 260.0, 60.0, 12e3), (1.0, 330.0, -40.0, 10e3)):
-        values = {
-            "initial.ratio": ratio,
-            "initial.primarySpeed": speed,
-            "primary.axial": 2,
-            "primary.torque": torque,
-            "secondary.drive": 2,
-            "secondary.speedSetpoint": speed / ratio,
-            "secondary.clampingForce": force,
-        }
+        values = driven_by_torque({}, ratio, speed, torque, force)
         found = []
         for unpacked in (archive, maps_archive):
             with Instance(unpacked, values) as unit:
@@ -279,7 +272,7 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     assert cli.main(["map-fmu", str(tmp_path / "copy.zip")]) == 1
     assert cli.main(["map-fmu", str(copy), "--maps", str(tmp_path / "none.nc")]) == 1
     assert cli.main([*words[:6], "--set", "friction.pulley=0.5"]) == 1
-    assert "wedgeAngle" in capsys.readouterr().err
+    assert "wedgeAngle" in capsys.readouterr().err and not copy.exists()
 
 
 def test_a_byte_order_mark_does_not_change_the_token() -> None:
@@ -311,18 +304,9 @@ def test_the_command_solves_for_the_maps(
 
 def made_up() -> Maps:
     """Maps with a straight traction."""
-    axes = {
-        "force": np.array([1e4]),
-        "speed": np.array([200.0]),
-        "ratio": np.array([0.5, 1.0, 2.0]),
-        "utilisation": np.array([-0.9, 0.0, 0.9]),
-        "direction": np.array([-1.0, 1.0]),
-        "slipShare": np.array([-1.0, 0.0, 1.0]),
-        "shiftUtilisation": np.array([0.0]),
-        "excess": np.array([-1.0, 0.0, 1.0]),
-    }
-    from pushbelt.maps.data import TABLES
-
+    ends = [-1.0, 0.0, 1.0]
+    values = ([1e4], [200.0], [0.5, 1.0, 2.0], [-0.9, 0.0, 0.9], [-1.0, 1.0], ends, [0.0], ends)
+    axes = dict(zip(AXES, map(np.array, values), strict=True))
     tables = {name: np.zeros(tuple(len(axes[axis]) for axis in quantity.axes)) for name, quantity in TABLES.items()}
     tables["thrustRatio"] += 1.3
     tables["bearingLoad"] += 3e3

@@ -26,11 +26,7 @@ MODELS = {
     "ALE0": {"ring.model": RingModel.ALE0},
     "ALE": {"ring.model": RingModel.ALE},
     "ALE, A_i = [t, n]": {"ring.model": RingModel.ALE, "ring.referenceDirections": True},
-    "ALE in space, A_i = [t, n, b]": {
-        "ring.model": RingModel.ALE,
-        "ring.referenceDirections": True,
-        "ring.spatial": True,
-    },
+    "ALE in space, A_i = [t, n, b]": {"ring.model": RingModel.ALE, "ring.referenceDirections": True, "ring.spatial": True},
     "RCM": {"ring.model": RingModel.RCM},
     "ANCF": {"ring.model": RingModel.ANCF},
 }

@@ -162,3 +162,24 @@ def test_beyond_capacity_is_refused() -> None:
 
 
 # --------------------------------------------------------------------- rigid pulleys and elastic belt, for contrast
+
+
+# --------------------------------------------------------------------- rigid pulleys and elastic belt, for contrast
+
+
+def test_rest_and_slip_arc_meets_the_published_reference_case() -> None:
+    """The belt155 case: 25 N m at R_S/R_P = 2.5 and 20 kN gives a slip arc of 33.7 deg and a thrust ratio of 0.8916."""
+    mu, case = 0.11, {"upper": 2966.588, "lower": 2151.913, "speed": 9.635874562}
+    ring = 2 * 9 * 0.000185 * 0.00975 * 7700
+    elements = 432 * 0.001858 / 0.661195
+    centrifugal = (ring + elements) * case["speed"] ** 2
+    upper, lower = case["upper"] - centrifugal, case["lower"] - centrifugal
+    traction = (upper - lower) / (upper + lower)
+    wrap_p, wrap_s, radius_p, _ = cmm.wrap_angles(2.5, 0.155, 0.661195)
+    assert (upper - lower) * radius_p == pytest.approx(25.0, rel=2e-3)
+    ratio, slip_arc, thrust_p, thrust_s = cmm.rest_and_slip_arc(wrap_p, wrap_s, BETA, mu, traction)
+    assert np.degrees(slip_arc) == pytest.approx(33.7321, rel=2e-3)
+    mean = (upper + lower) / 2.0
+    assert thrust_s * mean == pytest.approx(20_000.0, rel=2e-3)
+    assert thrust_p * mean == pytest.approx(17_831.7, rel=2e-3)
+    assert ratio == pytest.approx(0.8916, rel=1e-3)

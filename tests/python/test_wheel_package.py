@@ -161,15 +161,6 @@ def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
 # Files
 
 
-def test_parameters_come_from_a_file_too(tmp_path: Path, fmu: Path) -> None:
-    path = tmp_path / "own.json"
-    path.write_text((files.RESOURCES / "parameters" / "belt155.json").read_text(encoding="utf-8"), encoding="utf-8")
-    with variator.Variator(path, fmu=fmu) as belt:
-        assert belt["geometry.centerDistance"] == 0.155
-    with pytest.raises(FileNotFoundError):
-        variator.Variator(tmp_path / "other.json", fmu=fmu)
-
-
 def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     assert pushbelt.default_fmu() == fmu

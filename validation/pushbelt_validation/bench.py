@@ -40,10 +40,8 @@ class Plan:
 
 @dataclass
 class Bench:
-    """Solver of steady points of a variator. It is a context manager, which frees its instance at its end.
-
-    `solved` is called after each point. A point without a steady state gives None, and its reason is added to `failures`.
-    """
+    """Solver of steady points of a variator. It is a context manager, which frees its instance at its end. `solved` is
+    called after each point. A point without a steady state gives None, and its reason is added to `failures`."""
 
     archive: Archive
     name: str = "bench168"

@@ -165,13 +165,8 @@ def _typical_sliding(arc: cmm.Arc) -> float:
 
 def belt_of(bench: Bench) -> Belt:
     """The variator's belt at its pitch line, for the theory."""
-    offset = bench.given("belt.pitchOffset")
-    return Belt(
-        bench.given("geometry.wedgeAngle"),
-        bench.given("friction.pulley"),
-        bench.given("geometry.centerDistance"),
-        bench.given("geometry.beltLength") - 2.0 * math.pi * offset,
-    )
+    length = bench.given("geometry.beltLength") - 2.0 * math.pi * bench.given("belt.pitchOffset")
+    return Belt(*map(bench.given, ("geometry.wedgeAngle", "friction.pulley", "geometry.centerDistance")), length)
 
 
 # --------------------------------------------------------------------------------------------- parameters and cases
@@ -197,10 +192,8 @@ def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
 
 
 def cases(bench: Bench, ratios: Sequence[float] = RATIOS) -> list[tuple[float, float]]:
-    """Ratio and traction: |r| from 0.2 to 0.7, at most 85 % of the theory's capacity at that ratio and sign.
-
-    A larger traction is replaced by 85 % of the capacity, at most once.
-    """
+    """Ratio and traction: |r| from 0.2 to 0.7, at most 85 % of the theory's capacity at that ratio and sign. A larger
+    traction is replaced by 85 % of the capacity, at most once."""
     beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
     found: list[tuple[float, float]] = []
     for ratio in ratios:

@@ -113,10 +113,8 @@ def within(
     unit: Unit = PLAIN,
     goal: str | None = None,
 ) -> Check:
-    """Check that all named values are within the limits, if there are any. Values outside are listed, worst first.
-
-    The value None is from a point without a steady state and misses the goal.
-    """
+    """Check that all named values are within the limits, if there are any. Values outside are listed, worst first. The
+    value None is from a point without a steady state and misses the goal."""
     pairs = list(values)
     solved = [(name, value) for name, value in pairs if value is not None and not math.isnan(value)]
     missing = [name for name, value in pairs if value is None or math.isnan(value)]

@@ -37,10 +37,8 @@ class Effort:
 
 @dataclass(frozen=True)
 class Window:
-    """The evaluated part of a run, sampled at evenly spaced times since its start.
-
-    Fields have one row per time and one column per place ξ of `position`, m: push force, N, and radius minus the arc's mean radius, m.
-    """
+    """The evaluated part of a run, sampled at evenly spaced times since its start. Fields have one row per time and one
+    column per place ξ of `position`, m: push force, N, and radius minus the arc's mean radius, m."""
 
     trace: Trace
     push_force: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,16 +22,12 @@ class Event:
 
     name: str
     occurred: bool
-    start: float
-    """Start time, s; NaN if the event did not occur."""
-    end: float
-    """End time, s; NaN if the event did not occur or has no end."""
     evidence: str
     """Description of the event by its outputs."""
-
-
-def _missing(name: str, why: str) -> Event:
-    return Event(name, False, float("nan"), float("nan"), why)
+    start: float = math.nan
+    """Start time, s; NaN if the event did not occur."""
+    end: float = math.nan
+    """End time, s; NaN if the event did not occur or has no end."""
 
 
 def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list[tuple[float, float, float]]:
@@ -38,16 +35,12 @@ def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list
     reach = max(1, round(window / (time[1] - time[0])))
     change = np.abs(values[reach:] - values[:-reach])
     found = []
-    for first, last in _runs(change > size):
+    for first, last in intervals(np.arange(len(change)), change > size):
+        first, last = int(first), int(last)
         before, after = values[first], values[min(last + reach, len(values) - 1)]
         middle = first + int(np.argmax(np.abs(np.diff(values[first : last + reach + 1]))))
         found.append((float(time[middle]), float(before), float(after)))
     return found
-
-
-def _runs(mask: Array) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
 
 
 def launch(trace: Trace) -> Event:
@@ -55,10 +48,10 @@ def launch(trace: Trace) -> Event:
     name = "Launch in underdrive"
     speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
     if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
-        return _missing(name, f"it starts at {RPM * speed[0]:.1f} rpm and a ratio of {ratio[0]:.2f}")
+        return Event(name, False, f"it starts at {RPM * speed[0]:.1f} rpm and a ratio of {ratio[0]:.2f}")
     moving = np.flatnonzero(speed > 1.0)
     if not moving.size:
-        return _missing(name, f"the largest speed of the secondary pulley is {RPM * speed.max():.2f} rpm")
+        return Event(name, False, f"the largest speed of the secondary pulley is {RPM * speed.max():.2f} rpm")
     shifting = np.flatnonzero((ratio < 1.0) & (time > time[moving[0]]))
     end = shifting[0] if shifting.size else len(time) - 1
     driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
@@ -67,7 +60,7 @@ def launch(trace: Trace) -> Event:
         f"secondary from 0 to {RPM * speed[end]:.0f} rpm at ratios of {ratio[: end + 1].min():.2f} to "
         f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %"
     )
-    return Event(name, True, float(time[moving[0]]), float(time[end]), evidence)
+    return Event(name, True, evidence, float(time[moving[0]]), float(time[end]))
 
 
 def shift(trace: Trace) -> Event:
@@ -76,7 +69,7 @@ def shift(trace: Trace) -> Event:
     ratio, time = trace["ratio.geometric"], trace.time
     through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
     if not through_one.size:
-        return _missing(name, f"the ratio stays between {ratio.min():.2f} and {ratio.max():.2f}")
+        return Event(name, False, f"the ratio stays between {ratio.min():.2f} and {ratio.max():.2f}")
     crossing = through_one[0]
     # Medians are used, because changes of the clamping forces and macro-slip also affect the ratio.
     high, low = np.median(ratio[:crossing]), np.median(ratio[crossing:])
@@ -88,7 +81,7 @@ def shift(trace: Trace) -> Event:
         f"ratio from {ratio[start]:.2f} to {ratio[end]:.2f}, through 1 at {time[crossing]:.2f} s, "
         f"at most {-rate:.2f} 1/s; macro-slip for {slipping:.2f} s of it"
     )
-    return Event(name, True, float(time[start]), float(time[end]), evidence)
+    return Event(name, True, evidence, float(time[start]), float(time[end]))
 
 
 def torque_steps(trace: Trace) -> list[Event]:
@@ -96,8 +89,7 @@ def torque_steps(trace: Trace) -> list[Event]:
     events = []
     slipping = intervals(trace.time, trace["macroSlip"], gap=0.02)
     for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=20.0):
-        overload = any(start - 0.1 <= at <= end + 0.1 for start, end in slipping)
-        if overload:
+        if any(start - 0.1 <= at <= end + 0.1 for start, end in slipping):
             continue
         window = (trace.time >= at) & (trace.time <= at + 0.3)
         belt = -trace["primary.shaftTorque"][window][-1]
@@ -106,8 +98,8 @@ def torque_steps(trace: Trace) -> list[Event]:
             f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, "
             f"utilisation {trace['torqueUtilisation'][window][-1]:.2f}"
         )
-        events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, at, float("nan"), evidence))
-    return events or [_missing("Torque steps", "no step of the primary torque above 20 N·m within 30 ms")]
+        events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, evidence, at))
+    return events or [Event("Torque steps", False, "no step of the primary torque above 20 N·m within 30 ms")]
 
 
 def over_torque(trace: Trace) -> list[Event]:
@@ -117,8 +109,8 @@ def over_torque(trace: Trace) -> list[Event]:
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()
         return [
-            _missing(OVERLOAD, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
-            _missing("Recovery", "no recovery, since there was no macro-slip"),
+            Event(OVERLOAD, False, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
+            Event("Recovery", False, "no recovery, since there was no macro-slip"),
         ]
     overload = max(slipping, key=lambda one: np.abs(trace["primary.externalTorque"][_within(trace, *one)]).max())
     events = [_slipping(OVERLOAD if one == overload else "Additional macro-slip", trace, *one) for one in slipping]
@@ -139,21 +131,21 @@ def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
         f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); "
         f"slip up to {slip:.0f} %, loss up to {loss:.3g} kW"
     )
-    return Event(name, True, start, end, evidence)
+    return Event(name, True, evidence, start, end)
 
 
 def _recovery(trace: Trace, overload_end: float) -> Event:
     name = "Recovery"
     slip = np.abs(trace["slip"])
     if slip[-1] > 0.03 or trace["macroSlip"][-1] > 0.5:
-        return _missing(name, f"slip is still {100 * slip[-1]:.1f} % at the end")
+        return Event(name, False, f"slip is still {100 * slip[-1]:.1f} % at the end")
     late = np.flatnonzero((trace.time > overload_end) & (slip > 0.03))
     settled = float(trace.time[late[-1] + 1]) if late.size else overload_end
     evidence = (
         f"slip below 3 % permanently {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
         f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}"
     )
-    return Event(name, True, overload_end, settled, evidence)
+    return Event(name, True, evidence, overload_end, settled)
 
 
 def detect(trace: Trace) -> list[Event]:

@@ -4,41 +4,13 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-
-class RingModel(IntEnum):
-    """Values of `ring.model`."""
-
-    ALE0 = 1
-    ALE = 2
-
-
-class BeltKind(IntEnum):
-    """Values of `belt.kind`."""
-
-    PUSH_BELT = 1
-    PULL_CHAIN = 2
-
-
-class Drive(IntEnum):
-    """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is prescribed."""
-
-    TORQUE = 1
-    SPEED = 2
-
-
-class Axial(IntEnum):
-    """Values of `primary.axial` and `secondary.axial`: whether the clamping force is prescribed or the sheave is held."""
-
-    FORCE = 1
-    HELD = 2
-
-
-class StartState(IntEnum):
-    """Values of `initial.found`: the kind of state from which a run started."""
-
-    UNLOADED = 1
-    STEADY = 2
-    REDUCED_TORQUE = 3
-    NO_EQUILIBRIUM = 4
-    NOT_FOUND = 5
-    CLAMPED = 6
+RingModel = IntEnum("RingModel", "ALE0 ALE")
+"""Values of `ring.model`."""
+BeltKind = IntEnum("BeltKind", "PUSH_BELT PULL_CHAIN")
+"""Values of `belt.kind`."""
+Drive = IntEnum("Drive", "TORQUE SPEED")
+"""Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is prescribed."""
+Axial = IntEnum("Axial", "FORCE HELD")
+"""Values of `primary.axial` and `secondary.axial`: whether the clamping force is prescribed or the sheave is held."""
+StartState = IntEnum("StartState", "UNLOADED STEADY REDUCED_TORQUE NO_EQUILIBRIUM NOT_FOUND CLAMPED")
+"""Values of `initial.found`: the kind of state from which a run started."""

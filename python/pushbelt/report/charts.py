@@ -413,42 +413,28 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
 
 
 def _shapes(panel: Panel) -> list[dict[str, Any]]:
-    shades = [
-        {"type": "rect", "xref": "x", "yref": "paper", "x0": float(s.start), "x1": float(s.end), "y0": 0, "y1": 1,
-         "fillcolor": s.colour, "opacity": s.opacity, "line": {"width": 0}, "layer": "below"}
-        for s in panel.shades
+    along, across = {"xref": "x", "yref": "paper", "y0": 0, "y1": 1}, {"xref": "paper", "yref": "y", "x0": 0, "x1": 1}
+    shaded = {"type": "rect", "line": {"width": 0}, "layer": "below", **along}
+    marked = {"type": "line", "line": {"color": INK, "width": 0.8}, "opacity": 0.35, **along}
+    return [
+        *(shaded | {"x0": float(s.start), "x1": float(s.end), "fillcolor": s.colour, "opacity": s.opacity} for s in panel.shades),
+        *(marked | {"x0": float(m.x), "x1": float(m.x)} for m in panel.marks),
+        *(across | {"type": "line", "y0": float(v.y), "y1": float(v.y), "line": {"color": v.colour, "width": 1, "dash": "dash"}} for v in panel.levels),
     ]  # fmt: skip
-    marks = [
-        {"type": "line", "xref": "x", "yref": "paper", "x0": float(m.x), "x1": float(m.x), "y0": 0, "y1": 1,
-         "line": {"color": INK, "width": 0.8}, "opacity": 0.35}
-        for m in panel.marks
-    ]  # fmt: skip
-    levels = [
-        {"type": "line", "xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": float(v.y), "y1": float(v.y),
-         "line": {"color": v.colour, "width": 1, "dash": "dash"}}
-        for v in panel.levels
-    ]  # fmt: skip
-    return shades + marks + levels
 
 
 def _annotations(panel: Panel) -> list[dict[str, Any]]:
     narrow = 0.03 * (panel.x_range[1] - panel.x_range[0]) if panel.x_range else 0.0
-    above = {"xref": "x", "yref": "paper", "y": 1, "yanchor": "bottom", "showarrow": False, "yshift": 1}
-    texts = [
-        above | {"x": 0.5 * float(s.start + s.end), "text": s.label, "font": {"size": 12, "color": MUTED}}
-        for s in panel.shades
-        if s.label and s.end - s.start > narrow
-    ]
-    texts += [
-        above
-        | {"x": float(m.x), "text": m.label, "font": {"size": 12, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
-        for m in panel.marks
-        if m.label
-    ]
-    texts += [
-        {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y", "y": float(np.log10(v.y) if panel.scale == "log" else v.y),
-         "yanchor": "bottom", "showarrow": False, "text": v.label, "font": {"size": 12, "color": v.colour}}
-        for v in panel.levels
-        if v.label
-    ]  # fmt: skip
-    return texts
+    shown = {"showarrow": False, "yanchor": "bottom"}
+    above, beside = shown | {"xref": "x", "yref": "paper", "y": 1, "yshift": 1}, shown | {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y"}
+
+    def text(label: str, colour: str) -> dict[str, Any]:
+        return {"text": label, "font": {"size": 12, "color": colour}}
+
+    shades = [s for s in panel.shades if s.label and s.end - s.start > narrow]
+    found = [above | {"x": 0.5 * float(s.start + s.end)} | text(s.label, MUTED) for s in shades]
+    found += [above | {"x": float(m.x), "bgcolor": INK, "borderpad": 2} | text(m.label, "#ffffff") for m in panel.marks if m.label]
+    for level in filter(lambda level: level.label, panel.levels):
+        place = float(np.log10(level.y) if panel.scale == "log" else level.y)
+        found.append(beside | {"y": place} | text(level.label, level.colour))
+    return found

@@ -21,7 +21,7 @@ from pushbelt.fmu.untrusted import described
 from pushbelt.tables.options import add_reading, reading
 
 from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
-from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator
+from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warnings_of
 
 
 def parser() -> argparse.ArgumentParser:
@@ -106,10 +106,10 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line
 
-    from . import design_report, plausible, report
+    from . import design_report, report
     from .results import table, write_parquet
 
-    for warning in plausible.check(study):
+    for warning in warnings_of(study):
         print(f"  warning: {warning}", file=sys.stderr)
     rows, effort = from_command_line(study, options, "points", options.chunk or CHUNK, scheduler)
     results = table(study, rows)

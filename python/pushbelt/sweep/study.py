@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from pushbelt.fmu import starts, steady
+from pushbelt.errors import PushbeltError
+from pushbelt.fmu import capacity, starts, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -16,6 +17,10 @@ from pushbelt.study.tasks import Tasks, ascending, spread
 from . import point
 from .design import Design, DesignError
 from .point import Point, start_values
+
+class WrongUnitError(PushbeltError, ValueError):
+    """Forces or torques of all points look like a wrong unit."""
+
 
 CHUNK = 8
 """Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
@@ -126,6 +131,28 @@ class Study(Tasks):
         if isinstance(self.grid, Design):
             point = {**point, **checked(self.variables, {name: one for name, one in point.items() if name in self.variables})}
         return start_values(self.parameters, point)
+
+
+MOST = 2000
+"""Largest number of points that are checked for wrong units, evenly spaced in the study."""
+
+
+def excessive_speed(values: Mapping[str, float]) -> str | None:
+    """Reason why the speed of a point is not realistic; None if it is."""
+    return capacity.excessive_speed(values, values["initial.ratio"], values["initial.primarySpeed"])
+
+
+def warnings_of(study: Study) -> Iterator[str]:
+    """Warnings about forces and torques in a wrong unit and about excessive belt speeds, before anything is solved. Raises
+    WrongUnitError if no point carries its torque, and a wrong unit explains it at all of them."""
+    points = study.grid.points()
+    values = [study.start_values(point) for point in points[:: -(-len(points) // MOST)]]
+    for slips in (capacity.slip_of_units, excessive_speed):
+        found = [text for one in values if (text := slips(one))]
+        if slips is capacity.slip_of_units and len(found) == len(values):
+            raise WrongUnitError(found[0])
+        if found:
+            yield found[0] if len(found) == 1 else f"{found[0]} (and {len(found) - 1} more of {len(values)} points)"
 
 
 def variator(

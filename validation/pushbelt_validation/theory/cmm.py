@@ -127,10 +127,8 @@ class Arc:
 
     @property
     def dissipation(self) -> float:
-        """Friction power in units of omega R a Delta; steady state.
-
-        The power of friction, integrated by parts with (2), (4) and (7), is F' v_t at the exit minus F' v_t at the entry.
-        """
+        """Friction power in units of omega R a Delta; steady state. The power of friction, integrated by parts with
+        (2), (4) and (7), is F' v_t at the exit minus F' v_t at the entry."""
         v_t = sliding(np.array([0.0, self.wrap]), self.centre, self.creep)[1]
         return float(self.tension[-1] * v_t[1] - self.tension[0] * v_t[0])
 
@@ -260,11 +258,9 @@ def _creep_range(wrap: float, beta: float, mu: float) -> tuple[float, float]:
 
 
 def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
-    """Least (driving pulley, negative) and greatest (driven) ln F'_out/F'_in of an arc.
-
-    Full tangential slip gives -+ mu wrap/sin beta. A driving pulley transmits slightly more just before full slip, because the
-    belt still slides outward over most of the arc, which presses the flanks together.
-    """
+    """Least (driving pulley, negative) and greatest (driven) ln F'_out/F'_in of an arc. Full tangential slip gives -+
+    mu wrap/sin beta. A driving pulley transmits slightly more just before full slip, because the belt still slides
+    outward over most of the arc, which presses the flanks together."""
     _check(wrap, beta, mu)
     low, high = _creep_range(wrap, beta, mu)
     full_slip = mu * wrap / sin(beta)
@@ -295,10 +291,8 @@ def arc_at_creep(wrap: float, beta: float, mu: float, creep: float, shift: float
 
 @lru_cache(maxsize=100_000)
 def arc_at_traction(wrap: float, beta: float, mu: float, traction: float, points: int = 181) -> Arc:
-    """Steady arc with (F'_out - F'_in)/(F'_out + F'_in) = traction, negative on a driving pulley.
-
-    Near capacity a driving pulley has a second solution, closer to full slip; this is the one with the smaller creep.
-    """
+    """Steady arc with (F'_out - F'_in)/(F'_out + F'_in) = traction, negative on a driving pulley. Near capacity a
+    driving pulley has a second solution, closer to full slip; this is the one with the smaller creep."""
     _check(wrap, beta, mu)
     wanted = 2.0 * atanh(traction)
     low, high = _creep_range(wrap, beta, mu)
@@ -325,6 +319,11 @@ class Variator:
     def thrust_ratio(self) -> float:
         """S_P/S_S"""
         return self.primary.thrust / self.secondary.thrust
+
+    @property
+    def torque_number(self) -> float:
+        """T_P/(S_S R_P)"""
+        return 2.0 * self.traction / self.secondary.thrust
 
     def mean_force(self, secondary_thrust: float) -> float:
         """(F_1 + F_2)/2 - sigma V^2 in N for an axial force on S in N."""
@@ -364,10 +363,8 @@ def variator(wrap_p: float, wrap_s: float, beta: float, mu: float, traction: flo
 def variator_at_torque(
     wrap_p: float, wrap_s: float, beta: float, mu: float, radius_p: float, torque: float, secondary_thrust: float
 ) -> Variator:
-    """Both pulleys for a torque T_P (N m) and an axial force S_S (N).
-
-    sigma V^2 adds the same value to both strand forces and cancels in this relation.
-    """
+    """Both pulleys for a torque T_P (N m) and an axial force S_S (N). sigma V^2 adds the same value to both strand
+    forces and cancels in this relation."""
     wanted = torque / (secondary_thrust * radius_p)
     if torque == 0.0:
         return variator(wrap_p, wrap_s, beta, mu, 0.0)
@@ -379,3 +376,21 @@ def variator_at_torque(
     if excess(0.0) * excess(limit) > 0.0:
         raise ValueError(f"torque {torque:.3f} N m is beyond the capacity at S_S = {secondary_thrust:.1f} N")
     return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
+
+
+# ------------------------------------------------------------------------------- the older theory, for comparison
+
+
+def rest_and_slip_arc(wrap_p: float, wrap_s: float, beta: float, mu: float, traction: float) -> tuple[float, float, float, float]:
+    """Rigid pulleys, elastic belt (Eytelwein, Grashof): S_P/S_S, slip arc (rad), S_P and S_S per mean reduced force.
+    From the entry on the belt rests on the pulley with constant force; over the slip arc before the exit it creeps
+    tangentially and the force changes by exp(mu gamma/sin beta). There is no radial friction."""
+    slip_arc = 2.0 * atanh(abs(traction)) * sin(beta) / mu
+    if slip_arc > min(wrap_p, wrap_s):
+        raise ValueError(f"traction {traction:.4f} needs a slip arc of {slip_arc:.4f} rad")
+    # In the slip arc T = 2 mu S R/cos beta, whatever its length.
+    slipping = abs(traction) * cos(beta) / mu
+    entry_p, entry_s = 1.0 + traction, 1.0 - traction
+    thrust_p = entry_p * (wrap_p - slip_arc) / (2.0 * tan(beta)) + slipping
+    thrust_s = entry_s * (wrap_s - slip_arc) / (2.0 * tan(beta)) + slipping
+    return thrust_p / thrust_s, slip_arc, thrust_p, thrust_s

@@ -124,9 +124,7 @@ class ShiftLaw:
 
     def run(self, start: float, log_step: float, speed: float, opening: float, times: Array) -> Array:
         """Speed ratio at times from 0 on, s, after ln(F_P/F_S) has risen by `log_step` above equilibrium at `start`.
-
-        Primary speed in rad/s, opening Delta in rad. One step of the classical Runge-Kutta scheme per time.
-        """
+        Primary speed in rad/s, opening Delta in rad. One step of the classical Runge-Kutta scheme per time."""
         force = self.equilibrium(start) + log_step
         factor = speed * cmm.deformation_factor(self.belt.beta) * opening
 
