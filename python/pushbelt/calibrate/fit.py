@@ -38,30 +38,15 @@ class Undetermined(NamedTuple):
     correlation: float
 
 
-@dataclass(frozen=True)
 class Estimate:
     """A parameter after the fit."""
 
-    parameter: Parameter
-    coordinate: float
-    half: float | None
-    """Half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
-    undetermined: Undetermined | None
-
-    @property
-    def value(self) -> float:
-        """Its value."""
-        return self.parameter.value(self.coordinate)
-
-    @property
-    def interval(self) -> tuple[float, float] | None:
-        """Its confidence interval."""
-        return None if self.half is None else self.parameter.interval(self.coordinate, self.half)
-
-    @property
-    def at_bound(self) -> bool:
-        """Whether it is at a bound."""
-        return self.half is None and self.undetermined is None
+    def __init__(self, parameter: Parameter, coordinate: float, half: float | None, undetermined: Undetermined | None) -> None:
+        """`half`: half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
+        self.parameter, self.half, self.undetermined = parameter, half, undetermined
+        self.value = parameter.value(coordinate)
+        self.interval = None if half is None else parameter.interval(coordinate, half)
+        self.at_bound = half is None and undetermined is None
 
 
 class Spread(NamedTuple):
