@@ -202,7 +202,7 @@ def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
     path = holdout.write(held, options.output)
-    for score in held.scores():
+    for score in held.scores:
         print(f"  {holdout.sentence(score)}")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
