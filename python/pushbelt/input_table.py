@@ -65,10 +65,7 @@ class InputTable:
         for k, (begin, end) in enumerate(pairwise(self.times.tolist())):
             first, last = self.row(k), self.row(k + 1)
             count = math.ceil((end - begin) / step - 1e-9)
-            before = first
-            for j in range(1, count + 1):
-                # The values of rows are exact, so that a constant input has the rate 0.
-                share = j / count
-                after = last if j == count else {name: first[name] + (last[name] - first[name]) * share for name in first}
-                yield Ramp(before, after, begin + (end - begin) * share, (end - begin) / count)
-                before = after
+            # The values of rows are exact, so that a constant input has the rate 0.
+            places = [{name: first[name] + (last[name] - first[name]) * (j / count) for name in first} for j in range(count)] + [last]
+            for j, (before, after) in enumerate(pairwise(places), 1):
+                yield Ramp(before, after, begin + (end - begin) * (j / count), (end - begin) / count)

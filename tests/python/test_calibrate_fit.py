@@ -56,7 +56,7 @@ def test_six_parameters_over_thirty_points_take_few_solutions() -> None:
     opened = model(curve, TRUTH)
     found = fit.fit(opened, [parameter(name) for name in NAMES])
     assert [estimate.value for estimate in found.estimates] == pytest.approx(TRUTH, rel=2e-3)
-    assert found.converged and found.fits
+    assert found.converged and not found.misfit
     sets = opened.solves / len(opened.points)
     assert found.evaluations <= 10
     assert sets == pytest.approx(1 + 6 + found.evaluations + 12, abs=3)
@@ -94,10 +94,10 @@ def test_a_prior_determines_what_the_data_do_not() -> None:
 
 def test_a_bad_fit_says_so() -> None:
     good = model(lambda v, u: v[0] * u, (1.2,), "a")
-    assert fit.fit(good, [parameter("a")]).fits
+    assert fit.fit(good, [parameter("a")]).misfit is None
     bad = fit.fit(Model([with_value(point, value=np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
     # No value is an outlier: the scatter of all counts, not the given deviations.
-    assert all(bad.kept) and not bad.fits and bad.misfit
+    assert all(bad.kept) and bad.misfit
 
 
 def with_value(point: Point, value: float) -> Point:
@@ -128,7 +128,7 @@ def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
     for one, other in zip(found.estimates, alone.estimates, strict=True):
         assert one.value == pytest.approx(other.value, rel=1e-3)
         assert one.half == pytest.approx(other.half, rel=2e-2)
-    assert found.fits and found.rms[1] == pytest.approx(alone.rms[1], rel=1e-3) and found.rms_of_all > 2.0 * found.rms[1]
+    assert not found.misfit and found.rms[1] == pytest.approx(alone.rms[1], rel=1e-3) and found.rms_of_all > 2.0 * found.rms[1]
     assert found.evaluations <= alone.evaluations + 6
 
 
@@ -143,7 +143,7 @@ def test_a_row_is_left_out_as_a_whole_and_named(tmp_path: Path) -> None:
     double = Model(points, opened.solve)
     found = fit.fit(double, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [14, 15, 40, 41]
-    shown = report.Results("t.csv", "1", "v", {}, double.points, double.values, found, 1, 1.0)
+    shown = report.Results("t.csv", "1", "v", {}, double, found)
     assert list(shown.outliers["line"]) == [9, 22]
     text = report.outliers(shown)
     assert "line 9, slip" in text and f"{found.rms_of_all:.3g} with them" in text

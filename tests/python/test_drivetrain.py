@@ -25,7 +25,7 @@ from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFacto
 from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
-from pushbelt.drive.piecewise import clip, interpolate, interval
+from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit, PressureControl
 from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
@@ -75,24 +75,16 @@ def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
     assert [clip(x, -0.5, 0.7) for x in asked.tolist()] == np.clip(asked, -0.5, 0.7).tolist()
 
 
-def test_intervals_cover_the_grid() -> None:
-    expected = [(0.1, 0, 0.0), (0.5, 0, 0.0), (0.75, 0, 0.5), (1.0, 0, 1.0), (1.5, 1, 0.5), (2.0, 1, 1.0), (9.0, 1, 1.0)]
-    assert [(x, *interval([0.5, 1.0, 2.0], x)) for x, *_ in expected] == expected
-
-
 # Figures of merit
 
 
 def test_figures_of_merit_are_sums_over_the_steps() -> None:
     """10 kW in for a second at 3000 rpm: 2 % are lost, 100 W of it as drag; 20 bar on the secondary pulley."""
     steps = np.ones(100)
-    columns = {
-        "primary.power": 9900.0 * steps, "secondary.power": -9800.0 * steps, "loss.shafts": 100.0 * steps,
-        "engine.speed": 100.0 * np.pi * steps, "primary.pressure": 1e6 * steps, "secondary.pressure": 2e6 * steps,
-        "speed.car": 20.0 * steps, "work.engine": steps, "force.road": steps, "force.brake": steps, "loss.clutch": steps,
-        **{f"loss.{part}": 0.0 * steps for part in simulate.LOSSES if part not in ("shafts", "sheaves")},
-        "loss.sheaves": 100.0 * steps,
-    }  # fmt: skip
+    values = dict.fromkeys(("work.engine", "force.road", "force.brake", "loss.clutch"), 1.0) | {f"loss.{part}": 0.0 for part in simulate.LOSSES}
+    values |= {"primary.power": 9900.0, "secondary.power": -9800.0, "loss.shafts": 100.0, "loss.sheaves": 100.0, "speed.car": 20.0}
+    values |= {"engine.speed": 100.0 * np.pi, "primary.pressure": 1e6, "secondary.pressure": 2e6}
+    columns = {name: value * steps for name, value in values.items()}
     setup = simulate.Setup("made up", "slip", wltc_class_3b().section(0.0, 1.0))
     found = merit(simulate.Run(setup, STEP * np.arange(100), columns, {}, 0, 1.0))
     assert (found.supplied, found.lost) == (pytest.approx(1e4), pytest.approx(200.0))
@@ -104,8 +96,7 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
     # A pump needs no energy at a standstill of the engine, and its figure is not defined without a distance.
     still = {**columns, "engine.speed": 0.0 * steps, "speed.car": 0.0 * steps}
     rest = merit(simulate.Run(setup, STEP * np.arange(100), still, {}, 0, 1.0))
-    assert rest.pump == 0.0
-    assert math.isnan(rest.lost_per_km)
+    assert rest.pump == 0.0 and math.isnan(rest.lost_per_km)
 
 
 # Cycle
@@ -227,16 +218,10 @@ def test_clamping_force_carries_the_torque() -> None:
     assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(1.3 * 58.0 / 50.0 * CARRIED)
 
 
-def test_map_is_bilinear_and_constant_beyond() -> None:
-    assert MAP.thrust_ratio(1.0, 0.9) == pytest.approx(1.3)
-    assert MAP.thrust_ratio(1.5, 0.45) == pytest.approx((1.0 + 1.3 + 0.7 + 1.0) / 4)
-    assert MAP.thrust_ratio(3.0, 2.0) == pytest.approx(1.0)
-
-
-def test_shift_rates_are_inverted() -> None:
-    assert MAP.excess(1.0, 0.0, 0.0) == 0.0
-    assert MAP.excess(1.0, 0.0, 8e-8) == pytest.approx(math.log(1.1))
-    assert MAP.excess(1.0, 0.0, -1.0) == pytest.approx(math.log(0.3))
+def test_map_is_bilinear_constant_beyond_and_its_shift_rates_are_inverted() -> None:
+    places = (1.0, 0.9), (1.5, 0.45), (3.0, 2.0), (0.1, 0.0)
+    assert [MAP.thrust_ratio(*place) for place in places] == pytest.approx([1.3, (1.0 + 1.3 + 0.7 + 1.0) / 4, 1.0, 1.4])
+    assert [MAP.excess(1.0, 0.0, rate) for rate in (0.0, 8e-8, -1.0)] == pytest.approx([0.0, math.log(1.1), math.log(0.3)])
     assert 8e-7 < MAP.shift_gain(1.0, 0.0) < 16e-7
 
 

@@ -9,8 +9,7 @@ import pytest
 
 import pushbelt
 from pushbelt import tables
-from pushbelt.tables import names, sheet, units
-from pushbelt.tables.names import Column
+from pushbelt.tables import names, units
 from pushbelt_validation.outcome import SPELLED, UNSCALED
 
 PACKAGE = Path(pushbelt.__file__).parent
@@ -48,16 +47,6 @@ def test_numbers_without_a_unit_are_refused(tmp_path: Path) -> None:
         tables.write(path, ["case", "slip"], [("a", 0.25)])
     tables.write(path, ["slip [1]"], [(1.0 / 3.0,)], digits=None)
     assert float(tables.by_name(path)[0]["slip"]) == 1.0 / 3.0
-
-
-def test_files_are_read_by_the_reader_of_rigs(tmp_path: Path) -> None:
-    path = tmp_path / "table.csv"
-    tables.write(path, ["primary.speed [rpm]", "profile.ringStress[3] [MPa]"], [(3000.0, 1.5)])
-    known = {"primary.speed": Column("speed", 0.0, 1e4, ""), "profile.ringStress[3]": Column("stress", 0.0, 1e9, "")}
-    found = sheet.read(path, known)
-    assert not found.faults
-    assert found.values["primary.speed"][0] == pytest.approx(314.159, rel=1e-5)
-    assert found.values["profile.ringStress[3]"][0] == pytest.approx(1.5e6)
 
 
 def test_units_of_shown_columns_have_one_in_files() -> None:

@@ -106,7 +106,22 @@ class Belt:
     def __init__(self, dimensions: Dimensions) -> None:
         """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
         self.dimensions = d = dimensions
+        self.layer_width = d.layer_width or (d.width - PILLAR) / SETS
+        # From the rocking edge to the ring's centre line.
+        self.pitch_offset = SADDLE + 0.5 * d.layers * d.layer_thickness if d.pitch_offset is None else d.pitch_offset
+        self.pitch_length = d.length - 2.0 * math.pi * self.pitch_offset
         _require(self.pitch_length > 0.0, "the pitch offset is too large for this belt")
+        stacked = self.pitch_length - (PLAY if d.play is None else d.play)
+        self.elements = d.elements or round(stacked / (d.element_thickness or THICKNESS))
+        both = d.elements and d.element_thickness and d.play is None
+        self.element_thickness = d.element_thickness if both else stacked / self.elements
+        self.play = self.pitch_length - self.elements * self.element_thickness
+        self.element_mass = d.element_mass or ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
+        self.max_radius = d.max_radius or 0.5 * (d.center_distance - CLEARANCE)
+        self._check()
+
+    def _check(self) -> None:
+        d = self.dimensions
         low, high, widths = 1e3 * d.min_radius, 1e3 * self.max_radius, (1e3 * self.layer_width, 1e3 * d.width)
         _require(
             0.0 <= self.play <= MOST_PLAY,
@@ -121,63 +136,6 @@ class Belt:
         one = 1e3 * self.pitch_radii(1.0)[0]
         text = f"at ratio 1 the pitch radius is {one:.1f} mm, not within the stops at {low:g} and {high:g} mm: no ratio can be reached"
         _require(low <= one <= high, text)
-
-    # Elements
-
-    @cached_property
-    def layer_width(self) -> float:
-        """Width of a layer, m."""
-        given = self.dimensions.layer_width
-        return (self.dimensions.width - PILLAR) / SETS if given is None else given
-
-    @cached_property
-    def pitch_offset(self) -> float:
-        """Distance from the rocking edge to the ring's centre line: saddle and half the layers, m."""
-        d = self.dimensions
-        return SADDLE + 0.5 * d.layers * d.layer_thickness if d.pitch_offset is None else d.pitch_offset
-
-    @cached_property
-    def pitch_length(self) -> float:
-        """Length of the pitch line, L − 2π e, m."""
-        return self.dimensions.length - 2.0 * math.pi * self.pitch_offset
-
-    @cached_property
-    def elements(self) -> int:
-        """Number of elements."""
-        d = self.dimensions
-        return d.elements if d.elements is not None else round(self._stacked / (d.element_thickness or THICKNESS))
-
-    @property
-    def _stacked(self) -> float:
-        """Length of the pitch line less the given or usual play, m."""
-        return self.pitch_length - (PLAY if self.dimensions.play is None else self.dimensions.play)
-
-    @cached_property
-    def element_thickness(self) -> float:
-        """Mean thickness of the elements: the given one with a given number, else that which leaves the play, m."""
-        d = self.dimensions
-        if d.elements is not None and d.element_thickness is not None and d.play is None:
-            return d.element_thickness
-        return self._stacked / self.elements
-
-    @cached_property
-    def play(self) -> float:
-        """End play, m."""
-        return self.pitch_length - self.elements * self.element_thickness
-
-    @cached_property
-    def element_mass(self) -> float:
-        """Mass of an element, kg."""
-        d = self.dimensions
-        return d.element_mass or ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
-
-    # Pulleys
-
-    @cached_property
-    def max_radius(self) -> float:
-        """Largest pitch radius, m."""
-        d = self.dimensions
-        return 0.5 * (d.center_distance - CLEARANCE) if d.max_radius is None else d.max_radius
 
     def pitch_radii(self, ratio: float) -> tuple[float, float]:
         """Pitch radii on the primary and the secondary pulley at a geometric ratio, m. ValueError if no belt closes there."""
@@ -206,9 +164,6 @@ class Belt:
     @cached_property
     def entries(self) -> dict[str, Entry]:
         """Parameters that follow from the dimensions, by FMU name."""
-        return {**self._geometry(), **self._ring(), **self._elements(), **self._contact()}
-
-    def _geometry(self) -> dict[str, Entry]:
         d = self.dimensions
         apart = "engineering value: the pulleys are 4 mm apart at this radius"
         stops = {
@@ -220,6 +175,8 @@ class Belt:
             "geometry.beltLength": Entry(d.length),
             "geometry.wedgeAngle": _chosen(d.wedge_angle, d.wedge_angle != Dimensions.wedge_angle, "11 degrees, as usual"),
             **{f"{pulley}.{name}": stop for pulley in ("primary", "secondary") for name, stop in stops.items()},
+            **self._ring(),
+            **self._elements(),
         }
 
     def _ring(self) -> dict[str, Entry]:
@@ -254,6 +211,8 @@ class Belt:
         inertia = 0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2)
         bar = f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge"
         per_length = self.elements * mass / self.pitch_length
+        contact = 1.0 / (0.5 * d.width / (STEEL * FLANK) + 1.0 / SHEAVE)
+        flank = "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11"
         return {
             "belt.pitchOffset": _chosen(self.pitch_offset, d.pitch_offset is not None, saddle),
             "belt.play": Entry(self.play, play, "of the unstretched ring"),
@@ -265,12 +224,8 @@ class Belt:
                 name: Entry(value * scale, "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
                 for (name, value), scale in zip(FILM.items(), (wider, wider * thicker, wider), strict=True)
             },
+            "contact.stiffness": Entry(contact, "typical", flank),
         }
-
-    def _contact(self) -> dict[str, Entry]:
-        element = 2.0 * STEEL * FLANK / self.dimensions.width
-        about = "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11"
-        return {"contact.stiffness": Entry(1.0 / (1.0 / element + 1.0 / SHEAVE), "typical", about)}
 
     def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:
         """The parameter set. `values` are the parameters of the set `base`, used where nothing follows from the dimensions.

@@ -173,17 +173,17 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
 
         with model.opened(fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
+            notes = (*points.notes(rig.sheet), *rig.remarks)
             results = report.Results(
-                options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
-                opened.solves, time.perf_counter() - begin, (*points.notes(rig.sheet), *rig.remarks),
-            )  # fmt: skip
+                options.table.name, description.version or "", options.variator, base, opened, found, time.perf_counter() - begin, notes
+            )
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
     path = options.output / "report.html"
     report.write_html(results, path)
-    if not found.fits:
+    if found.misfit:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):
         print(left_out)
@@ -192,7 +192,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     for lost in results.lost.itertuples():
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0 if found.fits or options.accept_misfit else MISFIT
+    return 0 if not found.misfit or options.accept_misfit else MISFIT
 
 
 def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
@@ -202,7 +202,7 @@ def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
     path = holdout.write(held, options.output)
-    for score in held.scores():
+    for score in held.scores:
         print(f"  {holdout.sentence(score)}")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0

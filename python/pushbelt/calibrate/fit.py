@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -38,30 +37,15 @@ class Undetermined(NamedTuple):
     correlation: float
 
 
-@dataclass(frozen=True)
 class Estimate:
     """A parameter after the fit."""
 
-    parameter: Parameter
-    coordinate: float
-    half: float | None
-    """Half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
-    undetermined: Undetermined | None
-
-    @property
-    def value(self) -> float:
-        """Its value."""
-        return self.parameter.value(self.coordinate)
-
-    @property
-    def interval(self) -> tuple[float, float] | None:
-        """Its confidence interval."""
-        return None if self.half is None else self.parameter.interval(self.coordinate, self.half)
-
-    @property
-    def at_bound(self) -> bool:
-        """Whether it is at a bound."""
-        return self.half is None and self.undetermined is None
+    def __init__(self, parameter: Parameter, coordinate: float, half: float | None, undetermined: Undetermined | None) -> None:
+        """`half`: half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
+        self.parameter, self.half, self.undetermined = parameter, half, undetermined
+        self.value = parameter.value(coordinate)
+        self.interval = None if half is None else parameter.interval(coordinate, half)
+        self.at_bound = half is None and undetermined is None
 
 
 class Spread(NamedTuple):
@@ -73,44 +57,20 @@ class Spread(NamedTuple):
     factor: float  # Factor of the standard deviations in the intervals
 
 
-@dataclass(frozen=True)
-class Fit:
-    """Result of the fit. Counts and sums of squares are those before and after, without outliers."""
+class Fit(NamedTuple):
+    """Result of the fit. Values before and after are those without outliers."""
 
     estimates: tuple[Estimate, ...]
     spread: Spread  # Of the parameters that have an interval, in their order
-    chi_squared: tuple[float, float]  # Sum of squares of the points with a steady state
-    used: tuple[int, int]  # Values at points with a steady state
+    rms: tuple[float, float]  # Root mean square of the residuals in standard deviations, before and after
     freedom: int  # Degrees of freedom: values used and priors minus parameters
-    before: tuple[Found, ...]
-    after: tuple[Found, ...]
+    before: Sequence[Found]
+    after: Sequence[Found]
     evaluations: int
     converged: bool
     kept: tuple[bool, ...]  # For each measured value, whether it is no outlier
     rms_of_all: float  # Root mean square of the residuals after, with the outliers
-
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square of the residuals in standard deviations, before and after."""
-        before, after = np.sqrt(np.array(self.chi_squared) / np.maximum(self.used, 1)).tolist()
-        return before, after
-
-    @property
-    def misfit(self) -> str | None:
-        """Reason why the model with these parameters does not fit; None if it does."""
-        (before, after), count = self.rms, len(self.kept)
-        if count - self.used[1] > LOST_SHARE * count:
-            return f"{count - self.used[1]} of {count} values are outliers or at points without a steady state"
-        if after > MISFIT:
-            return f"the root mean square of the residuals is {after:.3g} standard deviations, above {MISFIT:g}"
-        if after > 1.0 and self.used[0] == self.used[1] and after >= before * (1.0 - 1e-6):
-            return f"the root mean square of the residuals, {after:.3g} standard deviations, has not fallen"
-        return None
-
-    @property
-    def fits(self) -> bool:
-        """Whether the model with these parameters fits."""
-        return self.misfit is None
+    misfit: str | None  # Why the model with these parameters does not fit; None if it does
 
     @property
     def determined(self) -> list[Estimate]:
@@ -165,19 +125,27 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
 
 def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, before: Sequence[Found]) -> Fit:
     model, kept = search.model, search.kept[: len(search.model.values)]
-    sums, used = zip(*(_sum_of_squares(model, states, kept) for states in (before, search.states)), strict=True)
-    total, everything = _sum_of_squares(model, search.states, kept | True)
-    freedom, rms = used[1] + len(search.kept) - len(kept) - len(spread.halves), float(np.sqrt(total / max(everything, 1)))
+    (first, used_before), (last, used), (of_all, _) = (
+        _rms(model, states, some) for states, some in ((before, kept), (search.states, kept), (search.states, kept | True))
+    )
+    freedom, misfit = used + len(search.kept) - len(kept) - len(spread.halves), None
+    if len(kept) - used > LOST_SHARE * len(kept):
+        misfit = f"{len(kept) - used} of {len(kept)} values are outliers or at points without a steady state"
+    elif last > MISFIT:
+        misfit = f"the root mean square of the residuals is {last:.3g} standard deviations, above {MISFIT:g}"
+    elif last > 1.0 and used_before == used and last >= first * (1.0 - 1e-6):
+        misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     return Fit(
-        estimates, spread, sums, used, freedom, tuple(before), tuple(search.states), search.evaluations, search.converged,
-        tuple(kept.tolist()), rms,
+        estimates, spread, (first, last), freedom, before, search.states, search.evaluations, search.converged, tuple(kept.tolist()),
+        of_all, misfit,
     )  # fmt: skip
 
 
-def _sum_of_squares(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:
-    """Sum of squares of kept values at points that have a steady state, in standard deviations, and their number."""
+def _rms(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:
+    """Root mean square of kept residuals at points that have a steady state, in standard deviations, and their number."""
     found = ((model.column(states) - model.measured) / model.deviations)[kept]
-    return float(np.nansum(found**2)), sum(states[model.values[k].point].reason is None for k in np.flatnonzero(kept))
+    used = sum(states[model.values[k].point].reason is None for k in np.flatnonzero(kept))
+    return float(np.sqrt(np.nansum(found**2) / max(used, 1))), used
 
 
 def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -25,23 +25,13 @@ DEFAULT = "bench168"
 SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
 
 
-@dataclass(frozen=True)
-class HoldOut:
+class HoldOut(NamedTuple):
     """A table, and the model's values with each set."""
 
     rig: Rig
     version: str
     sets: Mapping[str, pd.DataFrame]
-
-    @property
-    def variators(self) -> list[str]:
-        """Names of the sets."""
-        return list(self.sets)
-
-    def scores(self) -> list[Score]:
-        """By quantity and set."""
-        measured = quantities(self.sets[self.variators[0]])
-        return [score(rows, quantity, name) for quantity in measured for name, rows in self.sets.items()]
+    scores: list[Score]  # By quantity and set
 
 
 def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
@@ -51,26 +41,28 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
     with progress_bar(total, "steady states") as bar, model.opened(fmu, {}, rig.points, workers, bar.update) as opened:
         states = opened.states(list(sets.values()))
         rows = {name: residuals(rig.points, opened.values, own) for name, own in zip(sets, states, strict=True)}
-    return HoldOut(rig, described(fmu).version or "", rows)
+    measured = quantities(rows[variator])
+    scores = [score(own, quantity, name) for quantity in measured for name, own in rows.items()]
+    return HoldOut(rig, described(fmu).version or "", rows, scores)
 
 
 def write(held: HoldOut, folder: Path) -> Path:
     """Writes report.html, holdout.csv, holdout.json and residuals.csv; returns the path of the report."""
     folder.mkdir(parents=True, exist_ok=True)
-    scores, first = held.scores(), held.sets[held.variators[0]]
-    tables.write(folder / "holdout.csv", SCORES, scores)
-    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
+    first = next(iter(held.sets.values()))
+    tables.write(folder / "holdout.csv", SCORES, held.scores)
+    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in held.scores]
     (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in held.sets)]
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in held.sets.values())], axis=1))
     context = {
         "held": held,
-        "scores": scores,
+        "variators": list(held.sets),
         "notes": points.understood(held.rig)[1:],
         "figures": [
             (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in held.sets.items() if len(own := of(rows, q))}))
-            for q in dict.fromkeys(one.quantity for one in scores if one.count)
+            for q in dict.fromkeys(one.quantity for one in held.scores if one.count)
         ],
         "lost": [
             (name, row)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by 
 CHUNK = 6  # Number of points per job of a process
 
 
-@dataclass(frozen=True)
-class Value:
+class Value(NamedTuple):
     """A measured value and its point."""
 
     point: int  # Index of the point

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,51 +12,35 @@ import pandas as pd
 from pushbelt import tables
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
-from pushbelt.tables.points import Point
 
 from . import figures, fit, model, residuals, worker
 from .fit import Estimate, Fit
-from .model import Value
+from .model import Model
 
 WORST = 10  # Number of values with the largest residuals in the list
 
 
-@dataclass(frozen=True)
 class Results:
     """The fit and its table."""
 
-    table: str  # Name of the table's file
-    version: str  # Version of the FMU
-    variator: str  # Parameter set of the start values
-    base: Mapping[str, float]  # Values of the parameter set, with the additional settings
-    points: tuple[Point, ...]
-    values: tuple[Value, ...]
-    fit: Fit
-    solves: int  # Steady states solved
-    seconds: float  # Wall-clock time
-    notes: tuple[str, ...] = ()  # What was computed, ignored or left out of the table
-
-    @cached_property
-    def before(self) -> pd.DataFrame:
-        """All measured values with the start values of the parameters, in the order of the table."""
-        return residuals.residuals(self.points, self.values, self.fit.before, self.fit.kept)
-
-    @cached_property
-    def rows(self) -> pd.DataFrame:
-        """All measured values with the fitted parameters."""
-        return residuals.residuals(self.points, self.values, self.fit.after, self.fit.kept)
-
-    @property
-    def lost(self) -> pd.DataFrame:
-        """One row for each point without a steady state after the fit."""
-        return self.rows[self.rows["reason"].notna()].drop_duplicates("line")
-
-    @property
-    def outliers(self) -> pd.DataFrame:
-        """For each row or sample of the table that was left out, its value with the largest residual."""
+    def __init__(
+        self, table: str, version: str, variator: str, base: Mapping[str, float], model: Model, found: Fit, seconds: float = 0.0,
+        notes: Sequence[str] = (),
+    ) -> None:  # fmt: skip
+        """Name of the table's file, version of the FMU, parameter set of the start values, its values with the additional settings, wall-clock
+        time, and what was computed, ignored or left out of the table."""
+        self.table, self.version, self.variator, self.base, self.seconds, self.notes = table, version, variator, base, seconds, notes
+        self.fit, self.points, self.solves = found, model.points, model.solves
+        # All measured values with the start values and with the fitted parameters, in the order of the table.
+        self.before, self.rows = (
+            residuals.residuals(model.points, model.values, states, found.kept) for states in (found.before, found.after)
+        )
+        # One row for each point without a steady state after the fit.
+        self.lost = self.rows[self.rows["reason"].notna()].drop_duplicates("line")
+        # For each row or sample of the table that was left out, its value with the largest residual.
         out = self.rows[~self.rows["kept"]]
         largest_first = out.loc[out["relative"].abs().fillna(0.0).sort_values(ascending=False, kind="stable").index]
-        return largest_first.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
+        self.outliers = largest_first.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
 
 
 def sentence(estimate: Estimate) -> str:
@@ -111,7 +93,7 @@ def write_parameters(results: Results, path: Path) -> None:
     document = {
         "id": path.stem,
         "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
-        "fits": results.fit.fits,
+        "fits": results.fit.misfit is None,
         "note": "SI units. Start values of the FMU by variable name.",
         "parameters": entries,
     }

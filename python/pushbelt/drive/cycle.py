@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -17,27 +15,14 @@ PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra hi
 """Parts of the cycle, s."""
 
 
-@dataclass(frozen=True)
 class Cycle:
     """A speed trace. Speed is linear between its points."""
 
-    time: Array  # s, shape (n,), ascending
-    speed: Array  # m/s, shape (n,), at least 0
-    start: float = 0.0  # Start time of this section within the whole cycle, s
-
-    @property
-    def duration(self) -> float:
-        """Length, s."""
-        return float(self.time[-1])
-
-    @property
-    def distance(self) -> float:
-        """m."""
-        return float(np.trapezoid(self.speed, self.time))
-
-    @cached_property
-    def _points(self) -> tuple[list[float], list[float]]:
-        return self.time.tolist(), self.speed.tolist()
+    def __init__(self, time: Array, speed: Array, start: float = 0.0) -> None:
+        """Times in s, ascending from 0, and speeds in m/s, at least 0; `start` is the time of this section within the whole cycle, s."""
+        self.time, self.speed, self.start = time, speed, start
+        self.duration, self.distance = float(time[-1]), float(np.trapezoid(speed, time))  # s and m
+        self._points = time.tolist(), speed.tolist()
 
     def at(self, time: float) -> float:
         """Speed at a time, m/s. Times outside the trace give the speed of the nearest end point."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,44 +34,31 @@ class Pump:
         return pressure * self.displacement * revolutions / self.efficiency
 
 
-@dataclass(frozen=True)
-class Merit:
+class Merit(NamedTuple):
     """Figures of merit of a run."""
 
-    supplied: float
-    """Energy that the shafts carry into the variator, at the primary while driving and at the secondary in overrun, J."""
+    supplied: float  # Energy that the shafts carry into the variator, at the primary in drive and at the secondary in overrun, J
     lost: float  # Energy lost in the variator, J
     pump: float  # Energy that the pump takes from the engine, J
     distance: float  # m
     pressure: float  # Mean pressure in the secondary circuit, Pa
-
-    @property
-    def efficiency(self) -> float:
-        """Efficiency of the variator over the cycle: 1 − lost/supplied; NaN if nothing was supplied."""
-        return 1.0 - self.lost / self.supplied if self.supplied > 0.0 else math.nan
-
-    @property
-    def with_pump(self) -> float:
-        """The same if the pump counts as a loss, and its energy as supplied."""
-        supplied = self.supplied + self.pump
-        return 1.0 - (self.lost + self.pump) / supplied if supplied > 0.0 else math.nan
-
-    @property
-    def lost_per_km(self) -> float:
-        """Energy lost in variator and pump, J/km; NaN at a standstill."""
-        return 1e3 * (self.lost + self.pump) / self.distance if self.distance > 0.0 else math.nan
+    efficiency: float  # Of the variator over the cycle: 1 − lost/supplied; NaN if nothing was supplied
+    with_pump: float  # The same if the pump counts as a loss, and its energy as supplied
+    lost_per_km: float  # Energy lost in variator and pump, J/km; NaN at a standstill
 
 
 def merit(run: Run, pump: Pump = Pump()) -> Merit:  # noqa: B008
     """Figures of merit of a run, by sums over the communication steps."""
-    step = run.setup.step
-    into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
     # Powers are those of the belt, without the drag of the shafts.
-    supplied = step * float(into_the_belt + run["loss.shafts"].sum())
+    into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
+    sums = (into_the_belt + run["loss.shafts"].sum(), pump.power(run).sum(), np.abs(run["speed.car"]).sum())
+    supplied, pumped, distance = (run.setup.step * float(one) for one in sums)
+    lost = run.variator_loss
+
+    def over(part: float, whole: float) -> float:
+        return part / whole if whole > 0.0 else math.nan
+
     return Merit(
-        supplied,
-        run.variator_loss,
-        step * float(pump.power(run).sum()),
-        step * float(np.abs(run["speed.car"]).sum()),
-        float(run["secondary.pressure"].mean()),
-    )
+        supplied, lost, pumped, distance, float(run["secondary.pressure"].mean()), 1.0 - over(lost, supplied),
+        1.0 - over(lost + pumped, supplied + pumped), 1e3 * over(lost + pumped, distance),
+    )  # fmt: skip

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -69,60 +68,35 @@ class Class(NamedTuple):
     rows: Array  # Which rows belong to it.
 
 
-@dataclass(frozen=True)
 class Damage:
     """Damage of a run."""
 
-    table: Table
-    material: Material
-    parameters: Mapping[str, float]  # Of the variator by name, with geometry.beltLength.
-    parts: Mapping[str, Cycles]  # Cycles of a revolution by name.
-
-    @cached_property
-    def turns(self) -> Array:
-        """Revolutions of the ring that belong to each row, by the trapezoidal rule."""
-        half = 0.5 * np.diff(self.table["time"])
+    def __init__(self, table: Table, material: Material, parameters: Mapping[str, float], parts: Mapping[str, Cycles]) -> None:
+        """`parameters` of the variator by name, with geometry.beltLength; `parts`: cycles of a revolution by name."""
+        self.table, self.material, self.parameters, self.parts = table, material, parameters, parts
+        half = 0.5 * np.diff(table["time"])
         weights = np.append(half, 0.0) + np.append(0.0, half)
-        return weights * np.abs(self.table["ring.speed"]) / self.parameters["geometry.beltLength"]
-
-    @cached_property
-    def equivalent(self) -> Mapping[str, Array]:
-        """Largest equivalent amplitude of each part at each row, Pa."""
-        equivalent = self.material.equivalent
-        return {name: equivalent(part.amplitude, part.mean).max(axis=1) for name, part in self.parts.items()}
-
-    @property
-    def utilisation(self) -> float:
-        """Largest equivalent amplitude while the ring turns, relative to the fatigue limit with the safety factor."""
-        moving = self.turns > 0.0
-        return max(float(one[moving].max(initial=0.0)) for one in self.equivalent.values()) / self.material.allowed
-
-    def rows(self, limited: bool = True) -> dict[str, Array]:
-        """Damage of each part at each row."""
-        found = {}
-        for name, part in self.parts.items():
-            each = self.material.damage(self.material.equivalent(part.amplitude, part.mean), limited)
-            found[name] = self.turns * (part.count * each).sum(axis=1)
-        return found
-
-    @cached_property
-    def total(self) -> float:
-        """Miner's sum."""
-        return float(sum(one.sum() for one in self.rows(True).values()))
-
-    @cached_property
-    def total_without_limit(self) -> float:
-        """Miner's sum if the S-N curve continues below the fatigue limit."""
-        return float(sum(one.sum() for one in self.rows(False).values()))
-
-    @property
-    def limited(self) -> bool:
-        """Whether shares are of the damage with the fatigue limit. Without any such damage they are of the curve that continues below it."""
-        return self.total > 0.0
+        # Revolutions of the ring that belong to each row, by the trapezoidal rule.
+        self.turns = weights * np.abs(table["ring.speed"]) / parameters["geometry.beltLength"]
+        equivalent = {name: material.equivalent(part.amplitude, part.mean) for name, part in parts.items()}
+        # Largest equivalent amplitude of each part at each row, Pa, and the largest of all while the ring turns, relative to the fatigue limit.
+        self.equivalent = {name: one.max(axis=1) for name, one in equivalent.items()}
+        largest = max(one[self.turns > 0.0].max(initial=0.0) for one in self.equivalent.values())
+        self.utilisation = float(largest) / material.allowed
+        # Damage of each part at each row, with the fatigue limit and with a curve that continues below it, and Miner's sums.
+        self.rows = {
+            limited: {
+                name: self.turns * (part.count * material.damage(equivalent[name], limited)).sum(axis=1) for name, part in parts.items()
+            }
+            for limited in (True, False)
+        }
+        self.total, self.total_without_limit = (float(sum(one.sum() for one in rows.values())) for rows in self.rows.values())
+        # Shares are of the damage with the limit; without any such damage of the curve that continues below it.
+        self.limited = self.total > 0.0
 
     def share(self, rows: Array | slice, part: str | None = None) -> float:
         """Share of the damage of some rows, of one part or of all."""
-        found = self.rows(self.limited)
+        found = self.rows[self.limited]
         whole = sum(one.sum() for one in found.values())
         chosen = sum(one[rows].sum() for name, one in found.items() if part in (None, name))
         return float(chosen / whole) if whole > 0.0 else 0.0

@@ -27,7 +27,7 @@ def over_time(result: Damage) -> Chart:
         return [Series(name, time, factor * one, c) for (name, one), c in zip(parts.items(), COLOURS, strict=True)]
 
     level = Level(MEGA * limit, "fatigue limit with safety factor", RED)
-    damage = {name: np.cumsum(one) for name, one in result.rows(result.limited).items()}
+    damage = {name: np.cumsum(one) for name, one in result.rows[result.limited].items()}
     rows = [
         ("Speed of the ring (m/s)", [Series("ring.speed", time, result.table["ring.speed"], GREEN)], {}),
         ("Largest equivalent amplitude (MPa)", lines(result.equivalent, MEGA), {"levels": [level], "y_range": (0.0, 1.1 * MEGA * most)}),
@@ -64,7 +64,7 @@ def ratio_torque(result: Damage) -> Chart | None:
         return None
     turning = result.turns > 0.0
     each = np.zeros_like(result.turns)
-    each[turning] = sum(result.rows(result.limited).values())[turning] / result.turns[turning]
+    each[turning] = sum(result.rows[result.limited].values())[turning] / result.turns[turning]
     share = each / (each.max() or 1.0)
     names, ends = ("none", "below 1 %", "1 to 10 %", "10 to 50 %", "above 50 %"), (-1.0, 0.0, 0.01, 0.1, 0.5, 1.0)
     series = []

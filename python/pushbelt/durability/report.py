@@ -100,7 +100,7 @@ def clamping(result: Damage) -> list[tuple[float, float, float, float]]:
 
 def _rows(results: Sequence[Damage], names: Sequence[str]) -> Iterator[list[Any]]:
     for result in results:
-        sums = [np.cumsum(sum(result.rows(limited).values())) for limited in (True, False)]
+        sums = [np.cumsum(sum(result.rows[limited].values())) for limited in (True, False)]
         parts = [result.equivalent.get(name, np.full(len(result.turns), np.nan)) for name in names]
         rows = np.column_stack([result.table["time"], np.cumsum(result.turns), *sums, *parts])
         yield from ([result.table.name, *row] for row in rows.tolist())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -47,41 +46,22 @@ COLUMNS: Mapping[str, Column] = {
 """Columns that are read. Those without a unit are in SI units."""
 
 
-@dataclass(frozen=True)
 class Table:
     """A run, in SI units."""
 
-    path: Path
-    columns: Mapping[str, Array]
-    lines: Array  # Line of each row in the file.
-    field: Array | None
-    """Stress along the ring, shape (rows, places), if it is counted; otherwise the outputs of both pulleys are used."""
-    identity: str  # SHA-256 of the file.
+    def __init__(self, path: Path, columns: Mapping[str, Array], lines: Array, field: Array | None, identity: str) -> None:
+        """`lines` of the rows in the file; `field`: stress along the ring, shape (rows, places), if it is counted, otherwise the outputs
+        of both pulleys are used; `identity`: SHA-256 of the file."""
+        self.path, self.columns, self.lines, self.field, self.identity = path, columns, lines, field, identity
+        self.name = f"{path.parent.name}/{path.stem}" if path.parent.name else path.stem
+        self.duration = float(np.ptp(columns["time"]))  # s
+        driven = columns.get("distance")
+        self.distance = None if driven is None else float(driven[-1] - driven[0])  # m
+        # With which the primary shaft drives the belt, N·m.
+        self.torque = -columns["primary.shaftTorque"] if "primary.shaftTorque" in columns else columns.get("primary.torque")
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
-
-    @property
-    def name(self) -> str:
-        """Name of the run."""
-        return f"{self.path.parent.name}/{self.path.stem}" if self.path.parent.name else self.path.stem
-
-    @property
-    def duration(self) -> float:
-        """s."""
-        return float(self["time"][-1] - self["time"][0])
-
-    @property
-    def distance(self) -> float | None:
-        """Distance driven, m; None without that column."""
-        return float(self["distance"][-1] - self["distance"][0]) if "distance" in self.columns else None
-
-    @property
-    def torque(self) -> Array | None:
-        """Torque with which the primary shaft drives the belt, N·m; None if the table has none."""
-        if "primary.shaftTorque" in self.columns:
-            return -self["primary.shaftTorque"]
-        return self.columns.get("primary.torque")
 
     def refuse(self, bad: Array, column: str, why: Callable[[int], str]) -> None:
         """Raises DurabilityError at the first of the rows that are bad in a column; `why` gives the text of a row."""

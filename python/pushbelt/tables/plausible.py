@@ -49,15 +49,16 @@ def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_w
 
     Raises TableError with what is not plausible, and how else the columns could be read, unless the table is taken `as_written`.
     """
-    found = doubts(values, len(sheet))
-    others = _better(sheet, rebuilt, values, found) if found else []
+    p = _Points(values, len(sheet))
+    found = doubts(p)
+    others = _better(sheet, rebuilt, p, found) if found else []
     certain = [text for kind, text in found.items() if kind not in UNCERTAIN]
     texts = certain or list(found.values()) if certain or others else []
     if texts and not as_written:
         fault = f"not plausible: {'; '.join(texts)}. "
         fault += f"Plausible is: {', or '.join(map(str, others))}. " if others else "No other unit, sign or exchange of a column explains it. "
         raise TableError([Fault(fault + "--as-written takes the table as it is"), *sheet.faults], sheet.path, sheet)
-    return [f"warning: {text}" for text in (*texts, *_single_rows(values, sheet.lines))]
+    return [f"warning: {text}" for text in (*texts, *_single_rows(p, sheet.lines))]
 
 
 @cache
@@ -112,9 +113,9 @@ def _extent(values: Array, unit: str = "") -> str:
     return f"{values.min():.3g} to {values.max():.3g}{unit}"
 
 
-def doubts(values: Values, count: int) -> dict[str, str]:
+def doubts(p: _Points) -> dict[str, str]:
     """What the whole table has that no variator has, by kind."""
-    p, found = _Points(values, count), {}
+    found = {}
     speeds = p.belt_speed[np.isfinite(p.belt_speed)]
     if speeds.size and (speeds.max() < SLOWEST or np.median(speeds) > BELT_SPEED):
         found["speed"] = f"belt speeds of {_extent(speeds)} m/s; usual are {SLOWEST:g} to {BELT_SPEED:g} m/s"
@@ -154,9 +155,8 @@ def doubts(values: Values, count: int) -> dict[str, str]:
     return found
 
 
-def _single_rows(values: Values, lines: Array) -> Iterator[str]:
+def _single_rows(p: _Points, lines: Array) -> Iterator[str]:
     """What no variator has in single lines."""
-    p = _Points(values, len(lines))
     found = {
         f"the belt speed is above {BELT_SPEED:g} m/s": p.belt_speed > BELT_SPEED,
         f"the torque is above {CARRIED:.3g} times the capacity of the clamping force": np.abs(p.used) > CARRIED,
@@ -228,18 +228,16 @@ def _other_units(there: Mapping[str, Taken]) -> Iterator[Other]:
                     yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
 
 
-def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], values: Values, found: Mapping[str, str]) -> Sequence[Other]:
+def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, found: Mapping[str, str]) -> Sequence[Other]:
     """The readings that remove most doubts and add none, best first."""
-    before = _Points(values, len(sheet)).thrust_off()
     better: list[tuple[int, int, float, Other]] = []
     for other in _others(sheet):
-        if set(found) == ({"thrust law"} if other.unit else {"fast"}):
-            # The law is too rough to tell units, and a fast belt can only have another unit.
-            continue
-        new = rebuilt(other.changed(sheet))
-        left, off = doubts(new, len(sheet)), _Points(new, len(sheet)).thrust_off()
-        if set(left) < set(found) and off <= max(1.2 * before, OFF):
-            better.append((len(left), len(other.columns), off, other))
+        # The law is too rough to tell units, and a fast belt can only have another unit.
+        if set(found) != ({"thrust law"} if other.unit else {"fast"}):
+            new = _Points(rebuilt(other.changed(sheet)), len(sheet))
+            left, off = doubts(new), new.thrust_off()
+            if set(left) < set(found) and off <= max(1.2 * now.thrust_off(), OFF):
+                better.append((len(left), len(other.columns), off, other))
     fewest = min((left for left, *_ in better), default=0)
     best = [one for one in better if one[0] == fewest]
     closest = min((off for _, _, off, _ in best), default=0.0)
