@@ -10,7 +10,7 @@ pub(super) const SHORTEST_STEP: f64 = 1.0e-9;
 
 /// Inputs over a communication step: a ramp, which may have no length, and what follows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct InputProfile {
+pub struct InputProfile {
     ramp: LinearInputs,
     rest: LinearInputs,
 }
@@ -74,6 +74,11 @@ impl InputProfile {
             ramp: changed(&self.ramp, now),
             rest: changed(&self.rest, now.max(self.ramp.until)),
         }
+    }
+
+    /// The ramp and what follows it.
+    pub fn segments(&self) -> [LinearInputs; 2] {
+        [self.ramp, self.rest]
     }
 
     /// The segment in force from a time on, s.

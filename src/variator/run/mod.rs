@@ -30,5 +30,6 @@ mod stepper;
 pub(crate) mod variator;
 
 pub use communication_step::{CommunicationStep, Event};
+pub use inputs::InputProfile;
 pub use outcome::{InitialisationError, Message, Moment, StepError};
 pub use variator::Variator;
