@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,14 @@ RANGES = {
 """Range of each value. A value outside is most likely in another unit."""
 
 
+def check_ranges(one: object, what: str, ranges: Mapping[str, tuple[float, float, str]]) -> None:
+    """Raises ValueError for the first attribute outside its range, which is in SI units or in MPa."""
+    for name, (low, high, unit) in ranges.items():
+        value = getattr(one, name) * (1e-6 if unit == " MPa" else 1.0)
+        if not low <= value <= high:
+            raise ValueError(f"{name} of {what}: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
+
+
 @dataclass(frozen=True)
 class Material:
     """Haigh line and S-N curve. The defaults are engineering values for maraging steel rings (docs/durability.md)."""
@@ -32,10 +41,7 @@ class Material:
     """Factor by which the limit is reduced, for scatter, the size of a ring, and what the stress leaves out."""
 
     def __post_init__(self) -> None:
-        for name, (low, high, unit) in RANGES.items():
-            value = getattr(self, name) * (1e-6 if unit else 1.0)
-            if not low <= value <= high:
-                raise ValueError(f"{name} of the steel: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
+        check_ranges(self, "the steel", RANGES)
         if self.limit >= self.strength:
             raise ValueError(f"limit of the steel: {1e-6 * self.limit:g} MPa is not below its strength, {1e-6 * self.strength:g} MPa")
 

@@ -147,7 +147,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, vari
 @pytest.mark.parametrize("jumped", ["above", "here", "below"])
 def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
     """One of three states lies on another branch, far from the others."""
-    friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", "", 0.09, 0.0, 0.19)
+    friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", 0.09, 0.0, 0.19)
     sides = {"below": friction.value(1.0 - model.STEP), "here": 0.09, "above": friction.value(1.0 + model.STEP)}
 
     def solve(jobs: Sequence[Job]) -> list[Found]:
@@ -234,4 +234,3 @@ def test_points_without_a_steady_state_do_not_break_the_fit(solver: InProcess, v
     (friction,) = result.estimates
     assert [found.reason is not None for found in result.after] == [False, False, False, True]
     assert friction.value == pytest.approx(TRUTH["friction.pulley"], rel=0.02)
-    assert result.freedom == 8

@@ -25,7 +25,7 @@ Law = Callable[[np.ndarray, float], float]
 
 
 def parameter(name: str, start: float = 1.0, low: float = 0.0, high: float = np.inf, prior: tuple[float, float] | None = None) -> Parameter:
-    return Parameter(name, (name,), "1", "", start, low, high, prior)
+    return Parameter(name, (name,), "1", start, low, high, prior)
 
 
 def model(law: Law, truth: Sequence[float], names: Sequence[str] = NAMES, count: int = 30, deviation: float = 0.01) -> Model:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.points import SteadyStateError
-from pushbelt.steel import Material
+from pushbelt.steel import Material, check_ranges
 from pushbelt.variator import Variator
 
 MARGIN = 0.02  # Distance of the outer ratios from the end stops, relative
@@ -27,9 +27,7 @@ class Load:
     safety: float = 1.3
 
     def __post_init__(self) -> None:
-        for name, (low, high, unit) in LOADS.items():
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} of the load case: {getattr(self, name):g}{unit} is not within {low:g} to {high:g}{unit}")
+        check_ranges(self, "the load case", LOADS)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ The axes fit the bulk of the values of the leading set. Its outliers are at the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ import pandas as pd
 
 from pushbelt.report.charts import Chart, Panel, Series, around
 from pushbelt.fmu.geometry import Array
-from pushbelt.report.page import MINUS
 from pushbelt.report.style import BLUE, MUTED, ORANGE
+
+from .residuals import plain
 
 SURE = 2.0  # Half-width of the shaded band, in standard deviations
 LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
@@ -27,6 +29,7 @@ ARROWS = {(0, 1): "triangle-up", (0, -1): "triangle-down", (1, 0): "triangle-rig
 Range = tuple[float, float]
 Sets = Mapping[str, pd.DataFrame]
 Text = Callable[[Any], str]
+_brief = partial(plain, digits=3)
 
 
 def reach(rows: pd.DataFrame) -> float:
@@ -98,7 +101,3 @@ def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: 
             labels=[f"{label}: {text}" for label, text in zip(_labels(rows.iloc[chosen]), texts, strict=True)], texts=texts,
             text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
         )  # fmt: skip
-
-
-def _brief(value: float) -> str:
-    return f"{value:.3g}".replace("-", MINUS)

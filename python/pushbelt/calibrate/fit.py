@@ -63,7 +63,6 @@ class Fit(NamedTuple):
     estimates: tuple[Estimate, ...]
     spread: Spread  # Of the parameters that have an interval, in their order
     rms: tuple[float, float]  # Root mean square of the residuals in standard deviations, before and after
-    freedom: int  # Degrees of freedom: values used and priors minus parameters
     before: Sequence[Found]
     after: Sequence[Found]
     evaluations: int
@@ -128,7 +127,7 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     (first, used_before), (last, used), (of_all, _) = (
         _rms(model, states, some) for states, some in ((before, kept), (search.states, kept), (search.states, kept | True))
     )
-    freedom, misfit = used + len(search.kept) - len(kept) - len(spread.halves), None
+    misfit = None
     if len(kept) - used > LOST_SHARE * len(kept):
         misfit = f"{len(kept) - used} of {len(kept)} values are outliers or at points without a steady state"
     elif last > MISFIT:
@@ -136,9 +135,8 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     elif last > 1.0 and used_before == used and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     return Fit(
-        estimates, spread, (first, last), freedom, before, search.states, search.evaluations, search.converged, tuple(kept.tolist()),
-        of_all, misfit,
-    )  # fmt: skip
+        estimates, spread, (first, last), before, search.states, search.evaluations, search.converged, tuple(kept.tolist()), of_all, misfit
+    )
 
 
 def _rms(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,9 +20,10 @@ from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
 from . import figures, model
-from .residuals import Score, of, quantities, residuals, score
+from .residuals import Score, of, plain, quantities, residuals, score
 
 DEFAULT = "bench168"
+short = partial(plain, digits=4, none="–")
 SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
 
 
@@ -70,16 +72,11 @@ def write(held: HoldOut, folder: Path) -> Path:
             for row in rows[rows["reason"].notna()].drop_duplicates("line").itertuples()
         ],
     }
-    page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=plain)
+    page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=short)
     return folder / "report.html"
-
-
-def plain(value: float) -> str:
-    """A number with four significant digits."""
-    return "–" if value != value else f"{value:.4g}".replace("-", page.MINUS)
 
 
 def sentence(score: Score) -> str:
     """A score in one line."""
     lost = f", {score.lost} values without a steady state" if score.lost else ""
-    return f"{score.quantity}, {score.variator}: {plain(score.relative)} standard deviations, bias {plain(score.bias)}{lost}"
+    return f"{score.quantity}, {score.variator}: {short(score.relative)} standard deviations, bias {short(score.bias)}{lost}"

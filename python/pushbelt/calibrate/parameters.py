@@ -30,7 +30,6 @@ class Parameter:
     name: str  # Name as specified
     variables: tuple[str, ...]  # Variables of the FMU that are set to the value
     unit: str
-    meaning: str
     start: float
     low: float
     high: float
@@ -102,7 +101,7 @@ def _parameter(
             raise ParameterError(f"{name}: the {what}, {value:g}, is not within its bounds, {low:g} to {high:g}")
     if start == 0.0:
         raise ParameterError(f"{name} starts at 0, which defines no scale: specify a start value by --fit {name}=VALUE")
-    return Parameter(name, names, first.unit or "1", first.description or "", start, low, high, prior)
+    return Parameter(name, names, first.unit or "1", start, low, high, prior)
 
 
 def assign(parameters: Sequence[Parameter], coordinates: Sequence[float]) -> dict[str, float]:

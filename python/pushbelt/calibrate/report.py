@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from pushbelt import tables
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
@@ -117,11 +115,6 @@ def _unit(quantity: str) -> str:
     return "" if MEASURED[quantity].dimension == "ratio" else "1/s"
 
 
-def plain(value: float | None) -> str:
-    """A number with five significant digits."""
-    return "" if value is None or value != value else f"{value:.5g}".replace("-", page.MINUS)
-
-
 def write_html(results: Results, path: Path) -> None:
     """Writes the report."""
     found, rows = results.fit, results.rows
@@ -140,7 +133,7 @@ def write_html(results: Results, path: Path) -> None:
         "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
         "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
-    page.write_html("calibrate/calibrate.html.j2", context, path, plain=plain)
+    page.write_html("calibrate/calibrate.html.j2", context, path, plain=residuals.plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:

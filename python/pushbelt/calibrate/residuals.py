@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Point
 
@@ -34,6 +35,11 @@ def residuals(points: Sequence[Point], values: Sequence[Value], states: Sequence
     frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(numbers, float)).assign(kept=kept)
     frame["residual"] = frame["found"] - frame["measured"]
     return frame.assign(relative=frame["residual"] / frame["sd"])
+
+
+def plain(value: float | None, digits: int = 5, none: str = "") -> str:
+    """A number with so many significant digits; `none` for one that is unknown."""
+    return none if value is None or value != value else f"{value:.{digits}g}".replace("-", page.MINUS)
 
 
 def quantities(rows: pd.DataFrame) -> list[str]:

@@ -40,13 +40,8 @@ class Found:
 
     values: Mapping[str, float]  # Model values by quantity; empty without a steady state
     reason: str | None = None  # Reason why there is no steady state
-    share: float = 1.0  # Share of the torque that the belt carries, if there is no steady state
+    missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
     solves: int = 1  # Number of steady states that were solved
-
-    @property
-    def missing(self) -> float:
-        """0 with a steady state, else 1 plus the share of the torque that the belt does not carry."""
-        return 0.0 if self.reason is None else 2.0 - self.share
 
 
 _open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
@@ -69,7 +64,7 @@ def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float]
         return solve(_open[directory], parameters, point)
     except UnitError as error:
         _open.pop(directory).close()
-        return Found({}, str(error), 0.0)
+        return Found({}, str(error), 2.0)
 
 
 def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
@@ -81,33 +76,27 @@ def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -
     return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
 
 
-def _start_values(
-    parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float | None = None
-) -> dict[str, float]:
-    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio, or in a shift moves under
-    its force."""
+def _started(
+    states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float | None = None
+) -> Instance | Found:
+    """The instance in a steady state, or why there is none. The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its
+    sheave is held at the ratio, or in a shift moves under its force."""
     # The forces of a point are whole: cylinders are in them.
-    own = {name: value for name, value in parameters.items() if ".cylinder." not in name}
-    own |= {"initial.equilibrium": False}
-    found = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
+    own = {name: value for name, value in parameters.items() if ".cylinder." not in name} | {"initial.equilibrium": False}
+    values = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
     if primary_force is not None:
-        found |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
-    return found
-
-
-def _initialise(states: SteadyStates, values: Mapping[str, float], torque: float) -> Instance | Found:
-    """The instance in a steady state, or why there is none."""
+        values |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
     unit = states.started(values)
     if unit.not_steady is None:
         return unit
     carried = 0.0
-    if unit.get("initial.found") == StartState.REDUCED_TORQUE and torque:
-        carried = min(max(-unit.get("primary.shaftTorque") / torque, 0.0), 1.0)
-    return Found({}, unit.not_steady, carried)
+    if unit.get("initial.found") == StartState.REDUCED_TORQUE and point.torque:
+        carried = min(max(-unit.get("primary.shaftTorque") / point.torque, 0.0), 1.0)
+    return Found({}, unit.not_steady, 2.0 - carried)
 
 
 def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
-    unit = _initialise(states, _start_values(parameters, point, ratio, point.speed_ratio or ratio), point.torque)
+    unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
     return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 
 
@@ -141,8 +130,7 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     # d(ln i)/dt, also of s = 1/i
     rate = measured.value / point.ratio if measured.quantity == "di/dt" else -measured.value * point.ratio
     begin = point.ratio * math.exp(-rate * (SETTLING + 0.5 * WINDOW) * revolution)
-    values = _start_values(parameters, point, begin, point.ratio, point.primary_force) | {"solver.tolerance": SHIFT_TOLERANCE}
-    unit = _initialise(states, values, point.torque)
+    unit = _started(states, {**parameters, "solver.tolerance": SHIFT_TOLERANCE}, point, begin, point.ratio, point.primary_force)
     if isinstance(unit, Found):
         return unit
     logs = []
@@ -165,8 +153,7 @@ def _record(states: SteadyStates, parameters: Mapping[str, float], record: Recor
     """
     inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
-    values = _start_values(parameters, record, ratio, ratio, primary_force)
-    unit = _initialise(states, values, record.torque)
+    unit = _started(states, parameters, record, ratio, ratio, primary_force)
     if isinstance(unit, Found):
         return unit
     reals, found = unit.reals(RECORD_INPUTS), {}

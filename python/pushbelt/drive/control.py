@@ -45,7 +45,10 @@ class Friction:
 
     def clamping_force(self, measured: Measured, safety: float) -> float:
         """Secondary clamping force for the estimated torque, N."""
-        torque = abs(measured.torque) + self.reserve
+        return self.carrying(abs(measured.torque) + self.reserve, measured, safety)
+
+    def carrying(self, torque: float, measured: Measured, safety: float = 1.0) -> float:
+        """Clamping force that carries a torque in N·m, N."""
         return clamping_force(torque, measured.pitch_radius, self.coefficient, self.wedge_angle, safety)
 
 
@@ -109,12 +112,10 @@ class SlipControl:
 
     def stable_utilisation(self, measured: Measured) -> float:
         """Torque utilisation beyond which the flywheel makes the ratio unstable."""
-        belt = self.friction
-        secondary = belt.clamping_force(measured, 1.0 / self.utilisation)
+        secondary = self.friction.clamping_force(measured, 1.0 / self.utilisation)
         gain = self.map.shift_gain(measured.ratio, self.utilisation, secondary=secondary)
         torque_per_force = self.flywheel * gain * measured.primary_speed**2
-        force_per_torque = clamping_force(1.0, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
-        return self.map.stable_utilisation(measured.ratio, torque_per_force * force_per_torque)
+        return self.map.stable_utilisation(measured.ratio, torque_per_force * self.friction.carrying(1.0, measured))
 
     def set_point(self, ratio: float, utilisation: float) -> float:
         """Set point of the magnitude of slip, 1."""
@@ -211,9 +212,7 @@ class RatioControl:
 
     def _utilisation(self, measured: Measured, secondary: float) -> float:
         """Torque utilisation under a secondary force in N, with the sign of the torque."""
-        belt = self.friction
-        carried = clamping_force(measured.torque, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
-        return math.copysign(min(carried / secondary, 1.0), measured.torque)
+        return math.copysign(min(self.friction.carrying(measured.torque, measured) / secondary, 1.0), measured.torque)
 
     def _excess(self, wanted: float, measured: Measured, secondary: float) -> float:
         """ε for a shift speed λ, 1/s, at a secondary force, N."""

@@ -304,14 +304,13 @@ class _Reader:
             return None
         written = self._unit(place, title, candidates[0], bool(name), bool(said))
         for name, _ in candidates:
-            column = self.names.columns[name.removesuffix(DEVIATION)]
+            column = self._column(name)
             if column.dimension == "text":
                 return Taken(title, name, "", place, Unit(1.0), column)
             scale = units.find(written, column.dimension) if written else column.without_unit()
             if scale is not None:
                 return Taken(title, name, written, place, scale, column, sign)
         name = candidates[0][0]
-        dimension = self.names.columns[name.removesuffix(DEVIATION)].dimension
         full = key(name) == key(next(iter(splits(title)))[0])
         if written and units.dimensions(written) and wanted is None and not said and not full:
             # A short name may mean something else: T_P in °C is a temperature.
@@ -319,22 +318,25 @@ class _Reader:
             self.sheet.ignored.append(title)
             return None
         self.sheet.failed.add(name)
-        usual = units.usual(dimension)
+        usual = units.usual(self._column(name).dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
         self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
         return None
 
+    def _column(self, name: str) -> Column:
+        return self.names.columns[name.removesuffix(DEVIATION)]
+
     def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
         """The unit of a column as it is written; empty without one. That in the title counts before that in the row of units."""
         name, written = candidate
-        ratio = self.names.columns[name.removesuffix(DEVIATION)].dimension == "ratio"
         if written is None and wanted:
             written = next((unit for word, unit in splits(title) if unit is not None and key(word)), None)
             if said and written is not None and units.find(written, "ratio") is None:
                 written = None
-        found = written if written and written.strip() else (self.units[place].strip() if place < len(self.units) else "")
+        found = written if written and written.strip() else self.units[place].strip()
         # `i (n_P/n_S)` has no unit.
-        return "" if ratio and (self.names.find(found) or self.names.inverse(found)) else found
+        other_name = self._column(name).dimension == "ratio" and (self.names.find(found) or self.names.inverse(found))
+        return "" if other_name else found
 
     def _unknown(self, title: str) -> None:
         near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
