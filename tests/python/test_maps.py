@@ -95,15 +95,6 @@ def test_grid_refuses(values: dict) -> None:
         Grid(**values)
 
 
-def test_identity_is_that_of_the_results(plan: Plan) -> None:
-    others = [
-        dataclasses.replace(plan, grid=dataclasses.replace(GRID, force=(6e3,))),
-        dataclasses.replace(plan, parameters={**PARAMETERS, "belt.play": 3e-4}),
-    ]
-    assert len({plan.identity, *(other.identity for other in others)}) == 3
-    assert Plan(plan.fmu, dict(reversed(PARAMETERS.items())), GRID).identity == plan.identity
-
-
 # The FMU
 
 

@@ -65,14 +65,6 @@ def test_grid_numbers_its_points() -> None:
     assert points[1] == at(0.5, 0.5, 0.1, 100.0, 1e4)
 
 
-@pytest.mark.parametrize(
-    "values", [{"ratio": ()}, {"ratio": (1.0, 0.5)}, {"speed": (0.0, 10.0)}, {"utilisation": (0.1, math.inf)}]
-)
-def test_grid_refuses(values: dict) -> None:
-    with pytest.raises(ValueError, match=next(iter(values))):
-        Grid(**values)
-
-
 def test_a_point_sets_its_utilisation() -> None:
     """2 μ r_P F_S/cosβ; r_P of the laboratory variator is 57 mm at ratio 1."""
     values = start_values(PARAMETERS, at(1.0, -0.5, 0.08, 150.0, 1e4))
