@@ -204,6 +204,11 @@ fn derivatives_along(
         }
     }
     let step = 1.0 / largest;
+    // A clamping force is not negative, so none lies below that of a pulley that is closed by pressure alone.
+    let offset = match load {
+        Some(Load::ClampingForce(_)) => step,
+        _ => 0.0,
+    };
     let beside = |step: f64| {
         let mut state = state.clone();
         for i in 0..n {
@@ -213,7 +218,7 @@ fn derivatives_along(
         }
         let mut inputs = *inputs;
         if let Some(load) = load {
-            *load.field(&mut inputs) += step;
+            *load.field(&mut inputs) += offset + step;
         }
         let diagnostics = BeltDiagnostics::of(system, state.view());
         let BeltSums {
