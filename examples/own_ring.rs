@@ -20,7 +20,7 @@ use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::belt_ring::{
     Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Directions, EulerianRing,
-    MeshCurve, Place, ReadUnknowns, RingDensity, RingForces, RingKind, RingUnknowns, cells_of_deflecting,
+    MeshCurve, Place, RingDensity, RingForces, RingKind, RingUnknowns, Unknowns, cells_of_deflecting,
     eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
@@ -96,7 +96,7 @@ impl<C: MeshCurve> RingKind<2, C> for Stiffening {
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _curve: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> StiffeningRing<'a, T> {

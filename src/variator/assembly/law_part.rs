@@ -5,7 +5,7 @@ use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
-use crate::variator::cell::laws::{Extent, LawArguments, LawForce, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS};
+use crate::variator::cell::laws::{Extent, LawArguments, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::VaryingRing;
@@ -63,24 +63,13 @@ impl LawPart {
         slopes: &LawTangents,
     ) {
         self.slopes = *slopes;
-        let Extent { stations, flanks } = self.extent;
         let mut left = self.left.chunks_exact_mut(height::<K>());
-        let mut record = |force: LawForce| {
-            let (b, ring) = linear.vary_law(force);
+        linear.for_each_force(|b, ring| {
             if let Some(to) = left.next() {
                 let rows = rows::<_, K, D>(&b, &ring);
                 to.iter_mut().zip(in_block::<K>(&rows)).for_each(|(to, row)| *to = *row);
             }
-        };
-        for station in 0..stations {
-            for flank in 0..flanks {
-                for force in 0..FLANK_FORCES {
-                    record(LawForce::Flank { station, flank, force });
-                }
-            }
-            record(LawForce::Ring { station });
-        }
-        record(LawForce::Push);
+        });
     }
 
     /// The derivatives with updated tangents, from the cached `block`.

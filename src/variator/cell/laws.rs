@@ -94,26 +94,15 @@ impl Extent {
     }
 }
 
-/// A force of a law.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LawForce {
-    /// At a station, on the flank 0 or 1: its number among [`FLANK_FORCES`].
-    Flank { station: usize, flank: usize, force: usize },
-    /// Friction of the ring at a station.
-    Ring { station: usize },
-    /// The push force.
-    Push,
-}
-
 /// Tangents of the laws of a pack of cells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawTangents {
     pub stations: [StationTangents; STATIONS],
     pub stack: [Lanes; STACK_ARGUMENTS],
 }
 
 /// Tangents of the laws at a station.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationTangents {
     pub flanks: [FlankTangents; 2],
     pub ring: [Lanes; RING_ARGUMENTS],
