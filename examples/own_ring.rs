@@ -81,11 +81,9 @@ struct Stiffening {
     factor: f64,
 }
 
-/// The unknowns of a cell: two positions and two slopes of each of its two nodes, and Θ as the only coordinate of the curve.
+/// The unknowns of a cell: two positions and two slopes of each of its two nodes.
 impl Directions for Stiffening {
     const NODES: usize = 8;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
 }
 
 impl<C: MeshCurve> RingKind<2, C> for Stiffening {

@@ -160,11 +160,10 @@ fn losses_rise_with_the_square_of_the_misalignment() {
             assert!(s.power_defect().abs() < 1e-3, "{}", s.power_defect());
         }
         let mean = |of: &dyn Fn(&Outputs) -> f64| 0.5 * (of(&both[0].outputs) + of(&both[1].outputs));
-        let change = [
+        [
             mean(&|o| o.thrust_ratio) - aligned.thrust_ratio,
             mean(&loss) - loss(&aligned),
-        ];
-        change
+        ]
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
     assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");

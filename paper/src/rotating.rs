@@ -88,8 +88,6 @@ pub(crate) struct RotatingRing<const D: usize>;
 
 impl<const D: usize> Directions for RotatingRing<D> {
     const NODES: usize = 4 * D;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
 }
 
 impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing<D> {

@@ -15,10 +15,8 @@ const NEWTON_STEPS: usize = 50;
 const LAST_STEP: f64 = 1e-8;
 /// Length error, as a share of L, up to which a curve counts as closed: some thousand times the rounding error.
 const CLOSED: f64 = 1e-12;
-/// Largest start value of r_P, as a share of that with r_P − r_S = d_A, the end of the range of φ.
-const LARGEST_START: f64 = 0.999;
-/// Largest iterate of r_P, as the same share.
-const LARGEST_ITERATE: f64 = 0.9999;
+/// Largest r_P of the search, as a share of that with r_P − r_S = d_A, the end of the range of φ.
+const LARGEST: f64 = 0.9999;
 /// Least |1 − i_g| for which r_P is limited: at ratio 1 there is no limit.
 const LEAST_DIFFERENCE: f64 = 1e-9;
 
@@ -78,11 +76,11 @@ impl TwoPulley {
         // The derivative of the closure is positive and bounded away from zero, so Newton converges from every start
         // inside the range of φ.
         let limit = d / (1.0 - ratio).abs().max(LEAST_DIFFERENCE);
-        r_p = r_p.clamp(0.0, LARGEST_START * limit);
+        r_p = r_p.clamp(0.0, LARGEST * limit);
         for _ in 0..NEWTON_STEPS {
             let (excess, slope) = self.closure(r_p, ratio);
             let step = excess / slope;
-            r_p = (r_p - step).min(LARGEST_ITERATE * limit);
+            r_p = (r_p - step).min(LARGEST * limit);
             if step.abs() < LAST_STEP * self.length {
                 break;
             }

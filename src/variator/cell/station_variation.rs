@@ -5,7 +5,7 @@ use crate::contact::FlankMotion;
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
-use crate::variator::cell::laws::{StationArguments, StationTangents};
+use crate::variator::cell::laws::{OfStation, StationArguments, StationTangents};
 use crate::variator::cell::state::{CellInput, StationForces, StationState};
 use crate::variator::law::flanks::{FlankLoads, FlankSum};
 use crate::variator::law::place::{CellBalance, CellLaw, PulleyLoad};
@@ -328,7 +328,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             speed = change.chain.along + ring.w * by.stretch;
             sliding += speed - chain.speed * change.chain.lead;
         }
-        let arguments = StationArguments {
+        let arguments: StationArguments<Lanes> = OfStation {
             flanks: motions.each_ref().map(of_flank),
             ring: [change.tension, sliding],
         };

@@ -12,7 +12,7 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::directions::Directions;
 use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation};
-use crate::variator::cell::laws::{LawArguments, LawTangents, STACK_ARGUMENTS, StationArguments};
+use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents, StationArguments};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::flanks::FlankSum;
@@ -46,7 +46,7 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     /// Derivatives of the passing amount of elements with respect to density and flow.
     passing: [Lanes; 2],
     /// Tangents of the push force.
-    push_by: [Lanes; STACK_ARGUMENTS],
+    push_by: [Lanes; ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
@@ -111,7 +111,7 @@ struct CellVariation {
 /// Variation of the stack in a cell.
 #[derive(Clone, Copy, Debug)]
 struct StackVariation {
-    arguments: [Lanes; STACK_ARGUMENTS],
+    arguments: [Lanes; ARGUMENTS],
     density: Lanes,
     /// Push force, N.
     push: Lanes,
@@ -187,11 +187,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let cell = self.vary_cell::<MOVES>(direction, &mut varied);
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
-        let mut out = CellBalance::default();
-        out.speed = [stack.push, -stack.push];
-        out.transport = Transport {
-            flow: cell.flow_in,
-            density: stack.density,
+        let mut out = CellBalance {
+            speed: [stack.push, -stack.push],
+            transport: Transport {
+                flow: cell.flow_in,
+                density: stack.density,
+            },
+            ..CellBalance::default()
         };
         let on_stations = StackForce {
             density: [self.cell.density, stack.density],
