@@ -20,7 +20,7 @@ use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::belt_ring::{
     Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Directions, EulerianRing,
-    MeshCurve, Place, ReadUnknowns, RingDensity, RingForces, RingKind, RingUnknowns, cells_of_deflecting,
+    MeshCurve, Place, RingDensity, RingForces, RingKind, RingUnknowns, Unknowns, cells_of_deflecting,
     eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
@@ -81,11 +81,9 @@ struct Stiffening {
     factor: f64,
 }
 
-/// The unknowns of a cell: two positions and two slopes of each of its two nodes, and Θ as the only coordinate of the curve.
+/// The unknowns of a cell: two positions and two slopes of each of its two nodes.
 impl Directions for Stiffening {
     const NODES: usize = 8;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
 }
 
 impl<C: MeshCurve> RingKind<2, C> for Stiffening {
@@ -96,7 +94,7 @@ impl<C: MeshCurve> RingKind<2, C> for Stiffening {
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _curve: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> StiffeningRing<'a, T> {

@@ -409,64 +409,10 @@ impl<T> Transport<T> {
     }
 }
 
-impl Transport<f64> {
-    /// Derivatives in N directions of a function with these derivatives with respect to the quantities; `slopes` are the
-    /// derivatives of the quantities.
-    #[inline(always)]
-    #[must_use]
-    pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>) -> [f64; N] {
-        std::array::from_fn(|k| self.flow * slopes.flow[k] + self.density * slopes.density[k])
-    }
-}
-
 /// Amount per time through a face: J ν of the cell upstream.
 #[inline(always)]
 pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
     let (forward, _) = smooth_plus(after.flow, UPWIND_SMOOTHING);
     let (backward, _) = smooth_plus(-after.flow, UPWIND_SMOOTHING);
     forward * before.density - backward * after.density
-}
-
-/// Derivatives of [`flux`] with respect to the quantities of both cells.
-#[must_use]
-pub fn flux_slopes<T: Real>(before: &Transport<T>, after: &Transport<T>) -> [Transport<T>; 2] {
-    let (forward, forward_by) = smooth_plus(after.flow, UPWIND_SMOOTHING);
-    let (backward, backward_by) = smooth_plus(-after.flow, UPWIND_SMOOTHING);
-    [
-        Transport {
-            flow: T::zero(),
-            density: forward,
-        },
-        Transport {
-            flow: forward_by * before.density + backward_by * after.density,
-            density: -backward,
-        },
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use num_dual::Dual64;
-
-    #[test]
-    fn flux_slopes_match_forward_differentiation() {
-        for flow in [-3.0, -1e-6, 0.0, 2e-6, 3.0] {
-            let cells = [[0.4, 0.98], [flow, 1.01]];
-            let [before, after] = cells.map(|[flow, density]| Transport { flow, density });
-            let slopes = flux_slopes(&before, &after).map(|s| [s.flow, s.density]);
-            for k in 0..4 {
-                let seeded = |cell: usize| {
-                    let [flow, density] =
-                        std::array::from_fn(|i| Dual64::new(cells[cell][i], f64::from(u8::from(2 * cell + i == k))));
-                    Transport { flow, density }
-                };
-                let slope = flux(&seeded(0), &seeded(1)).eps;
-                assert!(
-                    (slope - slopes[k / 2][k % 2]).abs() < 1e-12,
-                    "flow {flow}, argument {k}"
-                );
-            }
-        }
-    }
 }

@@ -67,6 +67,17 @@ pub struct FlankMotion<T> {
 }
 
 impl<T: Real> FlankMotion<T> {
+    /// Applies `f` to each component.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> FlankMotion<U> {
+        FlankMotion {
+            penetration: f(self.penetration),
+            closing: f(self.closing),
+            tangential: f(self.tangential),
+            along_flank: f(self.along_flank),
+        }
+    }
+
     /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards it, and moves towards it
     /// at `speed`, m/s. For the other flank both have the opposite sign.
     #[inline(always)]
@@ -161,96 +172,4 @@ pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T)
 pub(crate) fn energy_density_at<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
     soft_plus_energy_at(penetration, depth, contact.roughness) * stiffness
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use num_dual::Dual64;
-
-    fn setting() -> (Contact, Friction) {
-        let contact = Contact {
-            stiffness: 5.0e9,
-            damping: 1.0e-6,
-            roughness: 0.5e-6,
-        };
-        let friction = Friction {
-            pulley: 0.09,
-            ring: 0.05,
-            velocity: 5.0e-4,
-            ring_velocity: 2.0e-3,
-            fall: 0.3,
-            fall_speed: 2.0e-2,
-        };
-        (contact, friction)
-    }
-
-    /// Derivatives in each direction against differences: sticking, sliding, breaking contact.
-    #[test]
-    fn derivatives_in_each_regime() {
-        let (contact, friction) = setting();
-        let cases = [
-            [2e-5, 1e-3, 1e-5, -2e-5],
-            [2e-5, 1e-3, 3e-2, 1e-2],
-            [0.0, 0.2, 1e-4, 1e-4],
-            [-3e-6, -0.1, 1e-2, 0.0],
-        ];
-        let steps = [1e-10, 1e-6, 1e-8, 1e-8];
-        for case in cases {
-            for i in 0..4 {
-                let at = |x: [Dual64; 4]| {
-                    let f = flank_force(
-                        &contact,
-                        &friction,
-                        0.98,
-                        &FlankMotion {
-                            penetration: x[0],
-                            closing: x[1],
-                            tangential: x[2],
-                            along_flank: x[3],
-                        },
-                    );
-                    [f.normal, f.tangential, f.along_flank]
-                };
-                let mut x = case.map(Dual64::from_re);
-                x[i] = x[i].derivative();
-                let exact = at(x);
-                let shifted = |h: f64| {
-                    let mut x = case.map(Dual64::from_re);
-                    x[i].re += h;
-                    at(x)
-                };
-                let (plus, minus) = (shifted(steps[i]), shifted(-steps[i]));
-                for k in 0..3 {
-                    let difference = (plus[k].re - minus[k].re) / (2.0 * steps[i]);
-                    let scale = exact[k].eps.abs().max(1e-3 * exact[k].re.abs() / steps[i]).max(1.0);
-                    assert!(
-                        (exact[k].eps - difference).abs() < 1e-4 * scale,
-                        "{case:?} {i} {k}: {} {difference}",
-                        exact[k].eps
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn friction_opposes_sliding_and_stays_in_the_cone() {
-        let (contact, friction) = setting();
-        for (vt, vf) in [(1.0, 0.0), (-1e-3, 2e-3), (1e-5, -1e-4)] {
-            let f = flank_force(
-                &contact,
-                &friction,
-                1.0,
-                &FlankMotion {
-                    penetration: 2e-5,
-                    closing: 0.0,
-                    tangential: vt,
-                    along_flank: vf,
-                },
-            );
-            assert!(f.tangential * vt + f.along_flank * vf <= 0.0);
-            assert!(f64::hypot(f.tangential, f.along_flank) <= friction.pulley * f.normal);
-        }
-    }
 }

@@ -77,15 +77,6 @@ fn a_steady_chain_balances_its_power() {
             for torque in [50.0, -30.0] {
                 let state = driven(&chain(model), ratio, torque, SPEED);
                 let o = &state.outputs;
-                println!(
-                    "{model:?} {ratio}, {torque} N·m: thrust ratio {:.4}, slip {:.2e}, T {:.0} to {:.0} N, defect {:.1e}, {:?}",
-                    o.thrust_ratio,
-                    o.slip,
-                    o.ring_tension_min,
-                    o.ring_tension_max,
-                    state.power_defect(),
-                    state.counts
-                );
                 let absent = [o.push_force_max, o.losses.ring, o.losses.layers, o.ring_stress.max];
                 assert_eq!(absent, [0.0; 4]);
                 assert_eq!([o.primary.idle_arc, o.secondary.idle_arc], [0.0; 2]);
@@ -140,7 +131,6 @@ fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
             let state = steady(&parameters, &task, speeds(ratio, SPEED));
             let wrap = state.wrap();
             let off = state.outputs.thrust_ratio * wrap.secondary / wrap.primary - 1.0;
-            println!("{model:?} {ratio}: {off:.1e}");
             assert!(off.abs() < 3e-4, "{off}");
         }
     }
@@ -186,7 +176,6 @@ fn bending_is_negligible() {
         stiffer.ring.bending_stiffness *= 5.0;
         let of = |parameters| driven(parameters, ratio, 50.0, SPEED).outputs.thrust_ratio;
         let (one, five) = (of(&parameters), of(&stiffer));
-        println!("{ratio}: {one} {five} {:+.2e}", five / one - 1.0);
         assert_close(five, one, 5e-3, "thrust ratio with five times the bending stiffness");
     }
 }
@@ -224,11 +213,6 @@ fn energy_balance_of_the_manoeuvre() {
         }
         run.assert_balances();
         let o = run.variator.outputs().clone();
-        println!(
-            "{model:?}: {:?}, residual {:.2} of its bound",
-            run.variator.counts(),
-            run.residual
-        );
         assert!(!o.macro_slip && o.slip < 0.02, "{}", o.slip);
     }
 }
@@ -340,7 +324,6 @@ fn the_linear_model_follows_a_small_step() {
             change += sign * run.outputs().ratio_geometric;
         }
         let predicted = response(&linear.a, linear.b.iter().map(|row| row[load]), &linear.c[0], time) * step;
-        println!("{model:?}: {change:e} against {predicted:e}");
         assert_close(change, predicted, 0.1, "ratio after a small step");
     }
 }

@@ -114,10 +114,6 @@ fn power_of_the_oil_is_the_work_on_the_sheave() {
                 rubbed = rubbed.max(seals);
             });
         }
-        println!(
-            "{model:?}: up to {fluid:.1} W of the oil, {rubbed:.2} W lost in seals, residual {:.2}",
-            run.residual
-        );
         assert!(fluid > 10.0 && rubbed > 0.1);
         run.assert_balances();
     }
@@ -205,7 +201,6 @@ fn seals_make_a_hysteresis_of_thrust_over_position() {
         closing - (low + (high - low) * (place - after) / (before - after))
     };
     let (rubbing, free) = (loop_width(seal), loop_width(0.0));
-    println!("the loop is {rubbing:.1} N wide, {free:.1} N without seals");
     assert_close(rubbing - free, 2.0 * seal, 0.01, "width of the loop");
 }
 
@@ -222,7 +217,6 @@ fn seals_creep_no_faster_than_their_regularisation() {
         run.go(0.05, 1e-3).primary.sheave_velocity
     };
     let (rubbing, free) = (creep(seal), creep(0.0));
-    println!("the sheave creeps at {rubbing:.2e} m/s, and moves at {free:.2e} m/s without seals");
     // v/√(v² + v₀²) = 1/2.
     assert!(rubbing.abs() < Parameters::default().friction.velocity / 3.0_f64.sqrt() && rubbing.abs() < free.abs());
 }
@@ -245,10 +239,6 @@ fn starts_are_those_of_the_whole_forces() {
         assert_eq!(
             (o.start_state, expected.start_state),
             (StartState::Steady, StartState::Steady)
-        );
-        println!(
-            "{model:?}: equilibrium at the ratio {:.6}, by forces {:.6}",
-            o.ratio_geometric, expected.ratio_geometric
         );
         assert_close(
             o.ratio_geometric,
@@ -291,11 +281,6 @@ fn a_start_without_load_has_springs_and_seals() {
             (parameters.initial.steady, parameters.initial.primary_speed) = (false, speed);
             let mut run = Run::new(parameters, by_pressure(inputs((0.0, 11e3), (0.0, 10e3)), CYLINDER.area));
             let o = run.go(0.1, 1e-3);
-            println!(
-                "{model:?}, {speed} rad/s: {:?}, residual {}",
-                run.variator.counts(),
-                run.residual
-            );
             assert_close(
                 o.secondary.axial_force,
                 o.secondary.clamping_force_total,

@@ -16,7 +16,6 @@ fn bench(model: RingModel) -> FilmBench {
 fn some_elements_of_a_loose_belt_are_free() {
     for model in MODELS {
         let least = bench(model).least_push().expect("steady states");
-        println!("{model:?}: least push force {least:.1} N");
         assert!((-19.0..5.0).contains(&least), "{model:?}: {least} N");
     }
 }
@@ -26,7 +25,6 @@ fn some_elements_of_a_loose_belt_are_free() {
 fn the_idle_arc_shrinks_as_the_torque_rises() {
     let bench = bench(RingModel::Ale);
     let found = SHARES.map(|share| bench.onset(share).expect("a steady state"));
-    println!("idle shares of the primary arc: {found:.2?}");
     for (found, least) in found.into_iter().zip([0.6, 0.5, 0.3]) {
         assert!(found >= least, "{found} {least}");
     }
@@ -38,7 +36,6 @@ fn the_idle_arc_shrinks_as_the_torque_rises() {
 fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0028), (RingModel::Ale0, 0.0025)] {
         let [less, more] = [2e-4, 4e-4].map(|play| bench(model).slip(play).expect("a steady state"));
-        println!("{model:?}: slip {less:.4} and {more:.4}");
         assert!((least..0.005).contains(&(more - less)), "{model:?}: {}", more - less);
     }
 }
@@ -48,7 +45,6 @@ fn slip_grows_with_the_play() {
 fn traction_peaks_at_more_slip_in_underdrive() {
     let bench = bench(RingModel::Ale);
     let [low, _, high] = RATIOS.map(|(_, ratio)| bench.near_peak(ratio).expect("steady states")[0]);
-    println!("slip at 95 % of the peak of traction: {low:.4} in underdrive, {high:.4} in overdrive");
     assert!(low >= 0.017 && (0.01..low).contains(&high), "{low} {high}");
 }
 
@@ -75,7 +71,6 @@ fn the_gaps_of_the_profile_add_up_to_the_play() {
             .iter()
             .map(|tension| tension / parameters.ring.axial_stiffness * step)
             .sum();
-        println!("{model:?}: gaps of {sum:.2e} m, stretch {stretch:.2e} m");
         assert_close(sum, parameters.belt.play + stretch, 0.1, "sum of the gaps");
         assert!(
             profile
@@ -106,7 +101,6 @@ fn idle_arcs_follow_the_direction_of_travel() {
             [o.primary.idle_arc, o.secondary.idle_arc]
         };
         let (forward, backward) = (arcs(1.0, 50.0), arcs(-1.0, 50.0));
-        println!("{model:?}: {forward:.3?} rad forward, {backward:.3?} rad in reverse");
         for (a, b) in forward.into_iter().zip(backward) {
             assert!((a - b).abs() < 0.02, "{a} {b}");
             assert!((0.0..4.0).contains(&a));

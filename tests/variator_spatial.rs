@@ -49,14 +49,9 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
         );
     }
     let most = lifted.lateral.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-    println!("largest lateral force {most:.1e} N");
     assert!(most < 1e-9 * scale);
     let solved = at_ratio(&parameters, RATIO);
     let (a, b) = (flat.outputs.thrust_ratio, solved.outputs.thrust_ratio);
-    println!(
-        "thrust ratio {a:.9} and {b:.9}, w up to {:.1e} m",
-        solved.outputs.lateral_max
-    );
     assert!((a / b - 1.0).abs() < 1e-6 && solved.outputs.lateral_max < 1e-8);
 }
 
@@ -110,7 +105,6 @@ fn strands_are_straight_between_boundary_layers() {
         };
         let (near, far) = (nearest(1.5 * width), nearest(3.5 * width));
         let found = (far.0 - near.0) / ((1.0 - near.1 / straight) / (1.0 - far.1 / straight)).ln();
-        println!("segment {segment}: N = {force:.0} N, width {width:.3e} m, found {found:.3e} m");
         assert_close(found, width, 0.03, "width of the boundary layer");
     }
 }
@@ -121,10 +115,6 @@ fn strands_are_straight_between_boundary_layers() {
 fn belt_follows_the_planes_of_its_pulleys() {
     let state = at_ratio(&spatial(1.0e-3), RATIO);
     let o = &state.outputs;
-    println!(
-        "misalignment {:.4e} m, w {:.4e} m, skew {:.3e}",
-        o.misalignment, o.lateral_max, o.skew
-    );
     assert_close(o.misalignment, 1.0e-3, 1e-2, "misalignment");
     assert_close(o.lateral_max, 0.5 * o.misalignment, 2e-2, "largest deflection");
     let strand = 0.168 * (1.0 - (o.primary.radius - o.secondary.radius).powi(2) / 0.168_f64.powi(2)).sqrt();
@@ -138,7 +128,6 @@ fn belt_follows_the_planes_of_its_pulleys() {
         .filter(|s| s.normal > 5.0e4)
         .map(|s| s.offset.abs())
         .fold(0.0, f64::max);
-    println!("off the middle of the pulleys by {largest:.1e} m");
     assert!(largest < 2.0e-5);
 }
 
@@ -151,10 +140,6 @@ fn misalignment_follows_the_ratio() {
         let state = at_ratio(&parameters, ratio);
         let o = &state.outputs;
         let geometric = state.geometric_misalignment();
-        println!(
-            "ratio {ratio}: {:.3e} m, of the radii {geometric:.3e} m",
-            o.misalignment
-        );
         // The flanks' penetration closes the pulleys a little more.
         assert!((o.misalignment - geometric).abs() < 1.5e-4);
         assert!((ratio - 1.0).abs() < 0.1 || o.misalignment > 3.0e-4);
@@ -175,18 +160,10 @@ fn losses_rise_with_the_square_of_the_misalignment() {
             assert!(s.power_defect().abs() < 1e-3, "{}", s.power_defect());
         }
         let mean = |of: &dyn Fn(&Outputs) -> f64| 0.5 * (of(&both[0].outputs) + of(&both[1].outputs));
-        let change = [
+        [
             mean(&|o| o.thrust_ratio) - aligned.thrust_ratio,
             mean(&loss) - loss(&aligned),
-        ];
-        println!(
-            "±{m} m: thrust ratio by {:+.2e} of {:.4}, losses by {:+.2e} of {:.1} W",
-            change[0],
-            aligned.thrust_ratio,
-            change[1],
-            loss(&aligned)
-        );
-        change
+        ]
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
     assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");
@@ -205,7 +182,6 @@ fn power_balance_out_of_plane() {
     let fine = at_ratio(&parameters, RATIO).power_defect();
     parameters.mesh = parameters.mesh.refined(2);
     let finer = at_ratio(&parameters, RATIO).power_defect();
-    println!("power defect {coarse:.2e}, {fine:.2e} on twice, {finer:.2e} on four times the elements");
     assert!([coarse, fine, finer].iter().all(|defect| defect.abs() < 3e-5));
 }
 
@@ -219,13 +195,6 @@ fn energy_balance_of_a_shift() {
     run.go(0.05, 1.0e-3);
     run.inputs.primary.clamping_force = 1.9e4;
     let o = run.go(0.2, 1.0e-3);
-    println!(
-        "sheave by {:.2e} m, misalignment {:.2e} m, skew {:.2e}, residual {:.2e} of what is allowed",
-        o.primary.position - start,
-        o.misalignment,
-        o.skew,
-        run.residual
-    );
     assert!(o.primary.position - start > 1.0e-4);
     run.assert_balances();
 }

@@ -46,17 +46,6 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
             let radius = o.primary.radius.min(o.secondary.radius) + parameters.belt.pitch_offset;
             let (of_bending, residual) = (bending / radius, bending * parameters.layers.residual_curvature);
             let [low, high] = [o.ring_tension_min, o.ring_tension_max].map(|tension| tension / area);
-            println!(
-                "{model:?} ratio {ratio}, {torque} N·m, {force} N: tension {:.0} to {:.0}, bending {:.0}, max {:.0} MPa; amplitude {:.0} and {:.0}, mean {:.0} and {:.0} MPa",
-                1e-6 * low,
-                1e-6 * high,
-                1e-6 * of_bending,
-                1e-6 * stress.max,
-                1e-6 * stress.amplitude[small],
-                1e-6 * stress.amplitude[large],
-                1e-6 * stress.mean[small],
-                1e-6 * stress.mean[large],
-            );
             assert_close(stress.max, high + of_bending - residual, 0.04, "largest stress");
             // The tension changes along the arc too.
             let of_tension = 0.5 * (high - low);
@@ -80,7 +69,6 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
 fn both_rings_have_the_same_stress() {
     for (ratio, torque, force) in [(2.3, 100.0, 20e3), (1.0, 100.0, 15e3), (0.5, 100.0, 15e3)] {
         let [ale0, ale] = MODELS.map(|model| loaded(&variator(model), ratio, torque, force).outputs.ring_stress);
-        println!("ratio {ratio}: {ale0:?} {ale:?}");
         assert_close(ale.max, ale0.max, 0.03, "largest stress");
         for pulley in Pulley::BOTH {
             assert_close(ale.amplitude[pulley], ale0.amplitude[pulley], 0.06, "amplitude");
@@ -131,7 +119,6 @@ fn the_field_has_the_cycles_of_the_outputs() {
         (low.min(*stress), high.max(*stress))
     });
     let stress = &o.ring_stress;
-    println!("{low:.3e} to {high:.3e}, {stress:?}");
     assert_close(high, stress.max, 0.03, "largest stress");
     let valley = stress.mean.secondary - stress.amplitude.secondary;
     assert_close(low, valley, 0.03, "smallest stress");

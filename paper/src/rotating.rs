@@ -6,8 +6,8 @@ use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use pushbelt::variator::belt_ring::{
-    Action, CellRing, Deflecting, Directions, EulerianRing, MeshCurve, Place, ReadUnknowns, RingDensity, RingForces,
-    RingKind, SLOTS, nodes,
+    Action, CellRing, Deflecting, Directions, EulerianRing, MeshCurve, Place, RingDensity, RingForces, RingKind, SLOTS,
+    Unknowns, nodes,
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
@@ -88,8 +88,6 @@ pub(crate) struct RotatingRing<const D: usize>;
 
 impl<const D: usize> Directions for RotatingRing<D> {
     const NODES: usize = 4 * D;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
 }
 
 impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing<D> {
@@ -101,7 +99,7 @@ impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         (frame, segment): (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Rotating<'a, T, D> {

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use pushbelt::pulley::Pulley;
+use pushbelt::ring::mesh::Element;
 use pushbelt::unit::Rings;
 use pushbelt::variator::Variator;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
-use pushbelt::variator::settings::{Drive, Outputs, RingModel};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltMesh, BeltRing, CellDivision};
+use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
 use pushbelt_paper::belts::Even;
 use pushbelt_paper::unit::PaperRings;
 use pushbelt_support::checks::assert_close;
@@ -165,4 +167,20 @@ fn arcs_longer_than_half_the_belt_are_refused() {
     let refused = Variator::with_ring(parameters.clone(), even_ale()).expect_err("too long");
     assert_eq!(refused.variable, "mesh.aligned");
     Variator::with_ring(parameters, ale()).expect("the aligned mesh follows");
+}
+
+#[test]
+fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
+    let cells = CellDivision {
+        per_element: 2,
+        points: 2,
+    };
+    let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&Parameters::default().mesh, cells, aligned));
+    assert_eq!(even.elements.len(), aligned.elements.len());
+    assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
+    let share = 1.0 / even.elements.len() as f64;
+    let fills = |e: &Element| e.segment == 0 && (e.share - share).abs() < 1e-15;
+    assert!(even.elements.iter().all(fills));
+    let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
+    assert_eq!((touching(Pulley::Secondary), touching(Pulley::Primary)), (52, 52));
 }

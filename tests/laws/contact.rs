@@ -51,40 +51,21 @@ fn assert_derivatives(x: [f64; 4]) {
     }
 }
 
+/// In stiction, sliding around and along the flank, at breaking contact, without contact and in deep contact.
 #[test]
-fn derivatives_in_stiction() {
-    let v = 1e-2 * friction().velocity;
-    assert_derivatives([20.0 * MICRON, 1e-3, v, -2.0 * v]);
-}
-
-#[test]
-fn derivatives_in_tangential_sliding() {
-    assert_derivatives([20.0 * MICRON, 1e-3, 30.0 * friction().velocity, 0.0]);
-}
-
-#[test]
-fn derivatives_in_sliding_along_the_flank() {
-    assert_derivatives([20.0 * MICRON, 1e-3, 0.0, -30.0 * friction().velocity]);
-}
-
-#[test]
-fn derivatives_at_breaking_contact() {
-    let v0 = friction().velocity;
-    let roughness = contact().roughness;
-    for penetration in [-roughness, 0.0, roughness] {
-        assert_derivatives([penetration, -0.2, v0, v0]);
-    }
-}
-
-#[test]
-fn derivatives_without_contact() {
-    assert_derivatives([-30.0 * MICRON, -0.1, 1e-2, 0.0]);
-}
-
-#[test]
-fn derivatives_in_deep_contact() {
-    let v0 = friction().velocity;
-    assert_derivatives([500.0 * MICRON, 1e-2, 3.0 * v0, v0]);
+fn derivatives_in_each_regime() {
+    let (v0, roughness) = (friction().velocity, contact().roughness);
+    let regimes = [
+        [20.0 * MICRON, 1e-3, 1e-2 * v0, -2e-2 * v0],
+        [20.0 * MICRON, 1e-3, 30.0 * v0, 0.0],
+        [20.0 * MICRON, 1e-3, 0.0, -30.0 * v0],
+        [-roughness, -0.2, v0, v0],
+        [0.0, -0.2, v0, v0],
+        [roughness, -0.2, v0, v0],
+        [-30.0 * MICRON, -0.1, 1e-2, 0.0],
+        [500.0 * MICRON, 1e-2, 3.0 * v0, v0],
+    ];
+    regimes.into_iter().for_each(assert_derivatives);
 }
 
 /// The axial part p cos β of the normal force, at rest.
@@ -92,27 +73,14 @@ fn axial(penetration: f64) -> f64 {
     force([penetration, 0.0, 0.0, 0.0]).normal * cos_beta()
 }
 
-/// The axial force of the flank on its sheave is −∂E/∂g: E by num-dual.
-fn assert_force_is_the_derivative_of_the_energy(penetration: f64) {
-    let energy = energy_density(&contact(), cos_beta(), Dual64::from_re(penetration).derivative());
-    let found = axial(penetration);
-    assert_near(energy.eps, found, found, 1e-12, "∂E/∂g");
-}
-
+/// The axial force of the flank on its sheave is −∂E/∂g, E by num-dual: in contact, at first touch and in a gap.
 #[test]
-fn normal_force_is_the_derivative_of_the_energy_in_contact() {
-    assert_force_is_the_derivative_of_the_energy(20.0 * MICRON);
-    assert_force_is_the_derivative_of_the_energy(500.0 * MICRON);
-}
-
-#[test]
-fn normal_force_is_the_derivative_of_the_energy_at_first_touch() {
-    assert_force_is_the_derivative_of_the_energy(0.0);
-}
-
-#[test]
-fn normal_force_is_the_derivative_of_the_energy_in_a_gap() {
-    assert_force_is_the_derivative_of_the_energy(-20.0 * MICRON);
+fn normal_force_is_the_derivative_of_the_energy() {
+    for penetration in [20.0, 500.0, 0.0, -20.0].map(|g| g * MICRON) {
+        let energy = energy_density(&contact(), cos_beta(), Dual64::from_re(penetration).derivative());
+        let found = axial(penetration);
+        assert_near(energy.eps, found, found, 1e-12, "∂E/∂g");
+    }
 }
 
 #[test]

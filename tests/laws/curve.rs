@@ -1,5 +1,6 @@
 //! The reference curve about displaced centres against differences.
 
+use num_dual::Dual64;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 
@@ -7,6 +8,11 @@ use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, 
 fn derivatives_along_a_path_match_differences() {
     let frame = |t: f64| curve().on_path(&path(t));
     assert_path::<TwoPulley>(frame, &moving_frame(), curve().segments());
+    for theta in [-0.4, 0.0, 0.3] {
+        let about_the_axes = |t: f64| curve().frame(theta + t);
+        let moving = curve().frame(Dual64::new(theta, 1.0));
+        assert_path::<TwoPulley>(about_the_axes, &moving, curve().segments());
+    }
 }
 
 /// Derivatives by each coordinate.

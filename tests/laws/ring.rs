@@ -114,53 +114,34 @@ fn assert_gradient<const D: usize>(ring: &Ring, shape: &Shape<f64, D>) {
     }
 }
 
-/// A ring without stiffness.
-fn limp() -> Ring {
-    Ring {
+/// Each stiffness alone, then all of them.
+#[test]
+fn load_is_the_gradient_of_the_energy() {
+    let limp = Ring {
         axial_stiffness: 0.0,
         bending_stiffness: 0.0,
         lateral_bending_stiffness: 0.0,
         ..solid()
-    }
-}
-
-#[test]
-fn load_is_the_gradient_of_the_energy_of_stretch() {
-    let ring = Ring {
+    };
+    let stretching = Ring {
         axial_stiffness: solid().axial_stiffness,
-        ..limp()
+        ..limp
     };
-    for strain in [1e-3, 0.1, -1e-3] {
-        assert_gradient::<2>(&ring, &deflected(strain));
-        assert_gradient::<3>(&ring, &deflected(strain));
-    }
-}
-
-#[test]
-fn load_is_the_gradient_of_the_energy_of_bending_in_the_plane() {
-    let ring = Ring {
+    let bending = Ring {
         bending_stiffness: solid().bending_stiffness,
-        ..limp()
+        ..limp
     };
-    for strain in [1e-3, 0.1] {
-        assert_gradient::<2>(&ring, &deflected(strain));
-        assert_gradient::<3>(&ring, &deflected(strain));
+    for ring in [stretching, bending, solid()] {
+        for strain in [1e-3, 0.1, -1e-3] {
+            assert_gradient::<2>(&ring, &deflected(strain));
+            assert_gradient::<3>(&ring, &deflected(strain));
+        }
     }
-}
-
-#[test]
-fn load_is_the_gradient_of_the_energy_of_bending_out_of_the_plane() {
-    let ring = Ring {
+    let aside = Ring {
         lateral_bending_stiffness: solid().lateral_bending_stiffness,
-        ..limp()
+        ..limp
     };
-    assert_gradient::<3>(&ring, &deflected(1e-3));
-}
-
-#[test]
-fn load_is_the_gradient_of_the_whole_energy() {
-    assert_gradient::<2>(&solid(), &deflected(1e-3));
-    assert_gradient::<3>(&solid(), &deflected(1e-3));
+    assert_gradient::<3>(&aside, &deflected(1e-3));
 }
 
 /// Loads with damping and without it, in motion: (r')˙ and w.

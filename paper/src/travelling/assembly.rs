@@ -154,7 +154,7 @@ fn add_cell_slopes<E: LagrangianElement>(
         for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
             add(at[own + k], row);
         }
-        for (axis, force) in rows.balance.resultant.iter().enumerate() {
+        for (axis, force) in rows.balance.pulley.resultant.iter().enumerate() {
             for (&column, &slope) in columns.iter().zip(&force.eps) {
                 resultants.of(pulley, axis)[column] += slope;
             }
@@ -168,7 +168,7 @@ fn add_cell_slopes<E: LagrangianElement>(
         {
             slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
         }
-        load = PulleyLoad::of_cell(&rows.balance);
+        load = rows.balance.pulley.map(|of| of.re);
     }
     load
 }
@@ -213,7 +213,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             out[own[THETA]] += rows.ring.theta;
             out[own[GAUGE]] += rows.ring.gauge[0];
             out[own[GAUGE + 1]] += rows.ring.gauge[1];
-            loads[belt.mesh.cells[cell].pulley].add(b, 1.0);
+            loads[belt.mesh.cells[cell].pulley].add(&b.pulley, 1.0);
             self.transports.set(cell, &b.transport);
         }
         self.transports.add_fluxes(belt, view, out);
@@ -255,7 +255,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             let over = CellOver::new(belt, &frame, cell, s);
             let into = (of_cell, &mut self.transports);
             let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, (out, resultants));
-            loads[belt.mesh.cells[cell].pulley] += load;
+            loads[belt.mesh.cells[cell].pulley].add(&load, 1.0);
         }
         self.add_flux_slopes(belt, alpha, out);
         for i in layout.free() {

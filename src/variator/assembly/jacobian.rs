@@ -3,17 +3,15 @@
 use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
-use crate::variator::assembly::evaluate::{pack_balance, path_of};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
-use crate::variator::assembly::kinds::RingKind;
+use crate::variator::assembly::kinds::{RingKind, pack_balance, path_of};
 use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
-use crate::variator::assembly::regime::{Regime, RegimeObserver, TangentScales};
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::belt::equations::{InForce, ReusePolicy};
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
-use crate::variator::cell::laws::{ArgumentRecorder, LawArguments};
+use crate::variator::cell::laws::{ArgumentRecorder, LawArguments, LawTangents, TangentRecorder};
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
 use crate::variator::cell::variation::{Direction, Evaluated, Linearised};
@@ -59,24 +57,18 @@ pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
         place: &place,
         motion: &motion,
     };
-    let (mut slots, mut forces, mut regime) = (Slots::empty(), [None; STATIONS], Regime::zero());
+    let (mut slots, mut forces, mut tangents) = (Slots::empty(), [None; STATIONS], LawTangents::zero());
     let mut observer = ForceRecorder {
-        regime: RegimeObserver {
-            alpha: slopes[0],
-            regime: &mut regime,
-        },
+        tangents: TangentRecorder(&mut tangents),
         forces: &mut forces,
     };
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut observer);
-    let length = place.length.v;
-    let scales = TangentScales::new(law, friction, slopes[0], length * place.stations[0].weight);
-    let update = cache.update::<K>(policy, (&regime, &scales), at, length);
+    let update = cache.update::<K>(policy, &tangents, at, place.length.v);
     if update != CacheUpdate::All {
         return (b, update);
     }
     let mut columns = Columns {
         pack,
-        count: K::COUNT,
         block: &mut cache.block,
         laws: cache.laws.as_mut(),
         transports,
@@ -87,7 +79,7 @@ pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
             cell,
             slots: &slots,
             forces: &forces,
-            laws: &regime.laws,
+            laws: &tangents,
             slopes,
         };
         K::by_hand(&ring, evaluated, &mut columns);
@@ -127,16 +119,16 @@ pub(crate) fn vary_own<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
     }
 }
 
-/// Records the forces at the stations and the regime.
+/// Records the forces at the stations and the tangents of the laws.
 struct ForceRecorder<'a, const D: usize> {
-    regime: RegimeObserver<'a>,
+    tangents: TangentRecorder<'a>,
     forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
 impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
     #[inline(always)]
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        self.regime.observe(at);
+        self.tangents.observe(at);
         self.forces[at.index] = Some(*at.forces);
     }
 }
@@ -144,8 +136,6 @@ impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
 /// Memory for the derivatives of a pack: a column for each direction.
 pub struct Columns<'a> {
     pack: &'a Pack,
-    /// Directions.
-    count: usize,
     block: &'a mut [Lanes],
     laws: Option<&'a mut LawPart>,
     transports: &'a mut [Transport<[f64; MOST]>],
@@ -161,7 +151,7 @@ impl Columns<'_> {
         transport: &Transport<Lanes>,
         arguments: &LawArguments<Lanes>,
     ) {
-        for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(self.count)) {
+        for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(K::COUNT)) {
             block[direction] = *row;
         }
         for (figure, slope) in transport.each().into_iter().enumerate() {

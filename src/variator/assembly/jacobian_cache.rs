@@ -1,17 +1,16 @@
 //! Cache of the cells' derivatives; the next Jacobian reuses those that are still valid.
 //!
-//! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
-//! regime (contact, friction, push, flow) from one to the next. The derivatives of the others are still accurate enough for
-//! a simplified Newton method. Each pack of cells therefore stores the unknowns and the regime at which it was
-//! differentiated. Where the geometry is still valid but a law has another tangent, only constitutive tangents are updated.
+//! Each pack of cells stores the unknowns at which it was differentiated. Where the belt slips or a gap closes, a Jacobian is needed in
+//! nearly every stage, but the geometry hardly changes from one to the next. Then only the constitutive tangents are updated, which is
+//! accurate enough for a simplified Newton method.
 
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
 use crate::variator::assembly::law_part::{LawPart, LawWork, height};
-use crate::variator::assembly::regime::{Regime, TangentScales};
-use crate::variator::assembly::unknowns::Unknowns;
+use crate::variator::assembly::unknowns::{Part, Unknowns};
 use crate::variator::belt::equations::ReusePolicy;
 use crate::variator::cell::directions::Directions;
+use crate::variator::cell::laws::LawTangents;
 
 /// Factor by which 1/(hγ) may have changed.
 const RESCALED: f64 = 1.5;
@@ -60,13 +59,14 @@ impl Origin {
     }
 }
 
-/// Derivatives of a pack of cells, with the unknowns and the regime at which they were evaluated.
+/// Derivatives of a pack of cells, with the unknowns at which they were evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct JacobianCache {
     pub origin: Origin,
     /// Where the tangents of the laws were evaluated, if later.
     pub laws_origin: Origin,
-    pub regime: Regime,
+    /// The tangents there.
+    tangents: LawTangents,
     /// The derivatives at the origin, direction by direction for each row: rows of the balance without that of the
     /// amount, then the resultant of the contact forces.
     pub block: Vec<Lanes>,
@@ -80,7 +80,7 @@ impl JacobianCache {
         Self {
             origin: Origin::none(),
             laws_origin: Origin::none(),
-            regime: Regime::zero(),
+            tangents: LawTangents::zero(),
             block: vec![Lanes::from(0.0); height::<K>() * K::COUNT],
             laws,
         }
@@ -95,45 +95,39 @@ impl JacobianCache {
     /// The derivatives with the last evaluated tangents of the laws.
     pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
         match &self.laws {
-            Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.regime.laws, &self.block, work),
+            Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.tangents, &self.block, work),
             _ => &self.block,
         }
     }
 
-    /// Determines which derivatives to evaluate in this `regime` of the pack, and records unknowns and regime. `length` is
-    /// that of the ring element.
+    /// Determines which derivatives to evaluate with these `tangents` of the laws, and records unknowns and tangents. `length`
+    /// is that of the ring element.
     #[inline(always)]
     pub(crate) fn update<K: Directions>(
         &mut self,
         policy: ReusePolicy,
-        (regime, scales): (&Regime, &TangentScales),
+        tangents: &LawTangents,
         at: (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
     ) -> CacheUpdate {
-        let update = match policy {
-            ReusePolicy::WhereValid => self.needs::<K>((regime, scales), at, length),
-            ReusePolicy::Geometry if self.has_similar_step(at.1) => CacheUpdate::Tangents,
-            ReusePolicy::Geometry | ReusePolicy::None => CacheUpdate::All,
+        let is_valid = match policy {
+            ReusePolicy::WhereValid => self.has_similar_step(at.1) && self.turned::<K>(at.0, length) < TURNED,
+            ReusePolicy::Geometry => self.has_similar_step(at.1),
+            ReusePolicy::None => false,
         };
-        // Without a laws' part all derivatives are evaluated or none.
-        let update = if self.laws.is_none() && update == CacheUpdate::Tangents {
-            CacheUpdate::All
-        } else {
-            update
-        };
-        match update {
-            CacheUpdate::None => {}
-            CacheUpdate::Tangents => {
-                self.laws_origin.set(at);
-                self.regime.laws = regime.laws;
-            }
-            CacheUpdate::All => {
-                self.origin.set(at);
-                self.laws_origin.forget();
-                self.regime = *regime;
-            }
+        if is_valid && *tangents == self.tangents {
+            return CacheUpdate::None;
         }
-        update
+        self.tangents = *tangents;
+        // Without a laws' part all derivatives are evaluated or none.
+        if is_valid && self.laws.is_some() {
+            self.laws_origin.set(at);
+            CacheUpdate::Tangents
+        } else {
+            self.origin.set(at);
+            self.laws_origin.forget();
+            CacheUpdate::All
+        }
     }
 
     /// Whether there are derivatives with nearly these factors.
@@ -141,32 +135,11 @@ impl JacobianCache {
         self.origin.exists() && (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
     }
 
-    /// Part of the derivatives that is no longer valid.
-    #[inline(always)]
-    fn needs<K: Directions>(
-        &self,
-        (regime, scales): (&Regime, &TangentScales),
-        (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
-        length: Lanes,
-    ) -> CacheUpdate {
-        let ratio = slopes[0] / self.origin.slopes[0];
-        let holds = self.has_similar_step(slopes)
-            && self.turned::<K>(unknowns, length) < TURNED
-            && regime.flows_as(&self.regime, ratio);
-        if !holds {
-            CacheUpdate::All
-        } else if regime.has_laws_of(&self.regime, scales) {
-            CacheUpdate::None
-        } else {
-            CacheUpdate::Tangents
-        }
-    }
-
     /// Largest rotation of the ring or change of Θ or of the centres, as an angle.
     #[inline(always)]
     fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
         let components = K::NODES / 4;
-        let moved = |k: usize| now.position[k] - self.origin.unknowns.position[k];
+        let moved = |k: usize| now.read(Part::Position, k) - self.origin.unknowns.read(Part::Position, k);
         let mut most = 0.0_f64;
         let mut include = |turn: Lanes| most = turn.to_array().into_iter().fold(most, |most, x| most.max(x.abs()));
         for k in 0..components {
@@ -197,14 +170,13 @@ impl Origin {
     /// derivatives are then evaluated again.
     fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         let mut slopes = [self.slopes; LANES];
-        let Unknowns { position, value, rate } = &mut self.unknowns;
         for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
             for slope in &mut *slopes {
                 tape.any(slope);
             }
             // Where there are no derivatives, the unknowns are not in use.
             let exists = slopes.iter().all(|slope| slope.is_finite());
-            for values in [&mut *position, &mut *value, &mut *rate] {
+            for values in &mut self.unknowns.0 {
                 for value in &mut values[..directions] {
                     let mut lanes = value.to_array();
                     if exists {
@@ -216,7 +188,7 @@ impl Origin {
                 }
             }
         }
-        for values in [position, value, rate] {
+        for values in &mut self.unknowns.0 {
             for value in &mut values[..directions] {
                 let lanes = value.to_array();
                 *value = Lanes::new(std::array::from_fn(|lane| lanes[lane.min(used - 1)]));
@@ -249,9 +221,9 @@ mod tests {
                     let number = |lane: usize| f64::from(part) + k as f64 + 10.0 * (first + lane.min(used - 1)) as f64;
                     Lanes::new(std::array::from_fn(number))
                 };
-                origin.unknowns.position[k] = of(1000);
-                origin.unknowns.value[k] = of(2000);
-                origin.unknowns.rate[k] = of(3000);
+                for (values, part) in origin.unknowns.0.iter_mut().zip([1000, 2000, 3000]) {
+                    values[k] = of(part);
+                }
             }
             origin.serialize(&mut tape, 3, used);
             first += used;
@@ -275,11 +247,14 @@ mod tests {
         let origin = read(&narrow, LANES);
         assert_eq!(origin.slopes, [4.0, 0.25]);
         for lane in 0..LANES {
-            assert_eq!(origin.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
+            assert_eq!(
+                origin.unknowns.read(Part::Value, 2).to_array()[lane],
+                2002.0 + 10.0 * lane as f64
+            );
         }
         let part = read(&written(&[1], |_| [4.0, 0.25]), 1);
         assert_eq!(
-            part.unknowns.rate[0].to_array(),
+            part.unknowns.read(Part::Rate, 0).to_array(),
             [3000.0; LANES],
             "the last is repeated"
         );
@@ -290,7 +265,7 @@ mod tests {
         let origin = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
         assert!(origin.slopes[0].is_nan());
         assert_eq!(
-            origin.unknowns.position[0].to_array()[LANES - 1],
+            origin.unknowns.read(Part::Position, 0).to_array()[LANES - 1],
             1000.0 + 10.0 * (LANES - 1) as f64
         );
         let none = read(&written(&[LANES], |_| [f64::NAN; 2]), LANES);

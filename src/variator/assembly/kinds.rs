@@ -1,17 +1,24 @@
-//! Kinds of ring and of mesh as types, chosen once at the start.
+//! Kinds of ring as types, chosen once at the start, and the balance of a pack of cells with them, generic over the scalar.
 
-use crate::reference_curve::MeshCurve;
+use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path};
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real};
+use crate::solver::View;
 use crate::variator::assembly::jacobian::{Columns, vary_own};
-use crate::variator::assembly::unknowns::{ReadUnknowns, nodes, tensions};
+use crate::variator::assembly::pack::Pack;
+use crate::variator::assembly::unknowns::{Unknowns, motion, nodes, tensions};
+use crate::variator::belt::Belt;
+use crate::variator::belt::equations::InForce;
+use crate::variator::cell::balance::balance;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing};
+use crate::variator::cell::observer::StationObserver;
+use crate::variator::cell::state::CellInput;
 use crate::variator::cell::variation::Evaluated;
-use crate::variator::law::place::Place;
+use crate::variator::law::place::{CellBalance, Place};
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
-use crate::variator::rings::ring::EulerianRing;
+use crate::variator::rings::ring::{EulerianRing, RingForces};
 
 /// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of the ring beyond those of
 /// the beam.
@@ -26,7 +33,7 @@ pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Self::Ring<'a, T>;
@@ -45,7 +52,7 @@ impl<C: MeshCurve> RingKind<2, C> for GuidedRing {
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         _slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Guided<'a, T, C> {
@@ -67,7 +74,7 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _: (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
+        unknowns: &Unknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Deflecting<'a, T, D> {
@@ -78,4 +85,55 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
     fn by_hand(ring: &Deflecting<'_, Lanes, D>, evaluated: Evaluated<'_, D>, columns: &mut Columns<'_>) {
         vary_own::<Self, _, D>(ring, evaluated, columns);
     }
+}
+
+/// The path along which a ring of kind `K` follows the curve, with the motion `path`: that of Θ as the variable, unless
+/// the curve has other coordinates.
+#[inline(always)]
+pub(crate) fn path_of<T: Real, K: Directions>(path: Path<T>) -> Path<T> {
+    if K::COORDINATES > 1 {
+        return path;
+    }
+    let mut by_theta = [Jet::constant(0.0); COORDINATES];
+    by_theta[0] = Jet::variable(path[0].v);
+    by_theta
+}
+
+/// The frame of the curve at a state.
+#[inline(always)]
+pub(crate) fn frame<K: Directions, C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
+    C::on_path(&belt.curve, &path_of::<_, K>(belt.path(view).map(Jet::lifted)))
+}
+
+/// The balance of a pack of cells with this kind of ring; `seed` makes a scalar from a value, its direction and its
+/// derivative.
+#[inline(always)]
+pub(crate) fn pack_balance<
+    T: Real<Constant = Lanes>,
+    S: StationObserver<T, D>,
+    K: RingKind<D, C>,
+    const D: usize,
+    C: MeshCurve,
+>(
+    InForce { law, friction, .. }: InForce<'_>,
+    (kind, pack): (&K, &Pack),
+    frame: &C::Frame<T>,
+    unknowns: &Unknowns<Lanes>,
+    slopes: [f64; 2],
+    seed: impl Fn(Lanes, usize, f64) -> T,
+    observer: &mut S,
+) -> (CellBalance<T>, RingForces<T, D>) {
+    let motion = motion::<T, K>(unknowns, slopes, &seed);
+    let place = pack.place::<T, C>(law, frame);
+    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
+    let at = (frame, pack.segment);
+    let mut ring = kind.ring::<T>(&law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
+    let given = CellInput {
+        law,
+        friction,
+        place: &place,
+        motion: &motion,
+    };
+    let b = balance(&given, &mut ring, reference, observer);
+    (b, ring.forces())
 }

@@ -5,7 +5,7 @@ use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
-use crate::variator::cell::laws::{Extent, LawArguments, LawForce, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS};
+use crate::variator::cell::laws::{ARGUMENTS, Extent, LawArguments, LawTangents};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::VaryingRing;
@@ -63,24 +63,13 @@ impl LawPart {
         slopes: &LawTangents,
     ) {
         self.slopes = *slopes;
-        let Extent { stations, flanks } = self.extent;
         let mut left = self.left.chunks_exact_mut(height::<K>());
-        let mut record = |force: LawForce| {
-            let (b, ring) = linear.vary_law(force);
+        linear.for_each_force(|b, ring| {
             if let Some(to) = left.next() {
                 let rows = rows::<_, K, D>(&b, &ring);
                 to.iter_mut().zip(in_block::<K>(&rows)).for_each(|(to, row)| *to = *row);
             }
-        };
-        for station in 0..stations {
-            for flank in 0..flanks {
-                for force in 0..FLANK_FORCES {
-                    record(LawForce::Flank { station, flank, force });
-                }
-            }
-            record(LawForce::Ring { station });
-        }
-        record(LawForce::Push);
+        });
     }
 
     /// The derivatives with updated tangents, from the cached `block`.
@@ -104,9 +93,9 @@ impl LawPart {
             for (now, then) in now.flanks.iter().zip(&then.flanks).take(flanks) {
                 changes.add::<K, FLANK_ARGUMENTS>(now, then);
             }
-            changes.add::<K, RING_ARGUMENTS>(&[now.ring], &[then.ring]);
+            changes.add::<K, ARGUMENTS>(&[now.ring], &[then.ring]);
         }
-        changes.add::<K, STACK_ARGUMENTS>(&[slopes.stack], &[self.slopes.stack]);
+        changes.add::<K, ARGUMENTS>(&[slopes.stack], &[self.slopes.stack]);
         let Changes { forces, count, .. } = changes;
         let left = |force: usize, row: usize| self.left[force * height::<K>() + row];
         // Four forces at a time, so that an entry is read and written once for all of them.

@@ -7,13 +7,12 @@ use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
+use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::ResultantSlopes;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellLaw, Place};
 use crate::variator::mesh::belt_mesh::{Group, Station};
-use crate::variator::mesh::layout::Layout;
 use num_traits::Zero;
 use std::sync::Arc;
 
@@ -37,9 +36,6 @@ struct Strip {
     /// Indices of its entries, direction by direction.
     at: Vec<[usize; LANES]>,
 }
-
-/// Largest number of unknowns of a node: place and slope in space.
-const MOST_OF_NODE: usize = 6;
 
 /// A group of cells with the constants of their evaluation.
 #[derive(Clone, Debug)]
@@ -130,59 +126,65 @@ impl Pack {
         }
     }
 
-    /// Adds derivatives in the first directions to those of a component of the resultants.
+    /// Adds the derivatives of the resultants of the contact forces in all directions, and of the shared rows in the shared
+    /// directions, from s on: they are first summed over the lanes of each pulley.
     #[inline(always)]
-    pub fn add_resultant(&self, values: &[Lanes], axis: usize, belt: &Belt, out: &mut ResultantSlopes) {
-        for (lane, &cell) in self.cells().iter().enumerate() {
-            let slopes = out.of(belt.mesh.cells[cell].pulley, axis);
-            for (at, value) in self.at.iter().zip(values) {
-                slopes[at[lane]] += value.to_array()[lane];
+    pub fn add_shared<K: Directions>(
+        &self,
+        block: &[Lanes],
+        belt: &Belt,
+        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+    ) {
+        // The block has no row of the amount.
+        let rows = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
+        for pulley in Pulley::BOTH {
+            let on = self.group.on[pulley];
+            if on == Lanes::zero() {
+                continue;
+            }
+            let lane = self
+                .cells()
+                .iter()
+                .position(|&cell| belt.mesh.cells[cell].pulley == pulley)
+                .unwrap_or_default();
+            for (row, slopes) in (K::DRIFT..).zip(rows.clone()) {
+                for (k, slope) in slopes.iter().enumerate().skip(K::DRIFT) {
+                    let (column, slope) = (self.at[k][lane], (*slope * on).sum());
+                    match row.checked_sub(K::COUNT) {
+                        None => out.add(self.at[row][lane], column, slope),
+                        Some(axis) => resultants.of(pulley, axis)[column] += slope,
+                    }
+                }
+            }
+        }
+        for (axis, slopes) in rows.skip(K::COUNT - K::DRIFT).enumerate() {
+            for (lane, &cell) in self.cells().iter().enumerate() {
+                let resultants = resultants.of(belt.mesh.cells[cell].pulley, axis);
+                for (at, slope) in self.at.iter().zip(&slopes[..K::DRIFT]) {
+                    resultants[at[lane]] += slope.lane(lane);
+                }
             }
         }
     }
 
-    /// Cells of the lanes in use.
-    pub fn cells(&self) -> &[usize] {
-        &self.group.cells[..self.group.used]
-    }
-}
-
-/// The unknowns of a pack, read from the vectors of the state.
-pub(crate) struct InPlace<'a> {
-    pub pack: &'a Pack,
-    pub view: View<'a>,
-}
-
-impl InPlace<'_> {
+    /// Copies the unknowns of the pack.
     #[inline(always)]
-    fn part(&self, part: Part) -> &[f64] {
-        match part {
-            Part::Position => self.view.q,
-            Part::Value => self.view.y,
-            Part::Rate => self.view.y_dot,
-        }
-    }
-
-    /// Copies all unknowns.
-    #[inline(always)]
-    pub fn gather<K: Directions>(&self, to: &mut Unknowns<Lanes>) {
-        let Unknowns { position, value, rate } = to;
-        for (part, to) in [(Part::Position, position), (Part::Value, value), (Part::Rate, rate)] {
+    pub fn gather<K: Directions>(&self, view: View<'_>, to: &mut Unknowns<Lanes>) {
+        for (from, to) in [view.q, view.y, view.y_dot].into_iter().zip(&mut to.0) {
             let (of_nodes, others) = to.split_at_mut(K::NODES);
             for (node, to) in of_nodes.chunks_exact_mut((K::NODES / 2).max(1)).enumerate() {
-                self.gather_node(part, node * to.len(), to);
+                self.gather_node(from, node * to.len(), to);
             }
-            for (k, to) in others[..K::COUNT - K::NODES].iter_mut().enumerate() {
-                *to = self.read(part, K::NODES + k);
+            for (at, to) in self.at[K::NODES..K::COUNT].iter().zip(others) {
+                *to = Lanes::new(at.map(|i| from[i]));
             }
         }
     }
 
     /// Copies the unknowns of a node from direction `first` on, which are contiguous.
     #[inline(always)]
-    fn gather_node(&self, part: Part, first: usize, to: &mut [Lanes]) {
-        let from = self.part(part);
-        let nodes = self.pack.at[first].map(|i| &from[i..][..to.len()]);
+    fn gather_node(&self, from: &[f64], first: usize, to: &mut [Lanes]) {
+        let nodes = self.at[first].map(|i| &from[i..][..to.len()]);
         let whole = to.len() - to.len() % LANES;
         let (runs, rest) = to.split_at_mut(whole);
         for (run, to) in runs.chunks_exact_mut(LANES).enumerate() {
@@ -192,20 +194,10 @@ impl InPlace<'_> {
             *to = Lanes::new(nodes.map(|node| node[whole + k]));
         }
     }
-}
 
-impl ReadUnknowns<Lanes> for InPlace<'_> {
-    #[inline(always)]
-    fn read(&self, part: Part, k: usize) -> Lanes {
-        let from = self.part(part);
-        Lanes::new(self.pack.at[k].map(|i| from[i]))
-    }
-
-    #[inline(always)]
-    fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> Lanes {
-        let mut node = [Lanes::zero(); MOST_OF_NODE];
-        self.gather_node(part, first, &mut node[..2 * D]);
-        move |k| node[k]
+    /// Cells of the lanes in use.
+    pub fn cells(&self) -> &[usize] {
+        &self.group.cells[..self.group.used]
     }
 }
 
@@ -284,8 +276,7 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
     mesh.groups.iter().map(pack).collect()
 }
 
-/// Places of the derivatives of a pack in the matrix, without derivatives of global rows with respect to global directions:
-/// those are first summed over the packs.
+/// Places of the derivatives of a pack in the matrix, without those of [`Pack::add_shared`].
 fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
     let places = |row: usize| -> Vec<[usize; LANES]> {
         // The block has no row of the amount.
@@ -356,22 +347,17 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     for face in 0..K::TENSIONS {
         of_cell[3 + face] = layout.tension(cell + face);
     }
-    global_unknowns::<K>(layout, place.pulley, &mut at);
-    at
-}
-
-/// Unknowns of the directions from s on, for a cell on this pulley.
-pub(crate) fn global_unknowns<K: Directions>(layout: &Layout, pulley: Pulley, at: &mut [usize; MOST]) {
     at[K::DRIFT] = layout.drift();
     at[K::THETA] = layout.theta();
     for centre in 1..K::COORDINATES {
         at[K::THETA + centre] = layout.centre(centre - 1);
     }
     let of_pulley = [
-        layout.sheave(pulley),
-        layout.tilt(pulley, 0),
-        layout.tilt(pulley, 1),
-        layout.shaft_speed(pulley),
+        layout.sheave(place.pulley),
+        layout.tilt(place.pulley, 0),
+        layout.tilt(place.pulley, 1),
+        layout.shaft_speed(place.pulley),
     ];
     at[K::SHEAVE..K::COUNT].copy_from_slice(&of_pulley);
+    at
 }

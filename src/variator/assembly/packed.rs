@@ -1,26 +1,24 @@
 //! Cells on an Eulerian mesh: residual, Jacobian and samples, pack by pack.
 
 use crate::chain::Transport;
-use crate::pulley::PerPulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, MeshCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
-use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
-use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::{Frames, update};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
-use crate::variator::assembly::kinds::RingKind;
+use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
 use crate::variator::assembly::law_part::{LawPart, LawWork};
-use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
+use crate::variator::assembly::pack::{FluxEntries, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, CellUnknowns};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
-use crate::variator::cell::observer::NoObserver;
+use crate::variator::cell::observer::{NoObserver, Sampler};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
@@ -40,7 +38,6 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) flux_entries: Vec<FluxEntries>,
     /// Working memory.
     unknowns: Box<Unknowns<Lanes>>,
-    globals: GlobalSlopes,
     work: LawWork,
     kind: K,
     by_hand: bool,
@@ -61,7 +58,6 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
             unknowns: Box::new(Unknowns::zero()),
-            globals: GlobalSlopes::new::<K>(),
             work: LawWork::new::<K>(),
             kind,
             by_hand,
@@ -108,11 +104,12 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         let mut centres = [Lanes::zero(); COORDINATES - 1];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for pack in &self.packs {
+            pack.gather::<K>(view, &mut self.unknowns);
             let (b, ring) = pack_balance::<_, _, K, D, C>(
                 acting,
                 (&self.kind, pack),
                 &frame,
-                &InPlace { pack, view },
+                &self.unknowns,
                 [0.0; 2],
                 |value, _, _| value,
                 &mut NoObserver,
@@ -134,7 +131,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
             out[belt.layout.centre(k)] += sum.sum();
         }
         self.transports.add_fluxes(belt, view, out);
-        loads.map(|of| of.sum())
+        loads.map(|of| of.map(Lanes::sum))
     }
 
     fn jacobian(
@@ -148,10 +145,9 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
         let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), slopes, self.by_hand);
-        self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
-            InPlace { pack, view }.gather::<K>(&mut self.unknowns);
+            pack.gather::<K>(view, &mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
             let (b, update) = update::<K, D, C>(acting, (&self.kind, pack), &frames, at, policy, of_pack);
@@ -164,34 +160,28 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
             }
             let block = cache.derivatives::<K>(&mut self.work);
             pack.add_derivatives(block, K::COUNT, out);
-            let shared = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
-            for (k, row) in shared.enumerate() {
-                let (own, globals) = row.split_at(K::DRIFT);
-                if let Some(axis) = (k + K::DRIFT).checked_sub(K::COUNT) {
-                    pack.add_resultant(own, axis, belt, resultants);
-                }
-                self.globals.add(k, globals, &pack.group);
-            }
+            pack.add_shared::<K>(block, belt, (out, resultants));
             add_loads(&mut loads, pack, &b);
             self.transports.set_pack(pack.group.cells[0], &b.transport);
         }
-        self.globals.spill::<K>(belt, (out, resultants));
         self.add_flux_slopes(belt, alpha, out);
-        loads.map(|of| of.sum())
+        loads.map(|of| of.map(Lanes::sum))
     }
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
         let frame = frame::<K, C>(acting.belt, view);
-        let mut places = out.iter_mut();
+        let (mut places, mut unknowns) = (out.iter_mut(), Unknowns::zero());
         for pack in &self.packs {
-            sampled_balance::<K, D, C>(
+            pack.gather::<K>(view, &mut unknowns);
+            let mut record = |sample| *places.next().expect("a place for each station") = sample;
+            pack_balance::<_, _, K, D, C>(
                 acting,
                 (&self.kind, pack),
                 &frame,
-                &InPlace { pack, view },
-                &mut |sample| {
-                    *places.next().expect("a place for each station") = sample;
-                },
+                &unknowns,
+                [0.0; 2],
+                |value, _, _| value,
+                &mut Sampler(&mut record),
             );
         }
     }
@@ -248,8 +238,8 @@ pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind:
 }
 
 /// Adds the loads of a pack on the pulleys.
-#[inline(always)]
-pub(crate) fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
-    loads.secondary.add(b, pack.group.on.secondary);
-    loads.primary.add(b, pack.group.on.primary);
+fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
+    for pulley in Pulley::BOTH {
+        loads[pulley].add(&b.pulley, pack.group.on[pulley]);
+    }
 }

@@ -1,7 +1,7 @@
 //! The balance of the amounts: transport quantities of every cell, and the fluxes through the left faces.
 
 use crate::chain::{self, Transport};
-use crate::scalar::{LANES, Lanes};
+use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::variator::belt::{Belt, CellUnknowns};
 
@@ -88,13 +88,17 @@ impl Transports {
         let (transports, cells) = (&*self, self.cells);
         (0..cells).step_by(LANES).flat_map(move |first| {
             let [before, after] = transports.beside(first);
-            let by = chain::flux_slopes(&before, &after).map(|slopes| slopes.map(Lanes::to_array));
+            let seeded = |side: usize, of: Transport<Lanes>| Transport {
+                flow: Tangent::<4>::seed(of.flow, 2 * side, 1.0),
+                density: Tangent::seed(of.density, 2 * side + 1, 1.0),
+            };
+            let by = chain::flux(&seeded(0, before), &seeded(1, after)).eps;
             (first..cells.min(first + LANES)).map(move |cell| {
                 let cells = [(cell + cells - 1) % cells, cell];
                 Face {
                     cells,
                     amounts: cells.map(|cell| belt.cells_at[cell].amount),
-                    by: by.map(|slopes| slopes.map(|of| of[cell - first])),
+                    by: by.map(|slope| slope.lane(cell - first)),
                 }
             })
         })
@@ -107,14 +111,15 @@ pub struct Face {
     pub cells: [usize; 2],
     /// Their amounts: unknowns, and rows of the balance.
     pub amounts: [usize; 2],
-    /// Derivatives of the flux with respect to the quantities of both cells.
-    by: [Transport<f64>; 2],
+    /// Derivatives of the flux with respect to flow and density of both cells.
+    by: [f64; 4],
 }
 
 impl Face {
     /// Derivatives of the flux in the directions of the cell on a side; `slopes` are those of its quantities.
     #[inline(always)]
     pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>) -> [f64; N] {
-        self.by[side].along(slopes)
+        let [flow, density] = [self.by[2 * side], self.by[2 * side + 1]];
+        std::array::from_fn(|k| flow * slopes.flow[k] + density * slopes.density[k])
     }
 }

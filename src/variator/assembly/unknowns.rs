@@ -9,23 +9,22 @@ use crate::variator::rings::ring::RingForces;
 use nalgebra::SVector;
 use num_traits::Zero;
 
-/// Positions, values and rates of the unknowns of a cell, or of one in each lane.
+/// Unknowns of a cell, or of one in each lane, for each [`Part`] by their directions.
 #[derive(Clone, Debug)]
-pub(crate) struct Unknowns<L> {
-    pub position: [L; MOST],
-    pub value: [L; MOST],
-    pub rate: [L; MOST],
-}
+pub struct Unknowns<L>(pub(crate) [[L; MOST]; 3]);
 
 impl<L: Zero + Copy> Unknowns<L> {
     /// All zero.
-    pub fn zero() -> Self {
-        let zeros = [L::zero(); MOST];
-        Self {
-            position: zeros,
-            value: zeros,
-            rate: zeros,
-        }
+    pub(crate) fn zero() -> Self {
+        Self([[L::zero(); MOST]; 3])
+    }
+}
+
+impl<L: Copy> Unknowns<L> {
+    /// The unknown of direction `k`.
+    #[inline(always)]
+    pub fn read(&self, part: Part, k: usize) -> L {
+        self.0[part as usize][k]
     }
 }
 
@@ -40,33 +39,14 @@ pub enum Part {
     Rate,
 }
 
-/// The unknowns of a cell, or of one in each lane, by their directions.
-pub trait ReadUnknowns<L> {
-    /// The unknown of direction `k`.
-    fn read(&self, part: Part, k: usize) -> L;
-
-    /// The unknowns of a node in D components whose first direction is `first`.
-    #[inline(always)]
-    fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> L {
-        move |k| self.read(part, first + k)
-    }
-}
-
-impl<L: Copy> ReadUnknowns<L> for Unknowns<L> {
-    #[inline(always)]
-    fn read(&self, part: Part, k: usize) -> L {
-        match part {
-            Part::Position => self.position[k],
-            Part::Value => self.value[k],
-            Part::Rate => self.rate[k],
-        }
-    }
+impl Part {
+    pub(crate) const EACH: [Self; 3] = [Self::Position, Self::Value, Self::Rate];
 }
 
 /// Motion of the nodes (`ALE`).
 #[inline(always)]
 pub fn nodes<T: Real, const D: usize>(
-    unknowns: &impl ReadUnknowns<T::Constant>,
+    unknowns: &Unknowns<T::Constant>,
     [alpha, beta]: [f64; 2],
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> [Motion<Node<T, D>>; 2] {
@@ -79,7 +59,7 @@ pub fn nodes<T: Real, const D: usize>(
 /// Motion of the node whose first direction is `first`.
 #[inline(always)]
 fn motion_of_node<T: Real, const D: usize>(
-    unknowns: &impl ReadUnknowns<T::Constant>,
+    unknowns: &Unknowns<T::Constant>,
     first: usize,
     [alpha, beta]: [f64; 2],
     seed: &impl Fn(T::Constant, usize, f64) -> T,
@@ -94,12 +74,11 @@ fn motion_of_node<T: Real, const D: usize>(
 /// A part of the motion of that node.
 #[inline(always)]
 fn node<T: Real, const D: usize>(
-    unknowns: &impl ReadUnknowns<T::Constant>,
+    unknowns: &Unknowns<T::Constant>,
     (part, first, slope): (Part, usize, f64),
     seed: &impl Fn(T::Constant, usize, f64) -> T,
 ) -> Node<T, D> {
-    let value = unknowns.read_node::<D>(part, first);
-    let seeded = |k: usize| seed(value(k), first + k, slope);
+    let seeded = |k: usize| seed(unknowns.read(part, first + k), first + k, slope);
     Node {
         a: SVector::from_fn(|k, _| seeded(2 * k)),
         b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
@@ -109,7 +88,7 @@ fn node<T: Real, const D: usize>(
 /// Ring tension at the faces (`ALE0`), N.
 #[inline(always)]
 pub(crate) fn tensions<T: Real>(
-    unknowns: &impl ReadUnknowns<T::Constant>,
+    unknowns: &Unknowns<T::Constant>,
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> [T; 2] {
     [3, 4].map(|k| seed(unknowns.read(Part::Value, k), k, 1.0))
@@ -119,12 +98,8 @@ pub(crate) fn tensions<T: Real>(
 pub(crate) fn path<K: Directions>(unknowns: &Unknowns<Lanes>) -> Path<f64> {
     let mut path = [Jet::constant(0.0); COORDINATES];
     for (k, to) in path.iter_mut().enumerate().take(K::COORDINATES) {
-        let k = K::THETA + k;
-        *to = Jet {
-            v: unknowns.position[k].re(),
-            d: unknowns.value[k].re(),
-            dd: unknowns.rate[k].re(),
-        };
+        let [v, d, dd] = Part::EACH.map(|part| unknowns.read(part, K::THETA + k).re());
+        *to = Jet { v, d, dd };
     }
     path
 }
@@ -132,7 +107,7 @@ pub(crate) fn path<K: Directions>(unknowns: &Unknowns<Lanes>) -> Path<f64> {
 /// Motion of a cell; `seed` makes a scalar from a value, its direction and its derivative.
 #[inline(always)]
 pub(crate) fn motion<T: Real, K: Directions>(
-    unknowns: &impl ReadUnknowns<T::Constant>,
+    unknowns: &Unknowns<T::Constant>,
     [alpha, beta]: [f64; 2],
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> CellMotion<T> {
@@ -176,11 +151,11 @@ pub(crate) fn rows<T: Real, K: Directions, const D: usize>(
         rows[g + 2 + k] = centre;
     }
     let g = K::SHEAVE;
-    rows[g] = b.axial;
-    rows[g + 1] = -b.tilting[0];
-    rows[g + 2] = -b.tilting[1];
-    rows[g + 3] = -b.torque;
-    rows[K::COUNT] = b.resultant[0];
-    rows[K::COUNT + 1] = b.resultant[1];
+    rows[g] = b.pulley.axial;
+    rows[g + 1] = -b.pulley.tilting[0];
+    rows[g + 2] = -b.pulley.tilting[1];
+    rows[g + 3] = -b.pulley.torque;
+    rows[K::COUNT] = b.pulley.resultant[0];
+    rows[K::COUNT + 1] = b.pulley.resultant[1];
     rows
 }

@@ -19,7 +19,7 @@ pub use crate::reference_curve::MeshCurve;
 pub use crate::variator::assembly::kinds::RingKind;
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
-pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};
+pub use crate::variator::assembly::unknowns::{Part, Unknowns, nodes};
 pub use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 pub use crate::variator::belt::ring::BeltRing;
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};

@@ -17,7 +17,7 @@ use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
-use crate::variator::law::place::CellBalance;
+use crate::variator::law::place::{CellBalance, PulleyLoad};
 use crate::variator::rings::ring::{Action, CellRing};
 
 /// The balance of a cell, or of one in each lane of `T`, with this `ring`. `reference` returns the reference curve at the
@@ -47,10 +47,12 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
     let face = slots.face();
     let mut out = CellBalance {
         speed: [push.force, -push.force],
-        axial: T::zero(),
-        tilting: [T::zero(); 2],
-        torque: T::zero(),
-        resultant: [T::zero(); 2],
+        pulley: PulleyLoad {
+            axial: T::zero(),
+            tilting: [T::zero(); 2],
+            torque: T::zero(),
+            resultant: [T::zero(); 2],
+        },
         transport: Transport {
             flow: chain_at_face(given, face).flow,
             density: cell.density,
@@ -120,13 +122,14 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     ring.apply(i + 1, point, &action);
 
     // Both sheaves have the same tilt, under the mean of their moments.
-    let (flanks, approach) = (&forces.flanks, &forces.approach);
-    let axial = flanks.loads.axial * 0.5;
-    out.axial += flanks.on_movable * weight;
-    out.tilting[0] += axial * approach.rho * approach.e_r.x * weight;
-    out.tilting[1] -= axial * approach.rho * approach.e_r.y * weight;
-    out.torque += flanks.loads.torque * weight;
+    let (flanks, approach) = (&forces.flanks.sum, &forces.approach);
+    let moment = approach.e_r * (flanks.loads.axial * 0.5 * approach.rho);
     let force = approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around;
-    out.resultant[0] += force.x * weight;
-    out.resultant[1] += force.y * weight;
+    let load = PulleyLoad {
+        axial: flanks.on_movable,
+        tilting: [moment.x, -moment.y],
+        torque: flanks.loads.torque,
+        resultant: force.into(),
+    };
+    out.pulley.add(&load, weight);
 }

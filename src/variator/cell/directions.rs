@@ -21,10 +21,10 @@ const OF_PULLEY: usize = 4;
 pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Number of motions of the nodes.
     const NODES: usize;
-    /// Number of tensions of the ring.
-    const TENSIONS: usize;
-    /// Number of coordinates of the reference curve; Θ is the first.
-    const COORDINATES: usize;
+    /// Number of tensions of the ring: at the faces, if it has no nodes.
+    const TENSIONS: usize = if Self::NODES == 0 { 2 } else { 0 };
+    /// Number of coordinates of the reference curve; Θ is the first, and the only one of a ring with nodes.
+    const COORDINATES: usize = if Self::NODES == 0 { COORDINATES } else { 1 };
     /// Direction of the amount. Its row is the balance of the fluxes.
     const AMOUNT: usize = Self::NODES + 2;
     /// The drift s, first of the globals.
@@ -47,12 +47,8 @@ pub(crate) struct DeflectingRing<const D: usize>;
 
 impl Directions for GuidedRing {
     const NODES: usize = 0;
-    const TENSIONS: usize = 2;
-    const COORDINATES: usize = COORDINATES;
 }
 
 impl<const D: usize> Directions for DeflectingRing<D> {
     const NODES: usize = 4 * D;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
 }

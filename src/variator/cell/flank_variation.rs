@@ -2,9 +2,11 @@
 //! rule for everything else.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
-use crate::scalar::{Lanes, Tangent, along};
+use crate::scalar::{Lanes, Real, Tangent, along};
+use crate::variator::cell::state::CellInput;
 use crate::variator::law::flanks::{Approach, FlankLoads};
 use crate::variator::law::place::{CellLaw, PulleyMotion};
+use nalgebra::Vector2;
 use num_traits::Zero;
 
 /// Forces of a flank: normal, friction around, friction along it.
@@ -83,15 +85,12 @@ impl Flank {
         let axial_friction_by = along_by * sin_beta;
         let around = force.tangential * lambda + axial_friction * at.opening_slope;
         let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
-        let zero = Lanes::zero();
         FlankLoads {
             radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
             around: axial_normal_by * at.opening_slope + axial_normal * by.opening_slope + tangential_by,
             torque: -(around_by * at.rho + around * by.rho),
             axial: axial_normal_by - axial_friction_by,
-            normal: zero,
-            loss: zero,
-            viscous: zero,
+            ..FlankLoads::default()
         }
     }
 }
@@ -132,46 +131,33 @@ impl FlankVariation {
         }
     }
 
-    /// The variation where ψ_x (`axis` 0) or ψ_y of the `pulley` varies; `alpha` is the factor of its rate.
+    /// The variations with ż, ψ_x, ψ_y and ω at a point of the belt, whose place and velocities are `at`: forward
+    /// differentiation of its approach. `alpha` and `beta` are the factors of acceleration and position.
     #[inline(always)]
-    pub fn of_tilt(
-        axis: usize,
-        [sin_beta, ..]: [f64; 3],
-        pulley: &PulleyMotion<Lanes>,
-        at: &Approach<Lanes>,
-        alpha: f64,
-    ) -> Self {
-        let [opening, slope] = if axis == 0 {
-            [at.e_r.x, at.e_r.y]
-        } else {
-            [-at.e_r.y, at.e_r.x]
+    pub fn of_pulley(given: &CellInput<'_, Lanes>, at: [Vector2<Lanes>; 3], [alpha, beta]: [f64; 2]) -> [Self; 4] {
+        let PulleyMotion {
+            z,
+            z_dot,
+            psi: [x, y],
+            psi_dot: [x_dot, y_dot],
+            omega,
+        } = given.motion.pulley;
+        let seed = Tangent::<4>::seed;
+        let pulley = PulleyMotion {
+            z: seed(z, 0, beta),
+            z_dot: seed(z_dot, 0, 1.0),
+            psi: [seed(x, 1, 1.0), seed(y, 2, 1.0)],
+            psi_dot: [seed(x_dot, 1, alpha), seed(y_dot, 2, alpha)],
+            omega: seed(omega, 3, 1.0),
         };
-        let rate = opening * at.rho * alpha;
-        let mut by = Self::of_lambda(Lanes::zero());
-        by.motion.penetration = -(opening * at.rho);
-        by.motion.closing = -(rate + opening * at.v_r + slope * at.v_around);
-        by.motion.along_flank = (rate + pulley.omega * at.rho * slope) * -sin_beta;
-        (by.opening, by.opening_slope) = (opening, slope);
-        by
-    }
-
-    /// The variation where ω varies.
-    #[inline(always)]
-    pub fn of_shaft([sin_beta, ..]: [f64; 3], at: &Approach<Lanes>) -> Self {
-        let mut by = Self::of_lambda(Lanes::zero());
-        by.motion.tangential = -at.rho;
-        by.motion.along_flank = at.rho * at.opening_slope * -sin_beta;
-        by
-    }
-
-    /// The variation where ż varies; `beta` is the factor of z.
-    #[inline(always)]
-    pub fn of_sheave([sin_beta, ..]: [f64; 3], beta: f64) -> Self {
-        let mut by = Self::of_lambda(Lanes::zero());
-        by.motion.penetration = Lanes::from(0.5 * beta);
-        by.motion.closing = Lanes::from(0.5);
-        by.motion.along_flank = Lanes::from(0.5 * sin_beta);
-        by.offset = [0.5 * beta, 0.5].map(Lanes::from);
-        by
+        let at = at.map(|vector| vector.map(Tangent::constant));
+        let approach = Approach::new(given.law, given.place.axis, &pulley, at);
+        std::array::from_fn(|k| {
+            let mut by = Self::of_lambda(Lanes::zero());
+            by.motion = approach.flank.map(|of| of.eps[k]);
+            (by.opening, by.opening_slope) = (approach.opening.eps[k], approach.opening_slope.eps[k]);
+            by.offset = [pulley.z, pulley.z_dot].map(|of| of.eps[k] * 0.5);
+            by
+        })
     }
 }

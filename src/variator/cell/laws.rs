@@ -15,55 +15,73 @@ use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
-use num_traits::Zero;
 
-/// Arguments of the friction between ring and elements: T − m_r ṡ², sliding speed.
-pub(crate) const RING_ARGUMENTS: usize = 2;
-/// Arguments of the push force: density, its material rate.
-pub(crate) const STACK_ARGUMENTS: usize = 2;
+/// Arguments of the friction between ring and elements, T − m_r ṡ² and sliding speed, and of the push force, density and its
+/// material rate.
+pub(crate) const ARGUMENTS: usize = 2;
 
-/// Arguments of the laws, or their variations in a direction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LawArguments<T> {
-    pub stations: [StationArguments<T>; STATIONS],
-    pub stack: [T; STACK_ARGUMENTS],
+/// A value `F` for each flank, and a value `A` for each other law of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfLaws<F, A> {
+    pub stations: [OfStation<F, A>; STATIONS],
+    pub stack: A,
 }
 
-/// Arguments at a station.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StationArguments<T> {
+/// The values at a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfStation<F, A> {
     /// Of the flank on the movable sheave; in space also of the flank on the fixed sheave.
-    pub flanks: [[T; FLANK_ARGUMENTS]; 2],
-    pub ring: [T; RING_ARGUMENTS],
+    pub flanks: [F; 2],
+    pub ring: A,
+}
+
+/// Arguments of the laws, or their variations in a direction.
+pub(crate) type LawArguments<T> = OfLaws<[T; FLANK_ARGUMENTS], [T; ARGUMENTS]>;
+pub(crate) type StationArguments<T> = OfStation<[T; FLANK_ARGUMENTS], [T; ARGUMENTS]>;
+
+/// Tangents of the laws of a pack of cells.
+pub type LawTangents = OfLaws<FlankTangents, [Lanes; ARGUMENTS]>;
+pub(crate) type StationTangents = OfStation<FlankTangents, [Lanes; ARGUMENTS]>;
+
+impl<F: Copy, A: Copy> OfLaws<F, A> {
+    /// The same values everywhere.
+    #[inline(always)]
+    pub fn filled(flank: F, other: A) -> Self {
+        let station = OfStation {
+            flanks: [flank; 2],
+            ring: other,
+        };
+        Self {
+            stations: [station; STATIONS],
+            stack: other,
+        }
+    }
 }
 
 impl<T: Real> LawArguments<T> {
     /// All zero.
     #[inline(always)]
     pub fn zero() -> Self {
-        let zero = T::zero();
-        let station = StationArguments {
-            flanks: [[zero; FLANK_ARGUMENTS]; 2],
-            ring: [zero; RING_ARGUMENTS],
-        };
-        Self {
-            stations: [station; STATIONS],
-            stack: [zero; STACK_ARGUMENTS],
+        Self::filled([T::zero(); FLANK_ARGUMENTS], [T::zero(); ARGUMENTS])
+    }
+
+    /// Applies `f` to each.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> LawArguments<U> {
+        OfLaws {
+            stations: self.stations.map(|at| OfStation {
+                flanks: at.flanks.map(|flank| flank.map(&f)),
+                ring: at.ring.map(&f),
+            }),
+            stack: self.stack.map(&f),
         }
     }
 }
 
-impl<T: Copy> LawArguments<T> {
-    /// Applies `f` to each.
-    #[inline(always)]
-    pub fn map<U>(&self, part: impl Fn(T) -> U) -> LawArguments<U> {
-        LawArguments {
-            stations: self.stations.each_ref().map(|at| StationArguments {
-                flanks: at.flanks.map(|flank| flank.map(&part)),
-                ring: at.ring.map(&part),
-            }),
-            stack: self.stack.map(&part),
-        }
+impl LawTangents {
+    /// All zero.
+    pub(crate) fn zero() -> Self {
+        Self::filled(FlankTangents::default(), Default::default())
     }
 }
 
@@ -90,47 +108,7 @@ impl Extent {
 
     /// Number of arguments.
     pub fn arguments(self) -> usize {
-        self.stations * (self.flanks * FLANK_ARGUMENTS + RING_ARGUMENTS) + STACK_ARGUMENTS
-    }
-}
-
-/// A force of a law.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LawForce {
-    /// At a station, on the flank 0 or 1: its number among [`FLANK_FORCES`].
-    Flank { station: usize, flank: usize, force: usize },
-    /// Friction of the ring at a station.
-    Ring { station: usize },
-    /// The push force.
-    Push,
-}
-
-/// Tangents of the laws of a pack of cells.
-#[derive(Clone, Copy, Debug)]
-pub struct LawTangents {
-    pub stations: [StationTangents; STATIONS],
-    pub stack: [Lanes; STACK_ARGUMENTS],
-}
-
-/// Tangents of the laws at a station.
-#[derive(Clone, Copy, Debug)]
-pub struct StationTangents {
-    pub flanks: [FlankTangents; 2],
-    pub ring: [Lanes; RING_ARGUMENTS],
-}
-
-impl LawTangents {
-    /// All zero.
-    pub fn zero() -> Self {
-        let zero = Lanes::zero();
-        let station = StationTangents {
-            flanks: [[[zero; FLANK_ARGUMENTS]; FLANK_FORCES]; 2],
-            ring: [zero; RING_ARGUMENTS],
-        };
-        Self {
-            stations: [station; STATIONS],
-            stack: [zero; STACK_ARGUMENTS],
-        }
+        self.stations * (self.flanks * FLANK_ARGUMENTS + ARGUMENTS) + ARGUMENTS
     }
 }
 
@@ -147,14 +125,14 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
         }
         to.ring = ring_friction(
             given.friction,
-            Tangent::<RING_ARGUMENTS>::seed(forces.pressing, 0, 1.0),
+            Tangent::<ARGUMENTS>::seed(forces.pressing, 0, 1.0),
             Tangent::constant(at.station.ring.reference.kappa),
             Tangent::seed(forces.sliding, 1, 1.0),
         )
         .eps;
         if at.index == 0 {
             let arguments = at.cell.stack_arguments();
-            let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
+            let seeded = std::array::from_fn(|k| Tangent::<ARGUMENTS>::seed(arguments[k], k, 1.0));
             let law = given.law;
             let push = if law.is_chain() {
                 Push::none()

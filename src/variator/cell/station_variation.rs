@@ -5,10 +5,10 @@ use crate::contact::FlankMotion;
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
-use crate::variator::cell::laws::{StationArguments, StationTangents};
+use crate::variator::cell::laws::{OfStation, StationArguments, StationTangents};
 use crate::variator::cell::state::{CellInput, StationForces, StationState};
-use crate::variator::law::flanks::FlankLoads;
-use crate::variator::law::place::{CellBalance, CellLaw};
+use crate::variator::law::flanks::{FlankLoads, FlankSum};
+use crate::variator::law::place::{CellBalance, CellLaw, PulleyLoad};
 use crate::variator::law::ring_friction::layer_drag;
 use crate::variator::law::spin::spin_drag;
 use nalgebra::{SVector, Vector2};
@@ -28,6 +28,8 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     crosswise: [Lanes; 2],
     /// Flank on the movable sheave; in space also that on the fixed sheave.
     flanks: [Flank; 2],
+    /// Variations of the flanks with ż, ψ_x, ψ_y and ω.
+    pub by_pulley: [FlankVariation; 4],
     /// Derivatives of ring friction with respect to T − m_r ṡ² and to the sliding speed.
     friction_by: [Lanes; 2],
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
@@ -49,47 +51,6 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub tension: Lanes,
 }
 
-/// Variation of the loads of both flanks, per dξ.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BothFlanksVariation {
-    loads: FlankLoads<Lanes>,
-    /// Variation of the axial load on the movable sheave, N/m.
-    on_movable: Lanes,
-    /// Variation of the lateral load on the ring along z, N/m.
-    lateral: Lanes,
-}
-
-impl BothFlanksVariation {
-    /// No variation.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let zero = Lanes::from(0.0);
-        Self {
-            loads: FlankLoads {
-                radial: zero,
-                around: zero,
-                torque: zero,
-                axial: zero,
-                normal: zero,
-                loss: zero,
-                viscous: zero,
-            },
-            on_movable: zero,
-            lateral: zero,
-        }
-    }
-
-    /// Of two equal flanks.
-    #[inline(always)]
-    fn alike(one: &FlankLoads<Lanes>) -> Self {
-        Self {
-            loads: one.plus(one),
-            on_movable: one.axial,
-            lateral: Lanes::from(0.0),
-        }
-    }
-}
-
 /// Density, push force and gradient of V in a cell, with their variations, and that of the passing elements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
@@ -104,14 +65,15 @@ pub(crate) struct StackForce {
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these `slopes`.
+    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these
+    /// `tangents`. `factors` are those of acceleration and position.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
         passing: Lanes,
-        forces: &'a StationForces<Lanes, D>,
-        slopes: &StationTangents,
+        (forces, tangents): (&'a StationForces<Lanes, D>, &StationTangents),
+        factors: [f64; 2],
     ) -> Self {
         let StationState { ring, chain, weight } = station;
         let StationForces { v_e, v_p, approach, .. } = forces;
@@ -134,9 +96,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
             flanks: std::array::from_fn(|k| Flank {
                 force: forces.flanks.forces[k],
-                slopes: slopes.flanks[k],
+                slopes: tangents.flanks[k],
             }),
-            friction_by: slopes.ring,
+            by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
+            friction_by: tangents.ring,
             drag_by: drag.eps,
             forces,
             ring,
@@ -253,24 +216,19 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         given: &CellInput<'_, Lanes>,
         flank: &FlankVariation,
         motions: &[FlankMotion<Lanes>; 2],
-    ) -> BothFlanksVariation {
+    ) -> FlankSum<Lanes> {
         let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
         let movable = self.flanks[0].vary(law, at, lambda, flank, &motions[0]);
         if D == 2 {
-            return BothFlanksVariation::alike(&movable);
+            return FlankSum::alike(&movable);
         }
         let fixed = self.flanks[1].vary(law, at, lambda, flank, &motions[1]);
-        let [side, _] = given.place.plane;
-        BothFlanksVariation {
-            loads: movable.plus(&fixed),
-            on_movable: movable.axial,
-            lateral: (movable.axial - fixed.axial) * side,
-        }
+        FlankSum::of(&movable, &fixed, given.place.plane[0])
     }
 
     /// Loads of both flanks at a unit force of one of them; in the plane, of both.
     #[inline(always)]
-    pub fn unit_flanks(&self, given: &CellInput<'_, Lanes>, flank: usize, force: usize) -> BothFlanksVariation {
+    pub fn unit_flanks(&self, given: &CellInput<'_, Lanes>, flank: usize, force: usize) -> FlankSum<Lanes> {
         let zero = Lanes::from(0.0);
         let mut forces = [zero; FLANK_FORCES];
         forces[force] = Lanes::from(1.0);
@@ -280,14 +238,11 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         );
         let loads = self.flanks[flank].vary_loads(given.law, place, &still, forces);
         if D == 2 {
-            return BothFlanksVariation::alike(&loads);
+            return FlankSum::alike(&loads);
         }
-        let [side, _] = given.place.plane;
-        BothFlanksVariation {
-            loads,
-            on_movable: if flank == 0 { loads.axial } else { zero },
-            lateral: loads.axial * if flank == 0 { side } else { -side },
-        }
+        let mut both = [FlankLoads::default(); 2];
+        both[flank] = loads;
+        FlankSum::of(&both[0], &both[1], given.place.plane[0])
     }
 
     /// Adds the variation of the flanks' forces to the load on the ring. Returns the variations, N/m, of the conjugate
@@ -297,12 +252,12 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
         change: &StationVariation<'_, D>,
-        flanks: &BothFlanksVariation,
+        flanks: &FlankSum<Lanes>,
         load: &mut LineLoad<Lanes, D>,
     ) -> ([Lanes; 2], Vector2<Lanes>) {
         let (ring, chain, at) = (self.ring, self.chain, &self.forces.approach);
         let StationVariation { by, flank, .. } = *change;
-        let (base, loads) = (&self.forces.flanks.loads, &flanks.loads);
+        let (base, loads) = (&self.forces.flanks.sum.loads, &flanks.loads);
         let mut at_ring_line: SVector<Lanes, D> = zero_vector();
         if D == 3 {
             at_ring_line[D - 1] += flanks.lateral;
@@ -339,22 +294,23 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     pub fn add_pulley_loads<const MOVES: bool>(
         &self,
         flank: &FlankVariation,
-        flanks: &BothFlanksVariation,
+        flanks: &FlankSum<Lanes>,
         force: Vector2<Lanes>,
         out: &mut CellBalance<Lanes>,
     ) {
         let (at, weight) = (&self.forces.approach, self.weight);
-        let [axial, base_axial] = [flanks.loads.axial * 0.5, self.forces.flanks.loads.axial * 0.5];
+        let [axial, base_axial] = [flanks.loads.axial * 0.5, self.forces.flanks.sum.loads.axial * 0.5];
         let mut moment = at.e_r * (axial * at.rho);
         if MOVES {
             moment += at.e_r * (base_axial * flank.rho) + at.e_t * (base_axial * at.rho * flank.turn);
         }
-        out.axial += flanks.on_movable * weight;
-        out.tilting[0] += moment.x * weight;
-        out.tilting[1] -= moment.y * weight;
-        out.torque += flanks.loads.torque * weight;
-        out.resultant[0] += force.x * weight;
-        out.resultant[1] += force.y * weight;
+        let load = PulleyLoad {
+            axial: flanks.on_movable,
+            tilting: [moment.x, -moment.y],
+            torque: flanks.loads.torque,
+            resultant: force.into(),
+        };
+        out.pulley.add(&load, weight);
     }
 
     /// Variations of the friction between ring and elements and of the drag of the ring's layers, N/m, and of the
@@ -372,7 +328,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             speed = change.chain.along + ring.w * by.stretch;
             sliding += speed - chain.speed * change.chain.lead;
         }
-        let arguments = StationArguments {
+        let arguments: StationArguments<Lanes> = OfStation {
             flanks: motions.each_ref().map(of_flank),
             ring: [change.tension, sliding],
         };

@@ -11,10 +11,11 @@ use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::directions::Directions;
-use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::laws::{LawArguments, LawForce, LawTangents, STACK_ARGUMENTS, StationArguments};
+use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation};
+use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents, StationArguments};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{BothFlanksVariation, LinearisedStation, StackForce, StationVariation};
+use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
+use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::law::spin::passing;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -45,7 +46,7 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     /// Derivatives of the passing amount of elements with respect to density and flow.
     passing: [Lanes; 2],
     /// Tangents of the push force.
-    push_by: [Lanes; STACK_ARGUMENTS],
+    push_by: [Lanes; ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
@@ -59,12 +60,8 @@ pub(crate) enum Direction {
     Speed(usize),
     /// The amount N of elements in the cell.
     Amount,
-    /// The axial speed ż of the movable sheave.
-    Sheave,
-    /// The tilt ψ_x (0) or ψ_y (1) of the sheaves.
-    Tilt(usize),
-    /// The angular speed ω of the pulley.
-    Shaft,
+    /// ż (0), ψ_x, ψ_y or ω (3) of the pulley.
+    Pulley(usize),
 }
 
 impl Direction {
@@ -81,11 +78,7 @@ impl Direction {
                 tension => Self::Ring(tension - 3),
             };
         }
-        match k - K::SHEAVE {
-            0 => Self::Sheave,
-            axis @ (1 | 2) => Self::Tilt(axis - 1),
-            _ => Self::Shaft,
-        }
+        Self::Pulley(k - K::SHEAVE)
     }
 
     #[inline(always)]
@@ -118,7 +111,7 @@ struct CellVariation {
 /// Variation of the stack in a cell.
 #[derive(Clone, Copy, Debug)]
 struct StackVariation {
-    arguments: [Lanes; STACK_ARGUMENTS],
+    arguments: [Lanes; ARGUMENTS],
     density: Lanes,
     /// Push force, N.
     push: Lanes,
@@ -145,8 +138,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                     &given,
                     (i, station),
                     cell.passing,
-                    forces,
-                    &laws.stations[i],
+                    (forces, &laws.stations[i]),
+                    slopes,
                 ));
             }
         }
@@ -178,7 +171,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         match direction {
             Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
             Direction::Ring(_) | Direction::Speed(_) | Direction::Amount => self.column::<false>(direction, arguments),
-            _ => self.pulley_column(direction, arguments),
+            Direction::Pulley(number) => self.pulley_column(number, arguments),
         }
     }
 
@@ -194,11 +187,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let cell = self.vary_cell::<MOVES>(direction, &mut varied);
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
-        let mut out = nothing();
-        out.speed = [stack.push, -stack.push];
-        out.transport = Transport {
-            flow: cell.flow_in,
-            density: stack.density,
+        let mut out = CellBalance {
+            speed: [stack.push, -stack.push],
+            transport: Transport {
+                flow: cell.flow_in,
+                density: stack.density,
+            },
+            ..CellBalance::default()
         };
         let on_stations = StackForce {
             density: [self.cell.density, stack.density],
@@ -319,26 +314,18 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     fn pulley_column(
         &self,
-        direction: Direction,
+        number: usize,
         arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
-        let [alpha, beta] = self.slopes;
-        let wedge = self.given.law.wedge;
-        let (mut out, mut sum) = (nothing(), self.ring.empty());
+        let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
         let (by, chain) = (RingVariation::none(), ChainVariation::none());
         for (i, station) in self.stations.iter().enumerate() {
             let Some(station) = station else { continue };
-            let at = &station.forces.approach;
-            let flank = match direction {
-                Direction::Tilt(axis) => FlankVariation::of_tilt(axis, wedge, &self.given.motion.pulley, at, alpha),
-                Direction::Shaft => FlankVariation::of_shaft(wedge, at),
-                _ => FlankVariation::of_sheave(wedge, beta),
-            };
             let change = StationVariation {
                 by: &by,
                 chain: &chain,
-                flank: &flank,
+                flank: &station.by_pulley[number],
                 along: zero,
                 inward: [zero; 2],
                 tension: zero,
@@ -346,48 +333,58 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             arguments.stations[i] =
                 self.add_station::<false>((i, station), &change, LineLoad::zero(), &mut out, &mut sum);
         }
-        (out, self.ring.varied_forces(&sum, None, beta))
+        (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
     }
 
-    /// Variation of balance and ring forces for a unit variation of a force of the laws.
+    /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws: at each
+    /// station those of the flanks and ring friction, then the push force.
     #[inline(always)]
-    pub fn vary_law(&self, force: LawForce) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
+    pub fn for_each_force(&self, mut record: impl FnMut(CellBalance<Lanes>, RingForces<Lanes, D>)) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);
-        let (mut out, mut sum) = (nothing(), self.ring.empty());
-        let (by, chain, flank) = (
-            RingVariation::none(),
-            ChainVariation::none(),
-            FlankVariation::of_lambda(zero),
-        );
-        match force {
-            LawForce::Push => out.speed = [one, -one],
-            LawForce::Flank { .. } | LawForce::Ring { .. } => {}
+        for at in self.stations.iter().enumerate() {
+            let (i, Some(station)) = at else { continue };
+            for flank in 0..D - 1 {
+                for force in 0..FLANK_FORCES {
+                    let flanks = station.unit_flanks(&self.given, flank, force);
+                    let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
+                    self.add_unit((i, station), (&flanks, zero, [zero; 2]), &mut out, &mut sum);
+                    record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
+                }
+            }
+            let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
+            let none = FlankSum::default();
+            self.add_unit((i, station), (&none, one, [zero; 2]), &mut out, &mut sum);
+            record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
         }
+        let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
+        out.speed = [one, -one];
         for (i, station) in self.stations.iter().enumerate() {
             let Some(station) = station else { continue };
-            let (mut flanks, mut friction, mut inward) = (BothFlanksVariation::none(), zero, [zero; 2]);
-            match force {
-                LawForce::Flank {
-                    station: at,
-                    flank,
-                    force,
-                } if at == i => flanks = station.unit_flanks(&self.given, flank, force),
-                LawForce::Ring { station: at } if at == i => friction = one,
-                LawForce::Push => inward = station.chain.curvature,
-                _ => continue,
-            }
-            let change = StationVariation {
-                by: &by,
-                chain: &chain,
-                flank: &flank,
-                along: zero,
-                inward,
-                tension: zero,
-            };
-            let loads = (LineLoad::zero(), &flanks, [friction, zero]);
-            self.add_loads::<false>((i, station), &change, loads, &mut out, &mut sum);
+            let pushed = (&FlankSum::default(), zero, station.chain.curvature);
+            self.add_unit((i, station), pushed, &mut out, &mut sum);
         }
-        (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
+        record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
+    }
+
+    /// Adds the loads at station `i` of flanks, of ring friction and of a force across the belt, where nothing moves.
+    #[inline(always)]
+    fn add_unit(
+        &self,
+        at: (usize, &LinearisedStation<'_, D>),
+        (flanks, friction, inward): (&FlankSum<Lanes>, Lanes, [Lanes; 2]),
+        out: &mut CellBalance<Lanes>,
+        sum: &mut R::Sum,
+    ) {
+        let zero = Lanes::zero();
+        let change = StationVariation {
+            by: &RingVariation::none(),
+            chain: &ChainVariation::none(),
+            flank: &FlankVariation::of_lambda(zero),
+            along: zero,
+            inward,
+            tension: zero,
+        };
+        self.add_loads::<false>(at, &change, (LineLoad::zero(), flanks, [friction, zero]), out, sum);
     }
 
     /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of the laws.
@@ -414,7 +411,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        (mut load, flanks, [friction_by, drag_by]): (LineLoad<Lanes, D>, &BothFlanksVariation, [Lanes; 2]),
+        (mut load, flanks, [friction_by, drag_by]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
@@ -459,22 +456,5 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
         self.ring
             .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &action);
-    }
-}
-
-/// A balance without forces.
-#[inline(always)]
-fn nothing() -> CellBalance<Lanes> {
-    let zero = Lanes::zero();
-    CellBalance {
-        speed: [zero; 2],
-        axial: zero,
-        tilting: [zero; 2],
-        torque: zero,
-        resultant: [zero; 2],
-        transport: Transport {
-            flow: zero,
-            density: zero,
-        },
     }
 }

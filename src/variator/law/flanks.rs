@@ -1,13 +1,13 @@
 //! Motion of a point of the belt relative to its pulley, and the loads of its two flanks.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
-use crate::ring::kinematics::{RingPoint, in_plane};
+use crate::ring::kinematics::RingPoint;
 use crate::scalar::Real;
 use crate::variator::law::place::{CellLaw, PulleyMotion};
 use nalgebra::{SVector, Vector2};
 
 /// Loads of flanks on an element, per ring length.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FlankLoads<T> {
     /// Outward force at the ring centre line, N/m.
     pub radial: T,
@@ -26,9 +26,9 @@ pub struct FlankLoads<T> {
 }
 
 impl<T: Real> FlankLoads<T> {
-    #[inline(always)]
     /// Sum of two loads.
-    pub fn plus(&self, other: &Self) -> Self {
+    #[inline(always)]
+    fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
             around: self.around + other.around,
@@ -41,21 +41,50 @@ impl<T: Real> FlankLoads<T> {
     }
 }
 
-/// Loads of both flanks of an element, per dξ.
+/// Sum of the loads of both flanks of an element, per dξ.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FlankSum<T> {
+    /// The sum.
+    pub loads: FlankLoads<T>,
+    /// Axial load on the movable sheave, N/m.
+    pub on_movable: T,
+    /// Lateral load on the ring along z, N/m.
+    pub lateral: T,
+}
+
+impl<T: Real> FlankSum<T> {
+    /// Of two equal flanks.
+    #[inline(always)]
+    pub fn alike(one: &FlankLoads<T>) -> Self {
+        Self {
+            loads: one.plus(one),
+            on_movable: one.axial,
+            lateral: T::zero(),
+        }
+    }
+
+    /// Of the flank on the movable sheave, which is on this `side` along z, and of the other one.
+    #[inline(always)]
+    pub fn of(movable: &FlankLoads<T>, fixed: &FlankLoads<T>, side: T::Constant) -> Self {
+        Self {
+            loads: movable.plus(fixed),
+            on_movable: movable.axial,
+            lateral: (movable.axial - fixed.axial) * side,
+        }
+    }
+}
+
+/// Motion, forces and loads of both flanks of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct BothFlanks<T> {
     /// Motion of the flank on the movable sheave and of the other flank.
     pub motions: [FlankMotion<T>; 2],
     /// Forces of both flanks.
     pub forces: [FlankForce<T>; 2],
-    /// Sum of the loads of both flanks.
-    pub loads: FlankLoads<T>,
-    /// Axial load on the movable sheave, N/m.
-    pub on_movable: T,
+    /// Sum of their loads.
+    pub sum: FlankSum<T>,
     /// Distance of the element from the middle, towards the movable sheave, m.
     pub offset: T,
-    /// Lateral load on the ring along z, N/m.
-    pub lateral: T,
 }
 
 /// Position of a point of the belt relative to its pulley, and the motion of its flanks on the sheaves.
@@ -82,18 +111,12 @@ pub struct Approach<T: Real> {
 }
 
 impl<T: Real> Approach<T> {
-    /// The approach of a point of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
-    /// line.
+    /// The approach of a point r of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
+    /// line, all in the plane of the drive.
     #[inline(always)]
-    pub fn new<const D: usize>(
-        law: &CellLaw,
-        axis: T::Constant,
-        pulley: &PulleyMotion<T>,
-        point: &RingPoint<T, D>,
-        [v_e, v_p]: [&SVector<T, D>; 2],
-    ) -> Self {
+    pub fn new(law: &CellLaw, axis: T::Constant, pulley: &PulleyMotion<T>, [r, v_e, v_p]: [Vector2<T>; 3]) -> Self {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
+        let arm = r - Vector2::new(T::constant(axis), T::zero());
         let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
         let e_r = arm * inverse_distance;
         let e_t = Vector2::new(e_r.y, -e_r.x);
@@ -101,7 +124,7 @@ impl<T: Real> Approach<T> {
         let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
         let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
         let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
-        let (v_r, v_around) = (in_plane(v_e).dot(&e_r), in_plane(v_p).dot(&e_t));
+        let (v_r, v_around) = (v_e.dot(&e_r), v_p.dot(&e_t));
         let surface = pulley.z_dot * 0.5 - opening_rate;
         let closing_surface = surface - pulley.omega * rho * opening_slope;
         Self {
@@ -144,20 +167,16 @@ impl<T: Real> Approach<T> {
             return BothFlanks {
                 motions,
                 forces: [force; 2],
-                loads: movable.plus(&movable),
-                on_movable: movable.axial,
+                sum: FlankSum::alike(&movable),
                 offset,
-                lateral: T::zero(),
             };
         }
         let (fixed, other_force) = one(&motions[1]);
         BothFlanks {
             motions,
             forces: [force, other_force],
-            loads: movable.plus(&fixed),
-            on_movable: movable.axial,
+            sum: FlankSum::of(&movable, &fixed, plane[0]),
             offset,
-            lateral: (movable.axial - fixed.axial) * plane[0],
         }
     }
 

@@ -58,16 +58,6 @@ impl CellLaw {
         self.joints.is_some()
     }
 
-    /// Mass per length that slides on the flanks, kg/m.
-    #[must_use]
-    pub fn sliding_mass(&self) -> f64 {
-        if self.is_chain() {
-            self.ring.mass_per_length
-        } else {
-            self.chain.mass_per_length
-        }
-    }
-
     /// What a pulley adds to the [`Place`] of its cells, secondary first: the drag of the ring's layers, or of a chain's joints, and that of
     /// elements that start and stop turning. `radii` and `wraps` are those of the ring's arcs, m and rad.
     #[inline(always)]
@@ -181,19 +171,52 @@ impl<T: Real> CellMotion<T> {
     }
 }
 
-/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its flow.
-#[derive(Clone, Copy, Debug)]
-pub struct CellBalance<T: Real> {
-    /// Conjugates of V at the faces, N.
-    pub speed: [T; 2],
-    /// Axial belt force on one sheave, N.
+/// Load of the belt, or of a part of it, on a pulley.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PulleyLoad<T = f64> {
+    /// Axial force on one sheave, N.
     pub axial: T,
     /// Moment of the axial force on one sheave, N·m.
     pub tilting: [T; 2],
-    /// Torque of the belt on the pulley, N·m.
+    /// Torque on the pulley, N·m.
     pub torque: T,
     /// Resultant of the contact forces on the belt, N; its negative acts on the pulley's shaft.
     pub resultant: [T; 2],
+}
+
+impl<T: Copy> PulleyLoad<T> {
+    /// Applies `f` to each component.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> PulleyLoad<U> {
+        PulleyLoad {
+            axial: f(self.axial),
+            tilting: self.tilting.map(&f),
+            torque: f(self.torque),
+            resultant: self.resultant.map(&f),
+        }
+    }
+}
+
+impl<T: Real> PulleyLoad<T> {
+    /// Adds `on` times another load.
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self, on: T) {
+        self.axial += other.axial * on;
+        self.torque += other.torque * on;
+        for k in 0..2 {
+            self.tilting[k] += other.tilting[k] * on;
+            self.resultant[k] += other.resultant[k] * on;
+        }
+    }
+}
+
+/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its flow.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CellBalance<T> {
+    /// Conjugates of V at the faces, N.
+    pub speed: [T; 2],
+    /// Load on the pulley.
+    pub pulley: PulleyLoad<T>,
     /// Quantities that determine the fluxes of elements.
     pub transport: Transport<T>,
 }

@@ -211,22 +211,6 @@ mod tests {
     };
 
     #[test]
-    fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
-        let mesh = crate::variator::settings::Parameters::default().mesh;
-        let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&mesh, CELLS, aligned));
-        assert_eq!(even.elements.len(), aligned.elements.len());
-        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
-        let share = 1.0 / even.elements.len() as f64;
-        assert!(
-            even.elements
-                .iter()
-                .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
-        );
-        let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
-        assert_eq!((touching(Pulley::Secondary), touching(Pulley::Primary)), (52, 52));
-    }
-
-    #[test]
     fn segments_are_filled_and_weights_sum_to_one() {
         let mesh = BeltMesh::new(&crate::variator::settings::Parameters::default().mesh, CELLS, true);
         for segment in 0..5 {
