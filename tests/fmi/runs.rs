@@ -273,8 +273,8 @@ fn a_step_that_stalls_is_discarded_and_can_be_repeated() {
     let repeat = |discarded: bool| {
         if discarded {
             set_largest_loads(&importer);
-            discard(&importer, 1e-4, 1e-3);
-            importer.assert_logged("stalled at 0.000");
+            discard(&importer, 1e-4, 2e-3);
+            importer.assert_logged("stalled at 0.0");
         }
         assert_eq!(importer.restore(stored), Ok);
         importer.advance(1e-4, 2e-5);
