@@ -144,7 +144,7 @@ fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
     assert_eq!(remarks.len(), 2, "{remarks:?}");
     for remark in &remarks {
         assert!(remark.starts_with(&expected), "{remark}, not {expected}");
-        assert!(remark.contains("secondary.torque varies most"), "{remark}");
+        assert!(remark.contains("primary.torque varies most"), "{remark}");
     }
 }
 
