@@ -94,3 +94,29 @@ impl Pace {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_of_too_much_work_is_reported_once_with_the_input_that_moves() {
+        let mut pace = Pace::new(&Inputs::default());
+        let mut reported = Vec::new();
+        for k in 0..250 {
+            let mut inputs = Inputs::default();
+            inputs.secondary.torque += f64::from(k % 2) * 20.0;
+            inputs.primary.clamping_force += f64::from(k % 3) * 10.0;
+            let work = Counts {
+                residuals: if k < 100 { 650 } else { 100 },
+                factorizations: 30,
+                ..Counts::default()
+            };
+            reported.extend(pace.count(&inputs, 10e-3, work, 400));
+        }
+        assert_eq!(reported.len(), 1);
+        let expected = "1.0 s of simulation took 3000 Jacobians and 65000 residuals, some 1.5 s of computing on a usual processor; \
+                        secondary.torque varies most";
+        assert!(reported[0].starts_with(expected), "{reported:?}");
+    }
+}
