@@ -8,7 +8,7 @@ use crate::fmi::log::Status;
 use crate::unit::VariatorUnit;
 
 crate::fmi::export_functions! {
-    Some(&super::variant::DISPATCH);
+    Some(&super::DISPATCH);
 
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///
