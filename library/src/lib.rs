@@ -1,17 +1,34 @@
 //! The shared library in `PushbeltVariator.fmu`: its C functions, and their list for a linker.
 #![allow(unsafe_code, non_snake_case, reason = "C functions")]
 
-pub mod fmi2;
-pub mod fmi3;
 pub mod linear;
-pub mod variant;
 
-use pushbelt::fmi;
+use pushbelt::fmi::dispatch::Dispatch;
+use pushbelt::fmi::{Unit as _, fmi2 as v2, fmi3 as v3};
+use pushbelt::unit::VariatorUnit;
+
+/// Chooses the library at the first instance: in portable builds this one, or its variant for processors with AVX2.
+pub static DISPATCH: Dispatch = Dispatch::new(VariatorUnit::IDENTITY.name, option_env!("PUSHBELT_VARIANT"));
+
+/// The C functions of FMI 2.0.
+pub mod fmi2 {
+    pushbelt::fmi::export_fmi2!(pushbelt::unit::VariatorUnit, Some(&crate::DISPATCH));
+}
+
+/// The C functions of FMI 3.0.
+pub mod fmi3 {
+    pushbelt::fmi::export_fmi3!(pushbelt::unit::VariatorUnit, Some(&crate::DISPATCH));
+}
+
+/// The function by which another library of the FMU opens this one.
+pub mod variant {
+    pushbelt::fmi::export_variant!();
+}
 
 /// The content of `fmu-build/exports.def`.
 #[must_use]
 pub fn definition() -> String {
-    let mut names = [fmi::fmi2::NAMES, fmi::fmi3::NAMES, linear::NAMES, variant::NAMES].concat();
+    let mut names = [v2::NAMES, v3::NAMES, linear::NAMES, &["pushbeltVariant"]].concat();
     names.sort_unstable();
     let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
     format!(

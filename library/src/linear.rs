@@ -7,7 +7,7 @@ use pushbelt::fmi::log::Status;
 use pushbelt::unit::{VariatorUnit, linear_model};
 
 pushbelt::fmi::export_functions! {
-    Some(&crate::variant::DISPATCH);
+    Some(&crate::DISPATCH);
 
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///

@@ -1,5 +1,6 @@
 //! The values that a master sets.
 
+use crate::variator::settings::table::part;
 use crate::variator::settings::{Inputs, Parameters};
 
 /// The values that a master sets. The default is the variator of the default experiment.
@@ -17,20 +18,5 @@ pub struct Settings<R = StandardRings> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StandardRings;
 
-macro_rules! holds {
-    ($field:ident: $of:ty) => {
-        impl<R> AsRef<$of> for Settings<R> {
-            fn as_ref(&self) -> &$of {
-                &self.$field
-            }
-        }
-
-        impl<R> AsMut<$of> for Settings<R> {
-            fn as_mut(&mut self) -> &mut $of {
-                &mut self.$field
-            }
-        }
-    };
-}
-holds!(parameters: Parameters);
-holds!(inputs: Inputs);
+part!([R] Settings<R> => Parameters: |self| self.parameters);
+part!([R] Settings<R> => Inputs: |self| self.inputs);

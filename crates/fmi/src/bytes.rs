@@ -73,35 +73,3 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
     }
     Ok(content)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{open, seal};
-
-    #[test]
-    fn sealed_bytes_are_opened() {
-        for content in [&b"x"[..], &[7; 1000]] {
-            let bytes = seal("{a}", content).expect("bytes");
-            assert_eq!(open("{a}", &bytes), Ok(content));
-        }
-        // What a tape without memory leaves.
-        assert!(seal("{a}", b"").is_err());
-    }
-
-    #[test]
-    fn every_damage_is_found() {
-        let bytes = seal("{a}", b"content").expect("bytes");
-        for end in 0..bytes.len() {
-            assert!(open("{a}", &bytes[..end]).is_err(), "{end} bytes");
-        }
-        assert!(open("{a}", &[&bytes[..], b" "].concat()).is_err());
-        for at in 0..bytes.len() {
-            for bit in 0..8 {
-                let mut damaged = bytes.clone();
-                damaged[at] ^= 1 << bit;
-                assert!(open("{a}", &damaged).is_err(), "byte {at}, bit {bit}");
-            }
-        }
-        assert!(open("{b}", &bytes).unwrap_err().contains("GUID"));
-    }
-}

@@ -461,12 +461,11 @@ pub struct Retired {
 
 impl std::fmt::Display for Retired {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self {
-            name,
-            reference,
-            instead,
-        } = self;
-        write!(f, "{name} (value reference {reference}) was removed: {instead}")
+        write!(
+            f,
+            "{} (value reference {}) was removed: {}",
+            self.name, self.reference, self.instead
+        )
     }
 }
 

@@ -179,6 +179,8 @@ pub struct Frame {
     pub radius: f64,
     /// Ratio.
     pub ratio: f64,
+    /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
+    pub closing: PerPulley<f64>,
     /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
     pub force: f64,
     /// Torque at utilisation 1, N·m.
@@ -200,6 +202,7 @@ impl Frame {
 
     /// What `way` gives in the direction with the larger share, and near standstill the share of the other direction and what it gives
     /// there. Reverse running is forward running at −v.
+    #[inline(always)]
     fn ways<W>(&self, sliding: f64, way: impl Fn(f64) -> W) -> (W, Option<(f64, W)>) {
         let (main, share) = if self.forward >= 0.5 {
             (sliding, 1.0 - self.forward)
@@ -210,6 +213,7 @@ impl Frame {
     }
 
     /// The traction at a sliding speed, m/s, from those of [`Frame::ways`].
+    #[inline(always)]
     fn mix(&self, sliding: f64, main: Traction, other: Option<(f64, Traction)>) -> Traction {
         let ahead = self.forward >= 0.5;
         let sign = if ahead { 1.0 } else { -1.0 };
@@ -254,6 +258,7 @@ impl Law<'_> {
             place,
             radius,
             ratio: state.log_ratio.exp(),
+            closing,
             force,
             torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
             speed,
@@ -308,8 +313,7 @@ impl Law<'_> {
     }
 
     /// Forces of clamps and cylinders that close the pulleys in a state, without their seals, N.
-    #[must_use]
-    pub fn closing(&self, state: &State, inputs: &Inputs) -> PerPulley<f64> {
+    fn closing(&self, state: &State, inputs: &Inputs) -> PerPulley<f64> {
         let positions = self.radii.positions(state.log_ratio);
         PerPulley::from_fn(|j| {
             let cylinder = &self.parameters.pulley(j).cylinder;
@@ -324,13 +328,13 @@ impl Law<'_> {
         PerPulley::from_fn(|j| self.parameters.pulley(j).cylinder.drag(velocities[j], velocity))
     }
 
-    /// ℓ' in a state with the forces of the inputs, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
+    /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
     #[must_use]
-    pub fn shift(&self, frame: &Frame, point: &Point, state: &State, inputs: &Inputs) -> (f64, f64) {
+    pub fn shift(&self, frame: &Frame, point: &Point, state: &State) -> (f64, f64) {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
         }
-        let forces = self.closing(state, inputs);
+        let forces = frame.closing;
         let primary = state.speeds.primary;
         let free = self.shift_under(frame, point, primary, forces);
         if Pulley::BOTH

@@ -79,7 +79,7 @@ impl Stage<'_> {
         let free = frame.radius * (lines.primary.constant - frame.ratio * lines.secondary.constant);
         let per_torque = -frame.radius * (lines.primary.slope - frame.ratio * lines.secondary.slope);
         // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
-        let (rate, slope) = law.shift(&frame, &point, state, &self.inputs);
+        let (rate, slope) = law.shift(&frame, &point, state);
         let around = frame.radius * frame.ratio * state.speeds.secondary;
         let [least, most] = law.radii.stops;
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;

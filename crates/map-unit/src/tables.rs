@@ -177,14 +177,15 @@ impl Tables {
     /// Capacity in both directions: utilisations and slips.
     #[must_use]
     pub fn limits(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
-        let mean = |n: usize| {
-            place
-                .lines
-                .iter()
-                .map(|(line, weight)| weight * self.limits[*line][n])
-                .sum()
-        };
-        ([mean(0), mean(1)], [mean(2), mean(3)])
+        let mut mean = [0.0; 4];
+        for (line, weight) in place.lines {
+            let values = &self.limits[line];
+            for n in 0..4 {
+                mean[n] += weight * values[n];
+            }
+        }
+        let [back, ahead, back_slip, ahead_slip] = mean;
+        ([back, ahead], [back_slip, ahead_slip])
     }
 
     /// Utilisation at a slip, as a share of the slip at capacity from −1 to 1.
@@ -235,8 +236,9 @@ fn interval(axis: &[f64], at: f64) -> (usize, f64) {
     if axis.len() == 1 {
         return (0, 0.0);
     }
-    let inner = &axis[1..axis.len() - 1];
-    let k = inner.partition_point(|place| *place < at);
+    // From the first one on: axes have few places.
+    let inner = axis[1..axis.len() - 1].iter();
+    let k = inner.take_while(|place| **place < at).count();
     (k, ((at - axis[k]) / (axis[k + 1] - axis[k])).clamp(0.0, 1.0))
 }
 

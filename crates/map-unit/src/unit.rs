@@ -229,7 +229,7 @@ impl MapUnit {
             let _ = self.settle();
             self.update_thrust_ratio();
             // Too small a primary force: the ratio grows.
-            let closing = self.law().closing(&self.state, &self.acting);
+            let closing = self.frame().closing;
             closing.primary < self.thrust_ratio * closing.secondary
         });
         self.state.log_ratio = found;
@@ -307,9 +307,9 @@ impl MapUnit {
 
     /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
-        let closing = self.law().closing(&self.state, &self.acting);
+        let frame = self.frame();
         for j in [Pulley::Primary, Pulley::Secondary] {
-            let (name, given, force) = (j.name(), self.acting.pulley(j), closing[j]);
+            let (name, given, force) = (j.name(), self.acting.pulley(j), frame.closing[j]);
             let is_free = self.parameters().pulley(j).axial == Axial::Force;
             if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
                 self.opened = true;
@@ -320,7 +320,6 @@ impl MapUnit {
                 )));
             }
         }
-        let frame = self.frame();
         if frame.place.outside && !self.logged {
             self.logged = true;
             remarks.push(Remark::warning(format!(
@@ -333,7 +332,7 @@ impl MapUnit {
 
     /// Speeds of the sheaves at present, closing positive, m/s.
     fn sheave_velocities(&self, frame: &Frame, point: &Point) -> PerPulley<f64> {
-        let (rate, _) = self.law().shift(frame, point, &self.state, &self.acting);
+        let (rate, _) = self.law().shift(frame, point, &self.state);
         let ([least, most], log_ratio) = (self.radii.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
         let rate = if at_stop { 0.0 } else { rate };
@@ -356,7 +355,7 @@ impl MapUnit {
         let axial = PerPulley {
             primary: match of.primary.axial {
                 Axial::Held => point.thrust_ratio() * frame.force,
-                Axial::Force => law.closing(&self.state, &self.acting).primary - rubbing.primary,
+                Axial::Force => frame.closing.primary - rubbing.primary,
             },
             secondary: frame.force - rubbing.secondary,
         };

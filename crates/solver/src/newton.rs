@@ -52,21 +52,23 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Each count of two combined.
-    fn combine(self, other: Self, combine: fn(u64, u64) -> u64) -> Self {
-        Self {
-            steps: combine(self.steps, other.steps),
-            rejected: combine(self.rejected, other.rejected),
-            failed: combine(self.failed, other.failed),
-            residuals: combine(self.residuals, other.residuals),
-            factorizations: combine(self.factorizations, other.factorizations),
-        }
+    fn each_mut(&mut self) -> [&mut u64; 5] {
+        let Self {
+            steps,
+            rejected,
+            failed,
+            residuals,
+            factorizations,
+        } = self;
+        [steps, rejected, failed, residuals, factorizations]
     }
 }
 
 impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, more: Self) {
-        *self = self.combine(more, |count, more| count + more);
+    fn add_assign(&mut self, mut more: Self) {
+        for (count, more) in self.each_mut().into_iter().zip(more.each_mut()) {
+            *count += *more;
+        }
     }
 }
 
@@ -74,8 +76,11 @@ impl std::ops::AddAssign for Counts {
 impl std::ops::Sub for Counts {
     type Output = Self;
 
-    fn sub(self, earlier: Self) -> Self {
-        self.combine(earlier, |count, earlier| count - earlier)
+    fn sub(mut self, mut earlier: Self) -> Self {
+        for (count, earlier) in self.each_mut().into_iter().zip(earlier.each_mut()) {
+            *count -= *earlier;
+        }
+        self
     }
 }
 
@@ -189,14 +194,7 @@ impl Newton {
         }
         tape.real(&mut self.rate);
         tape.counter(&mut self.excess);
-        let Counts {
-            steps,
-            rejected,
-            failed,
-            residuals,
-            factorizations,
-        } = &mut self.counts;
-        for count in [steps, rejected, failed, residuals, factorizations] {
+        for count in self.counts.each_mut() {
             tape.counter(count);
         }
     }

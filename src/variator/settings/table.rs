@@ -308,26 +308,23 @@ impl<S: AsRef<Parameters> + AsMut<Parameters> + 'static> ParameterRows<S> {
     ];
 }
 
-impl AsRef<Self> for Parameters {
-    fn as_ref(&self) -> &Self {
-        self
-    }
-}
+/// References to a part of settings, in which rows find their fields.
+macro_rules! part {
+    ([$($generic:ident)?] $whole:ty => $part:ty: |$settings:ident| $place:expr) => {
+        impl$(<$generic>)? AsRef<$part> for $whole {
+            fn as_ref(&$settings) -> &$part {
+                &$place
+            }
+        }
 
-impl AsMut<Self> for Parameters {
-    fn as_mut(&mut self) -> &mut Self {
-        self
-    }
+        impl$(<$generic>)? AsMut<$part> for $whole {
+            fn as_mut(&mut $settings) -> &mut $part {
+                &mut $place
+            }
+        }
+    };
 }
+pub(crate) use part;
 
-impl AsRef<Self> for Inputs {
-    fn as_ref(&self) -> &Self {
-        self
-    }
-}
-
-impl AsMut<Self> for Inputs {
-    fn as_mut(&mut self) -> &mut Self {
-        self
-    }
-}
+part!([] Parameters => Parameters: |self| *self);
+part!([] Inputs => Inputs: |self| *self);

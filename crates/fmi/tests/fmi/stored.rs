@@ -138,6 +138,10 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() / 2), "checksum");
         refuses(&damaged(bytes.len() - 1), "checksum");
+        for at in 0..bytes.len() {
+            assert_eq!(importer.read_bytes(&damaged(at)), Err(Error), "byte {at}");
+            assert_eq!(importer.read_bytes(&bytes[..at]), Err(Error), "{at} bytes");
+        }
         let mut state = importer.stored();
         let mut short = vec![0; bytes.len() - 1];
         assert_eq!(importer.write_bytes(state, &mut short), Error);

@@ -85,7 +85,7 @@ impl Bench {
         let frame = law.frame(&state, &settings.inputs);
         let point = law.point(&frame, frame.sliding(speeds));
         let torque = frame.torque * point.traction.value;
-        let (shift, _) = law.shift(&frame, &point, &state, &settings.inputs);
+        let (shift, _) = law.shift(&frame, &point, &state);
         [torque, frame.ratio * (torque - point.lost(primary)), shift]
     }
 
