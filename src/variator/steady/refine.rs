@@ -159,3 +159,82 @@ fn per_cell(system: &VariatorSystem, state: &State, value: impl Fn(f64, f64) -> 
     };
     mesh.cells.iter().map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pulley::PerPulley;
+    use crate::variator::settings::parameters::RingModel;
+    use crate::variator::steady::start::{Start, kinematic_state};
+
+    /// A system in the kinematic state.
+    fn started(parameters: &Parameters) -> (VariatorSystem, State) {
+        let system = VariatorSystem::new(parameters);
+        let start = Start {
+            ratio: 1.3,
+            primary_speed: 200.0,
+            clamping: PerPulley::from_fn(|_| 1.0e4),
+        };
+        let state = kinematic_state(&system.belt, &start).expect("a ratio in range");
+        (system, state)
+    }
+
+    /// A kinematic state with other deflections, contents and speeds.
+    fn deflected(parameters: &Parameters) -> (VariatorSystem, State) {
+        let (system, mut state) = started(parameters);
+        let (layout, noise) = (&system.belt.layout, |i: usize| (2.3 * i as f64).sin());
+        for i in 0..layout.components() * 2 * layout.elements {
+            let per_node = 2 * layout.components();
+            state.q[layout.node(i / per_node, i % per_node)] += 1.0e-5 * noise(i);
+        }
+        for (i, at) in system.belt.cells_at.iter().enumerate() {
+            state.y[at.amount] *= 1.0 + 1.0e-4 * noise(i);
+            state.y[at.speed] *= 1.0 + 1.0e-3 * noise(i + 1);
+        }
+        (system, state)
+    }
+
+    fn of(ring_model: RingModel, spatial: bool) -> Parameters {
+        Parameters {
+            ring_model,
+            spatial,
+            ..Parameters::default()
+        }
+    }
+
+    #[test]
+    fn the_same_mesh_gets_the_same_state() {
+        for (ring, spatial) in [
+            (RingModel::Ale, false),
+            (RingModel::Ale, true),
+            (RingModel::Ale0, false),
+        ] {
+            let (system, state) = deflected(&of(ring, spatial));
+            let mut found = state.clone();
+            found.q.fill(0.0);
+            prolong(&system, &state, &system, &mut found);
+            for (a, b) in state.q.iter().zip(&found.q).chain(state.y.iter().zip(&found.y)) {
+                assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_finer_mesh_keeps_its_sum_of_elements_and_the_shared_nodes() {
+        for ring in [RingModel::Ale, RingModel::Ale0] {
+            let (coarse, state) = deflected(&coarser(&of(ring, false)).expect("a coarse mesh"));
+            let (fine, mut found) = started(&of(ring, false));
+            let sum = |state: &State| fine.belt.cells_at.iter().map(|at| state.y[at.amount]).sum::<f64>();
+            let wanted = sum(&found);
+            prolong(&coarse, &state, &fine, &mut found);
+            assert!((sum(&found) / wanted - 1.0).abs() < 1e-13);
+            // Every other node is one of the coarse mesh.
+            let [layout, of_fine] = [&coarse.belt.layout, &fine.belt.layout];
+            let per_node = 2 * layout.components();
+            for (node, k) in (0..layout.elements).flat_map(|node| (0..per_node).map(move |k| (node, k))) {
+                let (a, b) = (state.q[layout.node(node, k)], found.q[of_fine.node(2 * node, k)]);
+                assert!((a - b).abs() < 1e-15, "{node} {k}: {a} {b}");
+            }
+        }
+    }
+}
