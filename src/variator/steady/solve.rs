@@ -87,28 +87,21 @@ pub fn solve(
     max_solves: usize,
 ) -> Result<Settled, Settled> {
     let sharp = system.parameters.friction.velocity;
+    let from_there = SteadyTask { warm: true, ..*task };
     let mut near = state.clone();
-    let found = if task.warm {
+    if task.warm {
         let way = (task.ratio / geometric_ratio(system, state.view())).ln().abs();
-        (way < NEAR).then(|| continuation(system, newton, &mut near, task, max_solves, sharp))
-    } else if start_on_coarse_mesh(system, newton, &mut near, task, max_solves) {
-        let from_there = SteadyTask { warm: true, ..*task };
-        Some(solve(system, newton, &mut near, &from_there, max_solves))
-    } else {
-        None
-    };
-    if let Some(Ok(settled)) = found {
-        *state = near;
-        return Ok(settled);
+        if way < NEAR
+            && let Ok(settled) = continuation(system, newton, &mut near, task, max_solves, sharp)
+        {
+            *state = near;
+            return Ok(settled);
+        }
+        return continuation(system, newton, state, task, max_solves, sharp.max(SOFT_VELOCITY));
     }
-    if !task.warm && task.clamping[task.reaction.other()] < FIRM {
-        let firmer = SteadyTask {
-            clamping: task.clamping.map(|force| FIRMER * force),
-            ..*task
-        };
-        let from_there = SteadyTask { warm: true, ..*task };
+    for start in [start_on_coarse_mesh, start_at_firmer_force] {
         near.copy_from(state);
-        if solve(system, newton, &mut near, &firmer, max_solves).is_ok()
+        if start(system, newton, &mut near, task, max_solves)
             && let Ok(settled) = solve(system, newton, &mut near, &from_there, max_solves)
         {
             *state = near;
@@ -138,9 +131,25 @@ pub(super) fn cold_start(
     Ok(state)
 }
 
+/// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one.
+fn start_at_firmer_force(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    max_solves: usize,
+) -> bool {
+    let firmer = SteadyTask {
+        clamping: task.clamping.map(|force| FIRMER * force),
+        ..*task
+    };
+    let is_loose = task.clamping[task.reaction.other()] < FIRM;
+    is_loose && solve(system, newton, state, &firmer, max_solves).is_ok()
+}
+
 /// Moves a kinematic state near the steady one of a mesh with fewer elements; returns whether there is one.
 fn start_on_coarse_mesh(
-    system: &VariatorSystem,
+    system: &mut VariatorSystem,
     newton: &mut Newton,
     state: &mut State,
     task: &SteadyTask,
