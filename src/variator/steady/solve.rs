@@ -131,7 +131,8 @@ pub(super) fn cold_start(
     Ok(state)
 }
 
-/// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one.
+/// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the coarse
+/// mesh itself, which is solved for directly.
 fn start_at_firmer_force(
     system: &mut VariatorSystem,
     newton: &mut Newton,
@@ -143,7 +144,7 @@ fn start_at_firmer_force(
         clamping: task.clamping.map(|force| FIRMER * force),
         ..*task
     };
-    let is_loose = task.clamping[task.reaction.other()] < FIRM;
+    let is_loose = task.clamping[task.reaction.other()] < FIRM && coarser(&system.parameters).is_some();
     is_loose && solve(system, newton, state, &firmer, max_solves).is_ok()
 }
 
