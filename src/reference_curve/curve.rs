@@ -1,8 +1,6 @@
-//! The trait of a reference curve, and the curve at a mesh point.
+//! The trait of a reference curve, and the curve at a point.
 
-use super::frame::{CoordinateSlopes, Path, TwoPulleyFrame};
 use super::jet::Jet;
-use super::two_pulley::TwoPulley;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 
@@ -68,21 +66,4 @@ pub trait ReferenceCurve: Clone + Send + 'static {
         let (segment, fraction) = self.locate(frame, xi);
         Self::point(frame, segment, fraction)
     }
-}
-
-/// The curve of two pulleys on a mesh, which follows the arcs or not.
-pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
-    /// The frame at one place of a path of the coordinates.
-    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> Self::Frame<T>;
-
-    /// Arcs and strands of a frame.
-    fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
-
-    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is `point`.
-    fn slopes<T: Real>(
-        frame: &Self::Frame<T>,
-        segment: usize,
-        fraction: T::Constant,
-        point: &ReferencePoint<T>,
-    ) -> CoordinateSlopes<T>;
 }

@@ -17,12 +17,29 @@
 //! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
 //! first derivatives with respect to each coordinate: [`CoordinateSlopes`].
 
-use super::curve::{MeshCurve, ReferenceCurve, ReferencePoint};
+use super::curve::{ReferenceCurve, ReferencePoint};
 use super::jet::{Jet, VectorJet};
 use super::two_pulley::TwoPulley;
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
+
+/// The curve of two pulleys on a mesh, which follows the arcs or not.
+pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
+    /// The frame at one place of a path of the coordinates.
+    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> Self::Frame<T>;
+
+    /// Arcs and strands of a frame.
+    fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
+
+    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is `point`.
+    fn slopes<T: Real>(
+        frame: &Self::Frame<T>,
+        segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> CoordinateSlopes<T>;
+}
 
 /// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary arc.
 const SEGMENTS: usize = 5;

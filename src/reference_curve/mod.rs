@@ -10,7 +10,7 @@ mod frame;
 mod jet;
 mod two_pulley;
 
-pub use curve::{MeshCurve, ReferenceCurve, ReferencePoint};
-pub use frame::{COORDINATES, CoordinateSlopes, Path, PointSlopes, TwoPulleyFrame};
+pub use curve::{ReferenceCurve, ReferencePoint};
+pub use frame::{COORDINATES, CoordinateSlopes, MeshCurve, Path, PointSlopes, TwoPulleyFrame};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};

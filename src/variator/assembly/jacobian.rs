@@ -3,21 +3,21 @@
 use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
+use crate::variator::assembly::columns::Columns;
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
 use crate::variator::assembly::kinds::{RingKind, pack_balance, path_of};
-use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::belt::equations::{InForce, ReusePolicy};
 use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
+use crate::variator::cell::directions::{Directions, MOST};
 use crate::variator::cell::laws::{ArgumentRecorder, LawArguments, LawTangents, TangentRecorder};
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
-use crate::variator::cell::variation::{Direction, Evaluated, Linearised};
+use crate::variator::cell::variation::Evaluated;
 use crate::variator::law::place::CellBalance;
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::{CellRing, VaryingRing};
+use crate::variator::rings::ring::CellRing;
 use std::cell::OnceCell;
 use std::ops::Range;
 
@@ -101,24 +101,6 @@ pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     (b, update)
 }
 
-/// Derivatives by hand in the directions of the cells' own unknowns and of the pulley, and the laws' part.
-#[inline(always)]
-pub(crate) fn vary_own<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
-    ring: &R,
-    evaluated: Evaluated<'_, D>,
-    columns: &mut Columns<'_>,
-) {
-    let linear = Linearised::new(ring, evaluated);
-    for k in (0..K::DRIFT).chain(K::SHEAVE..K::COUNT) {
-        let mut arguments = LawArguments::zero();
-        let (b, ring) = linear.vary(Direction::of::<K>(k), &mut arguments);
-        columns.record::<K>(k, &rows::<_, K, D>(&b, &ring), &b.transport, &arguments);
-    }
-    if let Some(laws) = &mut columns.laws {
-        laws.keep::<K, _, D>(&linear, evaluated.laws);
-    }
-}
-
 /// Records the forces at the stations and the tangents of the laws.
 struct ForceRecorder<'a, const D: usize> {
     tangents: TangentRecorder<'a>,
@@ -130,38 +112,6 @@ impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
         self.tangents.observe(at);
         self.forces[at.index] = Some(*at.forces);
-    }
-}
-
-/// Memory for the derivatives of a pack: a column for each direction.
-pub struct Columns<'a> {
-    pack: &'a Pack,
-    block: &'a mut [Lanes],
-    laws: Option<&'a mut LawPart>,
-    transports: &'a mut [Transport<[f64; MOST]>],
-}
-
-impl Columns<'_> {
-    /// Records the derivatives of balance, transport quantities and arguments of the laws in a direction.
-    #[inline(always)]
-    fn record<K: Directions>(
-        &mut self,
-        direction: usize,
-        rows: &[Lanes; MOST_ROWS],
-        transport: &Transport<Lanes>,
-        arguments: &LawArguments<Lanes>,
-    ) {
-        for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(K::COUNT)) {
-            block[direction] = *row;
-        }
-        for (figure, slope) in transport.each().into_iter().enumerate() {
-            for (&cell, slope) in self.pack.cells().iter().zip(slope.to_array()) {
-                self.transports[cell].each_mut()[figure][direction] = slope;
-            }
-        }
-        if let Some(laws) = &mut self.laws {
-            laws.record::<K>(direction, arguments);
-        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
-use crate::variator::assembly::jacobian::{Columns, vary_own};
+use crate::variator::assembly::columns::{Columns, vary_own};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, nodes, tensions};
 use crate::variator::belt::Belt;

@@ -1,5 +1,6 @@
 //! The equations of a belt: balance and derivatives of packs of cells, and their sums.
 
+mod columns;
 pub(crate) mod jacobian;
 mod jacobian_cache;
 pub(crate) mod kinds;

@@ -8,7 +8,7 @@ use crate::variator::run::at_rest::Unsettled;
 use crate::variator::run::outcome::{InitialisationError, Message};
 use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
-use crate::variator::run::steady_start::NoSteadyState;
+use crate::variator::run::steady_start::{NoSteadyState, StartSearch};
 use crate::variator::run::stepper::{COLD_STEP, WARM_STEP};
 use crate::variator::settings::parameters::{Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
@@ -23,13 +23,6 @@ pub(crate) const STANDSTILL: f64 = 1.0e-3;
 /// of some 2 N is far below the ring's, and oil bears as much as between the elements of a belt that slows down.
 const CREEP_SPEED: f64 = 20.0;
 const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
-
-/// The search for the state that a run starts from.
-pub(super) struct StartSearch<'a> {
-    pub plant: &'a mut Plant,
-    pub messages: &'a mut Vec<Message>,
-    pub inputs: &'a Inputs,
-}
 
 /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
 /// gives it and the reason. Returns what it is, and the first step from it, s.
@@ -72,10 +65,6 @@ fn no_clamping(why: &Unsettled) -> Message {
 }
 
 impl StartSearch<'_> {
-    pub fn log(&mut self, warning: bool, text: String) {
-        self.messages.push(Message { warning, text });
-    }
-
     /// Moves an initial ratio beyond an end stop to the stop.
     fn clamp_initial_ratio(&mut self) {
         let parameters = &mut self.plant.system.parameters;

@@ -7,12 +7,12 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::at_rest::Unsettled;
+use crate::variator::run::outcome::Message;
 use crate::variator::run::pace::JACOBIAN;
 use crate::variator::run::plant::Plant;
-use crate::variator::run::start::StartSearch;
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
-use crate::variator::settings::signals::StartState;
+use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::solve_equilibrium;
 use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio, reaction};
 
@@ -31,6 +31,13 @@ const STEADY_WORK: f64 = 2.5e5;
 
 /// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %.
 const SLIP_AT_CAPACITY: f64 = 0.015;
+
+/// The search for the state that a run starts from.
+pub(super) struct StartSearch<'a> {
+    pub plant: &'a mut Plant,
+    pub messages: &'a mut Vec<Message>,
+    pub inputs: &'a Inputs,
+}
 
 /// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
@@ -56,6 +63,10 @@ pub(super) enum NoSteadyState {
 }
 
 impl StartSearch<'_> {
+    pub fn log(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
+    }
+
     /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.plant.system);
