@@ -5,7 +5,7 @@ use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::columns::Columns;
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
-use crate::variator::assembly::kinds::{RingKind, pack_balance, path_of};
+use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, path_of};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::belt::equations::{InForce, ReusePolicy};
@@ -136,7 +136,7 @@ impl<'a, C: MeshCurve> Frames<'a, C> {
             path,
             slopes,
             by_hand,
-            plain: C::on_path(curve, &path_of::<_, K>(path.map(Jet::lifted))),
+            plain: frame::<K, C>(curve, path),
             moving: std::array::from_fn(|_| OnceCell::new()),
         }
     }

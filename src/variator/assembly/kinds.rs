@@ -1,14 +1,12 @@
 //! Kinds of ring as types, chosen once at the start, and the balance of a pack of cells with them, generic over the scalar.
 
-use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path};
+use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real};
-use crate::solver::View;
 use crate::variator::assembly::columns::{Columns, vary_own};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, nodes, tensions};
-use crate::variator::belt::Belt;
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing};
@@ -99,10 +97,10 @@ pub(crate) fn path_of<T: Real, K: Directions>(path: Path<T>) -> Path<T> {
     by_theta
 }
 
-/// The frame of the curve at a state.
+/// The frame of the curve at one place of a path, the same in all lanes.
 #[inline(always)]
-pub(crate) fn frame<K: Directions, C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
-    C::on_path(&belt.curve, &path_of::<_, K>(belt.path(view).map(Jet::lifted)))
+pub(crate) fn frame<K: Directions, C: MeshCurve>(curve: &TwoPulley, path: Path<f64>) -> C::Frame<Lanes> {
+    C::on_path(curve, &path_of::<_, K>(path.map(Jet::lifted)))
 }
 
 /// The balance of a pack of cells with this kind of ring; `seed` makes a scalar from a value, its direction and its

@@ -99,7 +99,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
-        let frame = frame::<K, C>(belt, view);
+        let frame = frame::<K, C>(&belt.curve, belt.path(view));
         let [mut drift, mut theta] = [Lanes::zero(); 2];
         let mut centres = [Lanes::zero(); COORDINATES - 1];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
@@ -169,7 +169,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
     }
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
-        let frame = frame::<K, C>(acting.belt, view);
+        let frame = frame::<K, C>(&acting.belt.curve, acting.belt.path(view));
         let (mut places, mut unknowns) = (out.iter_mut(), Unknowns::zero());
         for pack in &self.packs {
             pack.gather::<K>(view, &mut unknowns);

@@ -125,11 +125,5 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     let (flanks, approach) = (&forces.flanks.sum, &forces.approach);
     let moment = approach.e_r * (flanks.loads.axial * 0.5 * approach.rho);
     let force = approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around;
-    let load = PulleyLoad {
-        axial: flanks.on_movable,
-        tilting: [moment.x, -moment.y],
-        torque: flanks.loads.torque,
-        resultant: force.into(),
-    };
-    out.pulley.add(&load, weight);
+    out.pulley.add(&flanks.on_pulley(moment, force), weight);
 }

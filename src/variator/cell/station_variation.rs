@@ -8,7 +8,7 @@ use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation
 use crate::variator::cell::laws::{OfStation, StationArguments, StationTangents};
 use crate::variator::cell::state::{CellInput, StationForces, StationState};
 use crate::variator::law::flanks::{FlankLoads, FlankSum};
-use crate::variator::law::place::{CellBalance, CellLaw, PulleyLoad};
+use crate::variator::law::place::{CellBalance, CellLaw};
 use crate::variator::law::ring_friction::layer_drag;
 use crate::variator::law::spin::spin_drag;
 use nalgebra::{SVector, Vector2};
@@ -304,13 +304,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         if MOVES {
             moment += at.e_r * (base_axial * flank.rho) + at.e_t * (base_axial * at.rho * flank.turn);
         }
-        let load = PulleyLoad {
-            axial: flanks.on_movable,
-            tilting: [moment.x, -moment.y],
-            torque: flanks.loads.torque,
-            resultant: force.into(),
-        };
-        out.pulley.add(&load, weight);
+        out.pulley.add(&flanks.on_pulley(moment, force), weight);
     }
 
     /// Variations of the friction between ring and elements and of the drag of the ring's layers, N/m, and of the

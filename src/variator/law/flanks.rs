@@ -3,7 +3,7 @@
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::ring::kinematics::RingPoint;
 use crate::scalar::Real;
-use crate::variator::law::place::{CellLaw, PulleyMotion};
+use crate::variator::law::place::{CellLaw, PulleyLoad, PulleyMotion};
 use nalgebra::{SVector, Vector2};
 
 /// Loads of flanks on an element, per ring length.
@@ -70,6 +70,18 @@ impl<T: Real> FlankSum<T> {
             loads: movable.plus(fixed),
             on_movable: movable.axial,
             lateral: (movable.axial - fixed.axial) * side,
+        }
+    }
+
+    /// Load on the pulley, per ring length, with the moment of the axial force about the pulley's centre, N, and the contact force on the
+    /// belt, N/m.
+    #[inline(always)]
+    pub fn on_pulley(&self, moment: Vector2<T>, force: Vector2<T>) -> PulleyLoad<T> {
+        PulleyLoad {
+            axial: self.on_movable,
+            tilting: [moment.x, -moment.y],
+            torque: self.loads.torque,
+            resultant: force.into(),
         }
     }
 }
