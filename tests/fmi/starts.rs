@@ -3,7 +3,7 @@
 use std::fs;
 
 use pushbelt::fmi::log::Status::{self, Error, Ok};
-use pushbelt::fmi::start_values::FILE;
+use pushbelt::fmi::start_file::FILE;
 use pushbelt::fmi::unit::Experiment;
 use pushbelt_support::shared_library::{Library, OK, path};
 use pushbelt_support::shared_library3::Watches;

@@ -89,10 +89,10 @@ def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkey
 def test_files_that_the_book_names_are_there() -> None:
     missing = []
     for page, line in lines():
-        for path in re.findall(r"(?<![\w/.])(?:examples|tests|docs|python|crates|src|benches|resources|fmu-build)/[\w./-]*\w", line):
+        for path in re.findall(r"(?<![\w/.])(?:examples|tests|docs|python|crates|map-unit|src|benches|resources|fmu-build)/[\w./-]*\w", line):
             missing += [f"{page}: {path}"] * (not (ROOT / path).exists())
         for kind, name in re.findall(r"--(example|test) ([a-z]\w+)", line):
-            places = [ROOT / f"{kind}s", ROOT / "paper" / f"{kind}s", ROOT / "crates" / "map-unit" / f"{kind}s"]
+            places = [ROOT / f"{kind}s", ROOT / "paper" / f"{kind}s", ROOT / "map-unit" / f"{kind}s"]
             there = any((place / found).exists() for place in places for found in (f"{name}.rs", name))
             missing += [f"{page}: --{kind} {name}"] * (not there)
     assert not missing

@@ -18,7 +18,7 @@
 //! | [`log`] | messages to the importer |
 //! | `description`, `xml` | the model descriptions of both versions; elements and numbers of XML |
 //! | `resources` | places that a resource location may mean |
-//! | [`start_values`] | start values of a user, from a file in the resources |
+//! | [`start_file`] | start values of a user, from a file in the resources |
 //! | `processor` | whether the processor has the instructions that the binary is compiled for |
 //! | [`fmi2`], [`fmi3`] | the C functions of a version |
 //! | `c` | common parts of the C functions of both versions; with the two above the only modules with `unsafe` |
@@ -57,7 +57,7 @@ pub mod slave;
 #[forbid(unsafe_code)]
 mod snapshot;
 #[forbid(unsafe_code)]
-pub mod start_values;
+pub mod start_file;
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]

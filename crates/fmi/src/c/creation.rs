@@ -16,7 +16,7 @@ use crate::fmi3::LogMessage;
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
 use crate::slave::{Environment, Master, Slave, Version};
-use crate::start_values::{self, Token};
+use crate::start_file::{self, Token};
 use crate::state::Call;
 use crate::unit::Unit;
 
@@ -167,7 +167,7 @@ fn start<U: Unit>(
     let token = Token::of(&token, &own).ok_or_else(|| {
         format!("the {what} {token} is not that of this binary, {own}: the model description belongs to another binary")
     })?;
-    let start = start_values::find::<U>(&places, token, &defaults)?;
+    let start = start_file::find::<U>(&places, token, &defaults)?;
     Ok((master, start.unwrap_or(defaults)))
 }
 

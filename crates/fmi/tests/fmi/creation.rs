@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 use pushbelt_fmi::slave::Version::{self, Three, Two};
-use pushbelt_fmi::start_values::FILE;
+use pushbelt_fmi::start_file::FILE;
 
 use crate::importer::{Arguments, BOTH, experiment, token};
 use crate::tank::*;

@@ -14,7 +14,7 @@ mod runs;
 mod states;
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../resources/maps")
 }
 
 fn settings() -> Settings {

@@ -13,7 +13,7 @@ const STEP: f64 = 1e-2;
 const STEPS: u32 = 200_000;
 
 fn main() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/maps");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../resources/maps");
     let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
     // Shafts as heavy as an engine and a car.
     (
