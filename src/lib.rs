@@ -12,7 +12,7 @@
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
-//! | [`tape`] | values to bytes and back, for stored states |
+//! | [`archive`] | values to bytes and back, for stored states |
 //! | [`mod@unit`] | the variator as an FMU: its variable table and the model behind the C functions, which the package `library` exports |
 //! | [`fmi`] | FMI state machine and C functions for any model; independent of the physics |
 //!
@@ -60,7 +60,7 @@ pub mod tilt;
 pub mod unit;
 pub mod variator;
 
+pub use pushbelt_archive as archive;
 pub use pushbelt_fmi as fmi;
 pub use pushbelt_solver as solver;
 pub use pushbelt_solver::scalar;
-pub use pushbelt_tape as tape;

@@ -1,10 +1,10 @@
 //! Hydraulic cylinders: pressure in, flow out; springs, rotating oil and seals.
 
 use num_dual::Dual64;
+use pushbelt::archive::Archive;
 use pushbelt::pulley::Pulley;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::tape::Tape;
 use pushbelt::variator::linear::{Load, linearise};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Cylinder, Inputs, Mode, Outputs, Parameters, RingModel, StartState};
@@ -330,13 +330,13 @@ fn stored_states_have_cylinders_and_pressures() {
         };
         let mut variator = started(parameters.clone(), &of(0));
         variator.advance(1e-3, &of(1)).expect("a step");
-        let mut tape = Tape::writer();
-        variator.serialize(&mut tape);
+        let mut archive = Archive::writer();
+        variator.serialize(&mut archive);
         let mut restored = Variator::new(parameters).expect("valid parameters");
-        let bytes = tape.into_bytes();
-        let mut tape = Tape::reader(&bytes);
-        restored.serialize(&mut tape);
-        assert_eq!(tape.finish(), Ok(()));
+        let bytes = archive.into_bytes();
+        let mut archive = Archive::reader(&bytes);
+        restored.serialize(&mut archive);
+        assert_eq!(archive.finish(), Ok(()));
         assert_eq!(variator.outputs(), restored.outputs());
         for k in 2..10 {
             for run in [&mut variator, &mut restored] {

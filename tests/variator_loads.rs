@@ -1,6 +1,6 @@
 //! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
-use pushbelt::tape::Tape;
+use pushbelt::archive::Archive;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
@@ -99,11 +99,11 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
         variator.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
     }
     let mut copy = variator.clone();
-    let mut tape = Tape::writer();
-    variator.serialize(&mut tape);
-    let bytes = tape.into_bytes();
+    let mut archive = Archive::writer();
+    variator.serialize(&mut archive);
+    let bytes = archive.into_bytes();
     let mut restored = Variator::new(ramping(-1.0)).expect("valid parameters");
-    restored.serialize(&mut Tape::reader(&bytes));
+    restored.serialize(&mut Archive::reader(&bytes));
     for k in 10..20 {
         for run in [&mut variator, &mut copy, &mut restored] {
             run.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
@@ -129,10 +129,10 @@ fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
             remarks.extend(run.take_messages().into_iter().filter_map(remark));
         }
         if restored.is_none() && until > 0.9 {
-            let mut tape = Tape::writer();
-            driven.variator.serialize(&mut tape);
+            let mut archive = Archive::writer();
+            driven.variator.serialize(&mut archive);
             let mut read = Variator::new(driven.variator.parameters().clone()).expect("valid parameters");
-            read.serialize(&mut Tape::reader(&tape.into_bytes()));
+            read.serialize(&mut Archive::reader(&archive.into_bytes()));
             restored = Some(read);
         }
     }

@@ -1,6 +1,6 @@
 //! Real time: bounded work in each millisecond, closeness to the accurate run, no allocation, stored states.
 
-use pushbelt::tape::Tape;
+use pushbelt::archive::Archive;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
@@ -451,13 +451,13 @@ fn a_run_continues_under_random_jumps() {
 
 /// Copies of a run and its stored states continue with the same bits.
 fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (f64, Inputs)) {
-    let mut tape = Tape::writer();
-    variator.serialize(&mut tape);
+    let mut archive = Archive::writer();
+    variator.serialize(&mut archive);
     let mut restored = Variator::new(variator.parameters().clone()).expect("valid parameters");
-    let bytes = tape.into_bytes();
-    let mut tape = Tape::reader(&bytes);
-    restored.serialize(&mut tape);
-    assert_eq!(tape.finish(), Ok(()));
+    let bytes = archive.into_bytes();
+    let mut archive = Archive::reader(&bytes);
+    restored.serialize(&mut archive);
+    assert_eq!(archive.finish(), Ok(()));
     let mut copy = variator.clone();
     for _ in 0..20 {
         let (time, inputs) = given(variator);
@@ -543,12 +543,12 @@ fn a_step_allocates_nothing() {
                 driven.variator = driven.variator.clone();
             }
             if step == 40 {
-                let mut tape = Tape::writer();
-                driven.variator.serialize(&mut tape);
-                let bytes = tape.into_bytes();
-                let mut tape = Tape::reader(&bytes);
-                driven.variator.serialize(&mut tape);
-                assert_eq!(tape.finish(), Ok(()));
+                let mut archive = Archive::writer();
+                driven.variator.serialize(&mut archive);
+                let bytes = archive.into_bytes();
+                let mut archive = Archive::reader(&bytes);
+                driven.variator.serialize(&mut archive);
+                assert_eq!(archive.finish(), Ok(()));
             }
         }
         assert!(open > 0, "{model:?}: no step was open");

@@ -11,7 +11,7 @@ use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{
     Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG, bisected,
 };
-use pushbelt_fmi::Tape;
+use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{Experiment, Identity, Remark, StepFailure, Unit};
 
@@ -529,20 +529,20 @@ impl Unit for MapUnit {
         Self::blank_with(settings)
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
         let speeds = &mut self.state.speeds;
         for speed in [&mut speeds.primary, &mut speeds.secondary] {
-            tape.within(speed, -LARGEST, LARGEST);
+            archive.within(speed, -LARGEST, LARGEST);
         }
         let [least, most] = self.radii.stops;
-        tape.within(&mut self.state.log_ratio, least, most);
-        tape.real(&mut self.time);
+        archive.within(&mut self.state.log_ratio, least, most);
+        archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
-        tape.within(&mut self.thrust_ratio, least, most);
+        archive.within(&mut self.thrust_ratio, least, most);
         for value in self.acting.each_mut() {
-            tape.within(value, -LARGEST, LARGEST);
+            archive.within(value, -LARGEST, LARGEST);
         }
-        tape.flag(&mut self.logged);
-        tape.flag(&mut self.opened);
+        archive.flag(&mut self.logged);
+        archive.flag(&mut self.opened);
     }
 }

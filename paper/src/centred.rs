@@ -1,9 +1,9 @@
 //! `ALE0` as the paper has it (5.1, 5.4): arcs about the axes of the pulleys. Of the curve's coordinates Θ alone is left.
 
+use pushbelt::archive::Archive;
 use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::tape::Tape;
 use pushbelt::variator::belt_ring::{
     Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, ReusePolicy,
     RingUnknowns, Sample,
@@ -84,8 +84,8 @@ impl Assembly for HeldCentres {
         self.free.restore_derivatives(acting);
     }
 
-    fn serialize_derivatives(&mut self, belt: &Belt, tape: &mut Tape<'_>) {
-        self.free.serialize_derivatives(belt, tape);
+    fn serialize_derivatives(&mut self, belt: &Belt, archive: &mut Archive<'_>) {
+        self.free.serialize_derivatives(belt, archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {

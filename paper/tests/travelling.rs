@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::tape::Tape;
+use pushbelt::archive::Archive;
 use pushbelt::variator::belt_ring::{Ale, BeltRing};
 use pushbelt::variator::linear::{LinearError, linearise_at};
 use pushbelt::variator::run::Variator;
@@ -96,9 +96,9 @@ fn a_run_may_start_at_a_standstill() {
 }
 
 fn stored(variator: &mut Variator) -> Vec<u8> {
-    let mut tape = Tape::writer();
-    variator.serialize(&mut tape);
-    tape.into_bytes()
+    let mut archive = Archive::writer();
+    variator.serialize(&mut archive);
+    archive.into_bytes()
 }
 
 /// A run continues from a stored state bit for bit, although the order of the unknowns in stored factors is that of an
@@ -110,9 +110,9 @@ fn runs_continue_from_stored_states_bit_for_bit() {
         run.go(1e-3, 2.5e-4);
         let bytes = stored(&mut run.variator);
         let mut other = Variator::with_ring(run.variator.parameters().clone(), ring).expect("valid parameters");
-        let mut tape = Tape::reader(&bytes);
-        other.serialize(&mut tape);
-        tape.finish().expect("it fits");
+        let mut archive = Archive::reader(&bytes);
+        other.serialize(&mut archive);
+        archive.finish().expect("it fits");
         for to in [1.25e-3, 1.5e-3] {
             run.variator.advance(to, &run.inputs).expect("a step");
             other.advance(to, &run.inputs).expect("a step");

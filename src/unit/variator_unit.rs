@@ -3,9 +3,9 @@
 use super::rings::Rings;
 use super::settings::{Settings, StandardRings};
 use super::table;
+use crate::archive::Archive;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::fmi::{Table, Version};
-use crate::tape::Tape;
 use crate::variator::belt_ring::BeltRing;
 use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
@@ -152,8 +152,8 @@ impl<R: Rings> Unit for UnitWith<R> {
         Self::build(settings, experiment, &mut Vec::new())
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.variator.serialize(tape);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.variator.serialize(archive);
     }
 
     fn readings(&mut self, elements: bool) -> &Readings {

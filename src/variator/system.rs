@@ -1,12 +1,12 @@
 //! The variator as an implicit system: belt, pulleys and loads put together for the solver.
 
+use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
 use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
-use crate::tape::Tape;
 use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
@@ -170,17 +170,17 @@ impl VariatorSystem {
         self.assembly.forget_derivatives();
     }
 
-    /// Evaluates the cached derivatives at the points that were read from a tape.
+    /// Evaluates the cached derivatives at the points that were read from an archive.
     pub(crate) fn restore_derivatives(&mut self) {
         let friction = &self.friction();
         let (belt, law) = (&*self.belt, &self.belt.law);
         self.assembly.restore_derivatives(InForce { belt, law, friction });
     }
 
-    /// Writes to a tape, or reads from it, the loads and the points of the cached derivatives.
-    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.loads.serialize(tape);
-        self.assembly.serialize_derivatives(&self.belt, tape);
+    /// Writes to an archive, or reads from it, the loads and the points of the cached derivatives.
+    pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.loads.serialize(archive);
+        self.assembly.serialize_derivatives(&self.belt, archive);
     }
 
     /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.

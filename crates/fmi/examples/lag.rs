@@ -59,8 +59,8 @@ impl SimpleModel for Lag {
         Ok(())
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.0);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.0);
     }
 }
 

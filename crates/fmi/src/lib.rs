@@ -72,11 +72,11 @@ pub mod prelude {
     pub use crate::simple::{SimpleModel, SimpleUnit};
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
     pub use crate::unit::{Experiment, Identity, Remark, StepFailure};
-    pub use crate::{Tape, Unit, Version, model_description, setting};
+    pub use crate::{Archive, Unit, Version, model_description, setting};
 }
 
 pub use description::{model_description, token};
-pub use pushbelt_tape::Tape;
+pub use pushbelt_archive::Archive;
 pub use simple::{SimpleModel, SimpleUnit};
 pub use slave::{Slave, Version};
 pub use snapshot::Snapshot;

@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use super::unit::{Experiment, Identity, Remark, StepFailure, Unit};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// A model without internal steps, events and derivatives, whose inputs are held over a communication step. [`SimpleUnit`] makes a
 /// [`Unit`] of it.
@@ -41,8 +41,8 @@ pub trait SimpleModel: Clone {
     /// The step is not possible; nothing has changed.
     fn advance(&mut self, settings: &Self::Settings, from: f64, to: f64) -> Result<(), StepFailure>;
 
-    /// Writes the whole state to a tape or reads it from one.
-    fn serialize(&mut self, tape: &mut Tape<'_>);
+    /// Writes the whole state to an archive or reads it from one.
+    fn serialize(&mut self, archive: &mut Archive<'_>);
 }
 
 /// The unit of a [`SimpleModel`]: the model, the start time and the time since then. Times of the model are those of the master.
@@ -105,8 +105,8 @@ impl<M: SimpleModel> Unit for SimpleUnit<M> {
         *to = to.min(time.max(self.time));
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.time);
-        self.model.serialize(tape);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.time);
+        self.model.serialize(archive);
     }
 }

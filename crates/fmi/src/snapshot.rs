@@ -5,7 +5,7 @@ use super::slave::Clock;
 use super::state::State;
 use super::table::{Access, Causality, Kind, Table, Value};
 use super::unit::{Experiment, Unit};
-use pushbelt_tape::{Mismatch, Tape};
+use pushbelt_archive::{Archive, Mismatch};
 
 /// The whole dynamic state of an instance: `Slave::save` copies it, `Slave::restore` goes back to it.
 #[derive(Clone)]
@@ -38,9 +38,9 @@ impl<U: Unit> Snapshot<U> {
     /// # Errors
     /// The reason, as a sentence.
     pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
-        let mut tape = Tape::writer();
-        self.clone().serialize(table, &mut tape)?;
-        bytes::seal(guid, &tape.into_bytes())
+        let mut archive = Archive::writer();
+        self.clone().serialize(table, &mut archive)?;
+        bytes::seal(guid, &archive.into_bytes())
     }
 
     /// The state that bytes of an FMU with this GUID hold. `defaults` are settings with the data of the model.
@@ -53,10 +53,10 @@ impl<U: Unit> Snapshot<U> {
         defaults: &U::Settings,
         sealed: &[u8],
     ) -> Result<Self, String> {
-        let mut tape = Tape::reader(bytes::open(guid, sealed)?);
+        let mut archive = Archive::reader(bytes::open(guid, sealed)?);
         let mut snapshot = Self::starting_from(defaults.clone());
-        snapshot.serialize(table, &mut tape)?;
-        let fits = tape.finish();
+        snapshot.serialize(table, &mut archive)?;
+        let fits = archive.finish();
         fits.map_err(|Mismatch| "the stored state does not fit this version of the model".to_string())?;
         snapshot.experiment = snapshot.experiment.checked().map_err(|error| error.to_string())?;
         if let Some(unit) = &snapshot.unit
@@ -70,33 +70,33 @@ impl<U: Unit> Snapshot<U> {
         Ok(snapshot)
     }
 
-    /// Writes everything to a tape, or reads it from one into a new snapshot.
-    fn serialize(&mut self, table: &Table<U::Settings, U::Readings>, tape: &mut Tape<'_>) -> Result<(), String> {
+    /// Writes everything to an archive, or reads it from one into a new snapshot.
+    fn serialize(&mut self, table: &Table<U::Settings, U::Readings>, archive: &mut Archive<'_>) -> Result<(), String> {
         let mut state = self.state as i32;
-        tape.integer(&mut state);
+        archive.integer(&mut state);
         match State::STORED.into_iter().find(|known| *known as i32 == state) {
             Some(state) => self.state = state,
-            None => tape.reject(),
+            None => archive.reject(),
         }
         // The stop time is that of the instance that receives the state.
         let Experiment { tolerance, start, .. } = &mut self.experiment;
-        tape.option(tolerance);
-        tape.real(start);
-        self.clock.serialize(tape);
-        serialize_settings(table, &mut self.settings, tape);
+        archive.option(tolerance);
+        archive.real(start);
+        self.clock.serialize(archive);
+        serialize_settings(table, &mut self.settings, archive);
         let mut has_rates = self.rates.is_some();
-        tape.flag(&mut has_rates);
+        archive.flag(&mut has_rates);
         if has_rates {
-            serialize_rates(table, self.rates.get_or_insert_with(|| zero_rates(table)), tape);
+            serialize_rates(table, self.rates.get_or_insert_with(|| zero_rates(table)), archive);
         }
         let mut started = self.unit.is_some();
-        tape.flag(&mut started);
+        archive.flag(&mut started);
         if started {
             let mut unit = match self.unit.take() {
                 Some(unit) => unit,
                 None => U::blank(&self.settings, &self.experiment)?,
             };
-            unit.serialize(tape);
+            unit.serialize(archive);
             self.unit = Some(unit);
         }
         Ok(())
@@ -125,32 +125,32 @@ pub(super) fn zero_rates<S: Default, R>(table: &Table<S, R>) -> S {
     rates
 }
 
-/// Writes the time derivatives of the real inputs to a tape, or reads them from one.
-fn serialize_rates<S, R>(table: &Table<S, R>, rates: &mut S, tape: &mut Tape<'_>) {
+/// Writes the time derivatives of the real inputs to an archive, or reads them from one.
+fn serialize_rates<S, R>(table: &Table<S, R>, rates: &mut S, archive: &mut Archive<'_>) {
     for (get, set) in real_inputs(table) {
         let mut rate = get(rates);
-        tape.real(&mut rate);
+        archive.real(&mut rate);
         set(rates, rate);
     }
 }
 
-/// Writes all settings to a tape, or reads them from one if they are admissible.
-fn serialize_settings<S, R>(table: &Table<S, R>, settings: &mut S, tape: &mut Tape<'_>) {
+/// Writes all settings to an archive, or reads them from one if they are admissible.
+fn serialize_settings<S, R>(table: &Table<S, R>, settings: &mut S, archive: &mut Archive<'_>) {
     for variable in table.variables().iter().filter(|v| v.causality.is_setting()) {
         let Some(mut value) = variable.value(settings, None) else {
             continue;
         };
         match &mut value {
-            Value::Real(value) => tape.real(value),
+            Value::Real(value) => archive.real(value),
             Value::Integer(value) => {
                 let mut number = i32::try_from(*value).unwrap_or_default();
-                tape.integer(&mut number);
+                archive.integer(&mut number);
                 *value = number.into();
             }
-            Value::Boolean(value) => tape.flag(value),
+            Value::Boolean(value) => archive.flag(value),
         }
         if variable.set(settings, value).is_err() {
-            tape.reject();
+            archive.reject();
         }
     }
 }

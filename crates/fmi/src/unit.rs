@@ -1,7 +1,7 @@
 //! The trait that a model implements to become an FMU.
 
 use super::table::Table;
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 use std::path::Path;
 
 /// What the master sets for the run before it starts.
@@ -223,7 +223,7 @@ pub trait Unit: Clone + Sized {
         Self::start(settings, experiment, &mut Vec::new())
     }
 
-    /// Writes the whole dynamic state to a tape or reads it from one, solver history included. A model that was read
+    /// Writes the whole dynamic state to an archive or reads it from one, solver history included. A model that was read
     /// continues bit for bit.
-    fn serialize(&mut self, tape: &mut Tape<'_>);
+    fn serialize(&mut self, archive: &mut Archive<'_>);
 }

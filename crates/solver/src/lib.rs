@@ -19,7 +19,7 @@ pub mod stage;
 mod tests;
 
 use arrow::{Arrow, Shape};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// Arguments of a residual.
 #[derive(Clone, Copy, Debug)]
@@ -72,11 +72,11 @@ impl State {
         self.q.copy_from_slice(&other.q);
     }
 
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let Self { y, y_dot, q } = self;
         for values in [y, y_dot, q] {
-            tape.reals(values);
+            archive.reals(values);
         }
     }
 }

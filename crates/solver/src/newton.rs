@@ -4,7 +4,7 @@
 use super::System;
 use super::broyden::Broyden;
 use super::stage::{Chord, Stage, move_by};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 // "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian: of the manoeuvre with ALE; of
 // torque flips with ALE0, 1 s at each ratio, jumping and ramped. Chaotic loads alone vary by some 2 %.
@@ -175,27 +175,27 @@ impl Newton {
         }
     }
 
-    /// Writes to a tape, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to an archive, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let mut is_open = self.open.is_some();
-        tape.flag(&mut is_open);
+        archive.flag(&mut is_open);
         if is_open {
             let mut jacobians = self.open.unwrap_or(0) as u64;
-            tape.counter(&mut jacobians);
+            archive.counter(&mut jacobians);
             self.open = usize::try_from(jacobians).ok();
-            tape.reals(&mut self.residual);
+            archive.reals(&mut self.residual);
         } else {
             self.open = None;
         }
-        tape.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
-        tape.within(&mut self.alpha, 0.0, f64::INFINITY);
+        archive.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
+        archive.within(&mut self.alpha, 0.0, f64::INFINITY);
         if self.alpha.is_finite() {
-            self.chord.serialize(tape);
+            self.chord.serialize(archive);
         }
-        tape.real(&mut self.rate);
-        tape.counter(&mut self.excess);
+        archive.real(&mut self.rate);
+        archive.counter(&mut self.excess);
         for count in self.counts.each_mut() {
-            tape.counter(count);
+            archive.counter(count);
         }
     }
 

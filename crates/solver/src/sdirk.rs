@@ -8,7 +8,7 @@
 use super::newton::{Newton, Unsolved};
 use super::stage::{Stage, move_by, slopes};
 use super::{State, System, View};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// γ = 1 − 1/√2.
 pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -163,27 +163,27 @@ impl Sdirk {
         })
     }
 
-    /// Writes to a tape, or reads from it, all that later steps depend on.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.newton.serialize(tape);
-        tape.within(&mut self.step, 0.0, f64::MAX);
-        tape.option(&mut self.kept);
-        tape.within(&mut self.error, 0.0, 1.0);
-        tape.reals(&mut self.slope);
+    /// Writes to an archive, or reads from it, all that later steps depend on.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.newton.serialize(archive);
+        archive.within(&mut self.step, 0.0, f64::MAX);
+        archive.option(&mut self.kept);
+        archive.within(&mut self.error, 0.0, 1.0);
+        archive.reals(&mut self.slope);
         if self.kept.is_some() {
             for stage in &mut self.stages {
-                tape.reals(&mut stage.y_dot);
+                archive.reals(&mut stage.y_dot);
             }
         }
         let open = std::mem::take(&mut self.open);
         for (stage, number) in self.stages.iter_mut().zip(1..) {
             let mut is_open = open == number;
-            tape.flag(&mut is_open);
+            archive.flag(&mut is_open);
             if is_open {
                 self.open = number;
-                stage.serialize(tape);
-                tape.reals(&mut self.base);
-                tape.reals(&mut self.position);
+                stage.serialize(archive);
+                archive.reals(&mut self.base);
+                archive.reals(&mut self.position);
             }
         }
     }

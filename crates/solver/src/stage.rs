@@ -2,7 +2,7 @@
 
 use super::arrow::{Arrow, ArrowLu};
 use super::{State, System};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// A stage: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + β y, β = 1/α.
 #[derive(Debug)]
@@ -93,8 +93,8 @@ impl Chord {
         products.map(|((d, step), s)| (d / s) * (step / s)).sum()
     }
 
-    /// Writes the factors to a tape, or reads them from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.factors.serialize(tape);
+    /// Writes the factors to an archive, or reads them from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.factors.serialize(archive);
     }
 }

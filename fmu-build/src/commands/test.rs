@@ -201,7 +201,7 @@ mod tests {
         let mut expected: Vec<&str> = SECOND_TIER.into_iter().chain(SECOND_TIER_PACKAGES).collect();
         expected.sort_unstable();
         assert_eq!(left, expected);
-        for word in ["pushbelt", "pushbelt-tape", "pushbelt-solver", "pushbelt-fmi", "fmi"] {
+        for word in ["pushbelt", "pushbelt-archive", "pushbelt-solver", "pushbelt-fmi", "fmi"] {
             assert!(chosen.iter().any(|chosen| chosen == word), "{word}: {chosen:?}");
         }
         assert!(

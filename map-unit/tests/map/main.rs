@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pushbelt::variator::settings::{Inputs, Outputs};
-use pushbelt_fmi::Tape;
+use pushbelt_fmi::Archive;
 use pushbelt_fmi::unit::{Experiment, Remark, StepFailure, Unit};
 use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::unit::MapUnit;
@@ -65,14 +65,14 @@ fn outputs(unit: &mut MapUnit) -> Outputs {
 }
 
 fn written(unit: &mut MapUnit) -> Vec<u8> {
-    let mut tape = Tape::writer();
-    unit.serialize(&mut tape);
-    tape.into_bytes()
+    let mut archive = Archive::writer();
+    unit.serialize(&mut archive);
+    archive.into_bytes()
 }
 
 fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
     let mut unit = MapUnit::blank(settings, &Experiment::default()).expect("a blank unit");
-    let mut tape = Tape::reader(bytes);
-    unit.serialize(&mut tape);
-    tape.finish().ok().map(|()| unit)
+    let mut archive = Archive::reader(bytes);
+    unit.serialize(&mut archive);
+    archive.finish().ok().map(|()| unit)
 }

@@ -4,8 +4,8 @@
 //! nearly every stage, but the geometry hardly changes from one to the next. Then only the constitutive tangents are updated, which is
 //! accurate enough for a simplified Newton method.
 
+use crate::archive::Archive;
 use crate::scalar::{LANES, Lanes};
-use crate::tape::Tape;
 use crate::variator::assembly::law_part::{LawPart, LawWork, height};
 use crate::variator::assembly::unknowns::{Part, Unknowns};
 use crate::variator::belt::equations::ReusePolicy;
@@ -155,24 +155,24 @@ impl JacobianCache {
         most
     }
 
-    /// Writes the unknowns of the derivatives, in this number of `directions`, to a tape, or reads them from it.
-    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
-        self.origin.serialize(tape, directions, used);
+    /// Writes the unknowns of the derivatives, in this number of `directions`, to an archive, or reads them from it.
+    pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>, directions: usize, used: usize) {
+        self.origin.serialize(archive, directions, used);
         if self.laws.is_some() {
-            self.laws_origin.serialize(tape, directions, used);
+            self.laws_origin.serialize(archive, directions, used);
         }
     }
 }
 
 impl Origin {
-    /// Writes the unknowns, in this number of `directions`, to a tape, or reads them from it: cell by cell for the first
+    /// Writes the unknowns, in this number of `directions`, to an archive, or reads them from it: cell by cell for the first
     /// `used` lanes, so that a build with another number of lanes can read them. Lanes beyond `used` repeat the last. The
     /// derivatives are then evaluated again.
-    fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+    fn serialize(&mut self, archive: &mut Archive<'_>, directions: usize, used: usize) {
         let mut slopes = [self.slopes; LANES];
         for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
             for slope in &mut *slopes {
-                tape.any(slope);
+                archive.any(slope);
             }
             // Where there are no derivatives, the unknowns are not in use.
             let exists = slopes.iter().all(|slope| slope.is_finite());
@@ -180,9 +180,9 @@ impl Origin {
                 for value in &mut values[..directions] {
                     let mut lanes = value.to_array();
                     if exists {
-                        tape.real(&mut lanes[lane]);
+                        archive.real(&mut lanes[lane]);
                     } else {
-                        tape.any(&mut lanes[lane]);
+                        archive.any(&mut lanes[lane]);
                     }
                     *value = Lanes::new(lanes);
                 }
@@ -211,7 +211,7 @@ mod tests {
 
     /// Bytes that packs of `widths` cells write for three directions, with numbers that identify the cells.
     fn written(widths: &[usize], slopes: impl Fn(usize) -> [f64; 2]) -> Vec<u8> {
-        let mut tape = Tape::writer();
+        let mut archive = Archive::writer();
         let mut first = 0;
         for &used in widths {
             let mut origin = Origin::none();
@@ -225,17 +225,17 @@ mod tests {
                     values[k] = of(part);
                 }
             }
-            origin.serialize(&mut tape, 3, used);
+            origin.serialize(&mut archive, 3, used);
             first += used;
         }
-        tape.into_bytes()
+        archive.into_bytes()
     }
 
     fn read(bytes: &[u8], used: usize) -> Origin {
-        let mut tape = Tape::reader(bytes);
+        let mut archive = Archive::reader(bytes);
         let mut origin = Origin::none();
-        origin.serialize(&mut tape, 3, used);
-        tape.finish().expect("as many as were written");
+        origin.serialize(&mut archive, 3, used);
+        archive.finish().expect("as many as were written");
         origin
     }
 

@@ -1,12 +1,12 @@
 //! Cells on an Eulerian mesh: residual, Jacobian and samples, pack by pack.
 
+use crate::archive::Archive;
 use crate::chain::Transport;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, MeshCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::tape::Tape;
 use crate::variator::assembly::jacobian::{Frames, update};
 use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
@@ -206,9 +206,9 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         }
     }
 
-    fn serialize_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
+    fn serialize_derivatives(&mut self, _belt: &Belt, archive: &mut Archive<'_>) {
         for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
-            cache.serialize(tape, K::COUNT, pack.group.used);
+            cache.serialize(archive, K::COUNT, pack.group.used);
         }
     }
 

@@ -1,13 +1,13 @@
 //! The equations of ring, elements and contact.
 //! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings on an Eulerian mesh.
 
+use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
 use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::tape::Tape;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::sample::Sample;
@@ -68,11 +68,11 @@ pub trait Assembly: Debug + Send + Sync {
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the cached derivatives at the unknowns that were read from a tape.
+    /// Evaluates the cached derivatives at the unknowns that were read from an archive.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes the unknowns of the cached derivatives to a tape, or reads them from it.
-    fn serialize_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
+    /// Writes the unknowns of the cached derivatives to an archive, or reads them from it.
+    fn serialize_derivatives(&mut self, _belt: &Belt, _archive: &mut Archive<'_>) {}
 
     /// Numbers of packs of cells that were differentiated, and of packs whose constitutive tangents alone were updated.
     fn differentiations(&self) -> [u64; 2] {

@@ -1,7 +1,7 @@
 //! Loads and set points at the pulleys, as functions of time.
 
+use crate::archive::Archive;
 use crate::pulley::PerPulley;
-use crate::tape::Tape;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 
@@ -121,12 +121,12 @@ impl LinearInputs {
         inputs
     }
 
-    /// Writes to a tape, or reads from it.
-    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.from);
-        tape.within(&mut self.until, f64::MIN, f64::INFINITY);
+    /// Writes to an archive, or reads from it.
+    pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.from);
+        archive.within(&mut self.until, f64::MIN, f64::INFINITY);
         for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
-            tape.real(value);
+            archive.real(value);
         }
     }
 }
@@ -184,14 +184,14 @@ impl Loads {
         }
     }
 
-    /// Writes the loads of a run to a tape, or reads them.
-    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes the loads of a run to an archive, or reads them.
+    pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         let (mut given, mut share) = match *self {
             Self::Inputs(given, share) => (given, share),
             Self::Constant(_) => (LinearInputs::NONE, 1.0),
         };
-        given.serialize(tape);
-        tape.within(&mut share, 0.0, 1.0);
+        given.serialize(archive);
+        archive.within(&mut share, 0.0, 1.0);
         *self = Self::Inputs(given, share);
     }
 }

@@ -1,8 +1,8 @@
 //! Loads and speeds that can hardly be meant. Each is remarked upon once in a run.
 
+use crate::archive::Archive;
 use crate::pulley::Pulley;
 use crate::reference_curve::ratio_of_theta;
-use crate::tape::Tape;
 use crate::variator::run::plant::Plant;
 use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
@@ -51,12 +51,12 @@ impl Hints {
         [fast, unit, opens, sign].into_iter().flatten()
     }
 
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         for said in [&mut self.fast, &mut self.unit, &mut self.opens] {
-            tape.flag(said);
+            archive.flag(said);
         }
-        tape.real(&mut self.since);
+        archive.real(&mut self.since);
     }
 }
 

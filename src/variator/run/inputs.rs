@@ -1,7 +1,7 @@
 //! Inputs as functions of time: over a communication step they come into force at once, over a ramp, or at given rates. In real time
 //! they wait while a step stays open and the run is behind the clock; no impulse of them is lost.
 
-use crate::tape::Tape;
+use crate::archive::Archive;
 use crate::variator::pulleys::loads::LinearInputs;
 use crate::variator::settings::signals::Inputs;
 
@@ -188,17 +188,17 @@ impl PendingInputs {
         }
     }
 
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let mut count = self.segments.len() as u64;
-        tape.counter(&mut count);
+        archive.counter(&mut count);
         if count > SEGMENTS as u64 {
-            tape.reject();
+            archive.reject();
             return;
         }
         self.segments.resize(count as usize, LinearInputs::NONE);
         for segment in &mut self.segments {
-            segment.serialize(tape);
+            segment.serialize(archive);
         }
     }
 }
@@ -353,8 +353,8 @@ mod tests {
     #[test]
     fn more_segments_than_there_is_memory_for_are_not_read() {
         let bytes = [255; 8];
-        let mut tape = Tape::reader(&bytes);
-        PendingInputs::new().serialize(&mut tape);
-        assert!(tape.finish().is_err());
+        let mut archive = Archive::reader(&bytes);
+        PendingInputs::new().serialize(&mut archive);
+        assert!(archive.finish().is_err());
     }
 }

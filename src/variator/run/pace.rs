@@ -1,8 +1,8 @@
 //! Whether a run keeps up with the clock, judged by its work, and which input holds it up. Work is counted and not timed: what a run logs
 //! is a function of its inputs.
 
+use crate::archive::Archive;
 use crate::solver::newton::Counts;
-use crate::tape::Tape;
 use crate::variator::run::inputs::SHORTEST_STEP;
 use crate::variator::settings::signals::Inputs;
 
@@ -84,13 +84,13 @@ impl Pace {
         )
     }
 
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.simulated);
-        tape.counter(&mut self.residuals);
-        tape.counter(&mut self.jacobians);
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.simulated);
+        archive.counter(&mut self.residuals);
+        archive.counter(&mut self.jacobians);
         for value in self.moved.iter_mut().chain(self.given.each_mut()) {
-            tape.real(value);
+            archive.real(value);
         }
     }
 }

@@ -3,9 +3,9 @@
 //! A step for which the work does not last stays open and continues in the next millisecond: the run is then behind the clock, and its
 //! inputs wait ([`PendingInputs`]). Work that is not needed makes up for it later. A step that has no solution is begun again with half the length.
 
+use crate::archive::Archive;
 use crate::solver::newton::{Counts, Unsolved, WorkBound};
 use crate::solver::sdirk::{Sdirk, Stalled};
-use crate::tape::Tape;
 use crate::variator::pulleys::loads::LinearInputs;
 use crate::variator::run::inputs::{InputProfile, PendingInputs, SHORTEST_STEP};
 use crate::variator::run::plant::Plant;
@@ -218,13 +218,13 @@ impl Stepper for RealTime {
         self.sdirk.newton.forget_rate();
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.sdirk.serialize(tape);
-        self.pending.serialize(tape);
-        self.inputs.serialize(tape);
-        tape.real(&mut self.clock);
-        tape.real(&mut self.reached);
-        tape.within(&mut self.share, TUNING.shortest, 1.0);
-        tape.option(&mut self.open);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.sdirk.serialize(archive);
+        self.pending.serialize(archive);
+        self.inputs.serialize(archive);
+        archive.real(&mut self.clock);
+        archive.real(&mut self.reached);
+        archive.within(&mut self.share, TUNING.shortest, 1.0);
+        archive.option(&mut self.open);
     }
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Debug;
 
+use crate::archive::Archive;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Sdirk, Span, Stalled};
-use crate::tape::Tape;
 use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::plant::Plant;
 use crate::variator::settings::signals::Work;
@@ -58,8 +58,8 @@ pub(super) trait Stepper: Debug + Send + Sync {
     /// Takes note that the laws have changed.
     fn change_laws(&mut self) {}
 
-    /// Writes to a tape, or reads from it, all that later steps depend on beside the plant.
-    fn serialize(&mut self, tape: &mut Tape<'_>);
+    /// Writes to an archive, or reads from it, all that later steps depend on beside the plant.
+    fn serialize(&mut self, archive: &mut Archive<'_>);
 }
 
 impl Clone for Box<dyn Stepper> {
@@ -167,7 +167,7 @@ impl Stepper for Accurate {
         self.sdirk.newton.forget_rate();
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.sdirk.serialize(tape);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.sdirk.serialize(archive);
     }
 }

@@ -1,9 +1,9 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
+use crate::archive::Archive;
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
-use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::diagnostics::energy_balance::EnergyBalance;
@@ -277,13 +277,13 @@ impl Variator {
         }
     }
 
-    /// Writes to a tape, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
+    /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
     /// parameters.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let plant = &mut self.plant;
-        plant.state.serialize(tape);
-        self.stepper.serialize(tape);
-        plant.system.serialize(tape);
+        plant.state.serialize(archive);
+        self.stepper.serialize(archive);
+        plant.system.serialize(archive);
         let [of_secondary, of_primary] = self.external.each_mut();
         for value in [
             &mut plant.time,
@@ -297,14 +297,14 @@ impl Variator {
             &mut of_primary.torque,
             &mut of_primary.closing,
         ] {
-            tape.real(value);
+            archive.real(value);
         }
         let friction = &mut plant.system.parameters.friction;
-        tape.within(&mut friction.pulley, 0.0, 1.0);
-        tape.within(&mut friction.ring, 0.0, 1.0);
+        archive.within(&mut friction.pulley, 0.0, 1.0);
+        archive.within(&mut friction.ring, 0.0, 1.0);
         // Times that may lie at −∞.
         for time in [&mut plant.soft_start.from, &mut self.buckled, &mut self.slipped] {
-            tape.within(time, f64::NEG_INFINITY, f64::MAX);
+            archive.within(time, f64::NEG_INFINITY, f64::MAX);
         }
         let Work {
             steps,
@@ -315,20 +315,20 @@ impl Variator {
             rollbacks,
         } = &mut self.work;
         for count in [steps, jacobians, residuals, rollbacks] {
-            tape.integer(count);
+            archive.integer(count);
         }
-        self.pace.serialize(tape);
-        self.hints.serialize(tape);
-        tape.real(defect);
-        tape.real(behind);
-        tape.flag(&mut self.macro_slip);
+        self.pace.serialize(archive);
+        self.hints.serialize(archive);
+        archive.real(defect);
+        archive.real(behind);
+        archive.flag(&mut self.macro_slip);
         let mut start = self.start_state as i32;
-        tape.integer(&mut start);
+        archive.integer(&mut start);
         match StartState::from_number(start) {
             Some(start) => self.start_state = start,
-            None => tape.reject(),
+            None => archive.reject(),
         }
-        if tape.is_reading() {
+        if archive.is_reading() {
             plant.system.restore_derivatives();
             plant.energy.last.update(&plant.system, plant.state.view());
             self.stale = true;

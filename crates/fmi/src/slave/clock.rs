@@ -4,7 +4,7 @@
 //! master's times are too coarse for its steps, the unit's time is the sum of these steps.
 
 use super::error::{CallError, refused};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// Latest time and earliest time of a master, s, some three thousand years.
 const LATEST: f64 = 1e11;
@@ -140,18 +140,18 @@ impl Clock {
         (time - self.elapsed).abs() <= LEAST_ROUNDING * longest
     }
 
-    /// Writes to a tape, or reads from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let Self { point, elapsed, origin } = self;
-        tape.real(point);
-        tape.real(elapsed);
-        tape.real(origin);
+        archive.real(point);
+        archive.real(elapsed);
+        archive.real(origin);
         let rounding = UNCERTAIN * f64::EPSILON * LATEST;
         let sound = point.abs() <= LATEST
             && (0.0..=2.0 * LATEST).contains(elapsed)
             && (*origin + *elapsed - *point).abs() <= rounding;
         if !sound {
-            tape.reject();
+            archive.reject();
         }
     }
 }

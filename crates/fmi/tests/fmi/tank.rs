@@ -4,7 +4,7 @@ use pushbelt_fmi::table::{
     Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
 };
 use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure};
-use pushbelt_fmi::{Tape, Unit, setting};
+use pushbelt_fmi::{Archive, Unit, setting};
 
 /// An importer of it.
 pub type Importer = crate::importer::Importer<Tank>;
@@ -267,9 +267,9 @@ impl Unit for Tank {
         })
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.time);
-        tape.real(&mut self.level);
-        tape.reals(&mut self.flow);
+    fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.time);
+        archive.real(&mut self.level);
+        archive.reals(&mut self.flow);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::super::kernels::{self, Inverter, Update, gemm, gemv};
 use super::{Arrow, Parts, Shape};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// A pivot block was singular.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -84,8 +84,8 @@ impl ArrowLu {
         }
     }
 
-    /// Writes the factors to a tape, or reads them from it.
-    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+    /// Writes the factors to an archive, or reads them from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         for part in [
             &mut self.inverses,
             &mut self.lower,
@@ -93,15 +93,15 @@ impl ArrowLu {
             &mut self.rows,
             &mut self.border,
         ] {
-            tape.reals(part);
+            archive.reals(part);
         }
         let mut reordered = !self.order.is_empty();
-        tape.flag(&mut reordered);
+        archive.flag(&mut reordered);
         let length = if reordered { self.shape.len() } else { 0 };
         self.order.resize(length, 0);
         self.ordered.resize(length, 0.0);
         if reordered {
-            tape.indices(&mut self.order, length);
+            archive.indices(&mut self.order, length);
         }
     }
 

@@ -4,7 +4,7 @@ use super::super::newton::{Unsolved, WorkBound};
 use super::super::sdirk::Sdirk;
 use super::super::{State, System};
 use super::problems::{Decay, Equations, Quadrature, Real, Solved, Test, VanDerPol};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// Numbers of steps of a ladder over 1 s.
 const LADDER: [u32; 4] = [20, 40, 80, 160];
@@ -77,13 +77,13 @@ fn in_parts(more: f64, stored: bool) -> (State, u32) {
         }
         assert_eq!(state, start, "an open step leaves the state");
         if stored {
-            let mut tape = Tape::writer();
-            sdirk.serialize(&mut tape);
+            let mut archive = Archive::writer();
+            sdirk.serialize(&mut archive);
             sdirk = bounded(&system, work(0.0));
-            let bytes = tape.into_bytes();
-            let mut tape = Tape::reader(&bytes);
-            sdirk.serialize(&mut tape);
-            assert_eq!(tape.finish(), Ok(()));
+            let bytes = archive.into_bytes();
+            let mut archive = Archive::reader(&bytes);
+            sdirk.serialize(&mut archive);
+            assert_eq!(archive.finish(), Ok(()));
         }
     }
     panic!("never over");

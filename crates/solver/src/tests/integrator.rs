@@ -8,7 +8,7 @@ use super::problems::{
     Swelling, Test, VanDerPol, Wave, fixed, run,
 };
 use super::{assert_work, work};
-use pushbelt_tape::Tape;
+use pushbelt_archive::Archive;
 
 /// Numbers of steps of a ladder, each twice the one before.
 const LADDER: [u32; 5] = [20, 40, 80, 160, 320];
@@ -314,19 +314,19 @@ fn steps_fill_the_time() {
     assert!((system.integral[0] - 2.0_f64.sin()).abs() < 1e-3);
 }
 
-/// A run goes on bit by bit from what a tape holds of it.
+/// A run goes on bit by bit from what an archive holds of it.
 #[test]
-fn a_run_goes_on_from_a_tape() {
+fn a_run_goes_on_from_an_archive() {
     let mut system = Test::new(VanDerPol { damping: 30.0 });
     let mut state = resting(&system);
     let mut integrator = run(&mut system, &mut state, 10.0, 1e-4).unwrap();
-    let mut tape = Tape::writer();
-    integrator.serialize(&mut tape);
-    let bytes = tape.into_bytes();
+    let mut archive = Archive::writer();
+    integrator.serialize(&mut archive);
+    let bytes = archive.into_bytes();
     let mut other = Sdirk::new(&system, 1.0, f64::INFINITY);
-    let mut tape = Tape::reader(&bytes);
-    other.serialize(&mut tape);
-    tape.finish().unwrap();
+    let mut archive = Archive::reader(&bytes);
+    other.serialize(&mut archive);
+    archive.finish().unwrap();
     let mut ends = [state.clone(), state];
     for (integrator, state) in [&mut integrator, &mut other].into_iter().zip(&mut ends) {
         integrator.advance(&mut system, state, 10.0, 30.0).unwrap();

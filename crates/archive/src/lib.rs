@@ -1,15 +1,15 @@
 //! A row of values that is written once and read back in the same order.
 //!
-//! A structure that is stored writes its values to a [`Tape`] or reads them from one, by one function for both
+//! A structure that is stored writes its values to a [`Archive`] or reads them from one, by one function for both
 //! directions. So values are read in the order in which they were written. Numbers keep their bits. A structure is built
-//! before its values are read, so the lengths are known, and a tape that does not fit is rejected.
+//! before its values are read, so the lengths are known, and an archive that does not fit is rejected.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 /// A row of values, being written or read.
 #[derive(Debug)]
-pub struct Tape<'a>(Mode<'a>);
+pub struct Archive<'a>(Mode<'a>);
 
 #[derive(Debug)]
 enum Mode<'a> {
@@ -23,14 +23,14 @@ enum Mode<'a> {
 #[error("the bytes don't fit what is read from them")]
 pub struct Mismatch;
 
-impl<'a> Tape<'a> {
-    /// An empty tape to write on.
+impl<'a> Archive<'a> {
+    /// An empty archive to write to.
     #[must_use]
     pub fn writer() -> Self {
         Self(Mode::Write(Vec::new()))
     }
 
-    /// A tape to read from.
+    /// An archive to read from.
     #[must_use]
     pub fn reader(bytes: &'a [u8]) -> Self {
         Self(Mode::Read(Some(bytes)))
@@ -42,7 +42,7 @@ impl<'a> Tape<'a> {
         matches!(self.0, Mode::Read(_))
     }
 
-    /// What has been written; empty if the tape was read, or if there was no memory for it.
+    /// What has been written; empty if the archive was read, or if there was no memory for it.
     #[must_use]
     pub fn into_bytes(self) -> Vec<u8> {
         match self.0 {
@@ -160,7 +160,7 @@ impl<'a> Tape<'a> {
         }
     }
 
-    /// The length of a slice, which a reading tape must repeat.
+    /// The length of a slice, which a reading archive must repeat.
     fn length(&mut self, length: usize) {
         let mut found = length as u64;
         self.counter(&mut found);
@@ -172,7 +172,7 @@ impl<'a> Tape<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Mismatch, Tape};
+    use super::{Archive, Mismatch};
 
     #[derive(Debug, Default, PartialEq)]
     struct Thing {
@@ -183,11 +183,11 @@ mod tests {
     }
 
     impl Thing {
-        fn serialize(&mut self, tape: &mut Tape<'_>) {
-            tape.reals(&mut self.numbers);
-            tape.indices(&mut self.order, 3);
-            tape.flag(&mut self.flag);
-            tape.option(&mut self.option);
+        fn serialize(&mut self, archive: &mut Archive<'_>) {
+            archive.reals(&mut self.numbers);
+            archive.indices(&mut self.order, 3);
+            archive.flag(&mut self.flag);
+            archive.option(&mut self.option);
         }
     }
 
@@ -201,15 +201,15 @@ mod tests {
     }
 
     fn bytes() -> Vec<u8> {
-        let mut tape = Tape::writer();
-        thing().serialize(&mut tape);
-        tape.into_bytes()
+        let mut archive = Archive::writer();
+        thing().serialize(&mut archive);
+        archive.into_bytes()
     }
 
     fn read(bytes: &[u8], into: &mut Thing) -> Result<(), Mismatch> {
-        let mut tape = Tape::reader(bytes);
-        into.serialize(&mut tape);
-        tape.finish()
+        let mut archive = Archive::reader(bytes);
+        into.serialize(&mut archive);
+        archive.finish()
     }
 
     #[test]
@@ -224,13 +224,13 @@ mod tests {
     fn a_number_that_is_not_finite_or_beyond_its_limits_is_rejected() {
         let read = |number: f64, limits: Option<[f64; 2]>| {
             let bytes = number.to_le_bytes();
-            let mut tape = Tape::reader(&bytes);
+            let mut archive = Archive::reader(&bytes);
             let mut found = 7.0;
             match limits {
-                None => tape.real(&mut found),
-                Some([min, max]) => tape.within(&mut found, min, max),
+                None => archive.real(&mut found),
+                Some([min, max]) => archive.within(&mut found, min, max),
             }
-            tape.finish().map(|()| found)
+            archive.finish().map(|()| found)
         };
         assert_eq!(read(f64::MAX, None), Ok(f64::MAX));
         for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -250,11 +250,11 @@ mod tests {
             (u64::MAX, Err(Mismatch)),
         ] {
             let bytes = count.to_le_bytes();
-            let mut tape = Tape::reader(&bytes);
+            let mut archive = Archive::reader(&bytes);
             let mut found = 7;
-            tape.counter(&mut found);
+            archive.counter(&mut found);
             assert_eq!(found, if expected.is_ok() { count } else { 7 });
-            assert_eq!(tape.finish(), expected);
+            assert_eq!(archive.finish(), expected);
         }
     }
 
@@ -265,13 +265,13 @@ mod tests {
             assert_eq!(read(&bytes[..end], &mut Thing::default()), Err(Mismatch), "{end} bytes");
         }
         assert_eq!(read(&[&bytes[..], &[0]].concat(), &mut Thing::default()), Err(Mismatch));
-        let mut longer = Tape::reader(&bytes);
+        let mut longer = Archive::reader(&bytes);
         longer.reals(&mut [0.0; 4]);
         assert_eq!(longer.finish(), Err(Mismatch));
         let mut out_of_range = thing();
         out_of_range.order[0] = 7;
-        let mut tape = Tape::writer();
-        out_of_range.serialize(&mut tape);
-        assert_eq!(read(&tape.into_bytes(), &mut Thing::default()), Err(Mismatch));
+        let mut archive = Archive::writer();
+        out_of_range.serialize(&mut archive);
+        assert_eq!(read(&archive.into_bytes(), &mut Thing::default()), Err(Mismatch));
     }
 }
