@@ -3,21 +3,16 @@
 
 pub mod linear;
 
-use pushbelt::fmi::dispatch::Dispatch;
-use pushbelt::fmi::{Unit as _, fmi2 as v2, fmi3 as v3};
-use pushbelt::unit::VariatorUnit;
-
-/// Chooses the library at the first instance: in portable builds this one, or its variant for processors with AVX2.
-pub static DISPATCH: Dispatch = Dispatch::new(VariatorUnit::IDENTITY.name, option_env!("PUSHBELT_VARIANT"));
+use pushbelt::fmi::{fmi2 as v2, fmi3 as v3};
 
 /// The C functions of FMI 2.0.
 pub mod fmi2 {
-    pushbelt::fmi::export_fmi2!(pushbelt::unit::VariatorUnit, Some(&crate::DISPATCH));
+    pushbelt::fmi::export_fmi2!(pushbelt::unit::VariatorUnit);
 }
 
 /// The C functions of FMI 3.0.
 pub mod fmi3 {
-    pushbelt::fmi::export_fmi3!(pushbelt::unit::VariatorUnit, Some(&crate::DISPATCH));
+    pushbelt::fmi::export_fmi3!(pushbelt::unit::VariatorUnit);
 }
 
 /// The function by which another library of the FMU opens this one.

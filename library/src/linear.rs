@@ -7,8 +7,6 @@ use pushbelt::fmi::log::Status;
 use pushbelt::unit::{VariatorUnit, linear_model};
 
 pushbelt::fmi::export_functions! {
-    Some(&crate::DISPATCH);
-
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///
     /// Allowed in initialisation mode and from then on; the instance does not change. Modes below `frequency`, Hz, become states.
@@ -21,7 +19,7 @@ pushbelt::fmi::export_functions! {
     /// # Safety
     /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other call is using. `json` is null or
     /// points to a pointer that may be written.
-    pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status =
+    pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status, on c =
         query::query::<VariatorUnit>(c, "pushbeltLinearize", json, |unit, settings, remarks| {
             linear_model(unit, settings, frequency, remarks)
         });

@@ -6,23 +6,6 @@
 //! table. [`export!`] exports the C functions. [`SimpleModel`] is a shorter trait for a model without internal steps and events;
 //! `examples/lag.rs` is a whole FMU of one.
 //!
-//! | module | content |
-//! |---|---|
-//! | [`table`] | variables; the only place for facts about a variable |
-//! | [`mod@unit`] | the trait of a model |
-//! | [`simple`] | a shorter trait for a model without internal steps and events |
-//! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
-//! | [`slave`] | one instance: its calls, for both versions |
-//! | [`hash`] | a hash of bytes: texts, stored states, data of a unit |
-//! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
-//! | [`log`] | messages to the importer |
-//! | `description`, `xml` | the model descriptions of both versions; elements and numbers of XML |
-//! | `resources` | places that a resource location may mean |
-//! | [`start_file`] | start values of a user, from a file in the resources |
-//! | `processor` | whether the processor has the instructions that the binary is compiled for |
-//! | [`fmi2`], [`fmi3`] | the C functions of a version |
-//! | `c` | common parts of the C functions of both versions; with the two above the only modules with `unsafe` |
-//!
 //! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
 //! (`c::dispatch`).
 
@@ -30,8 +13,6 @@
 // The program of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
-#[forbid(unsafe_code)]
-mod bytes;
 #[allow(unsafe_code)]
 mod c;
 #[forbid(unsafe_code)]
@@ -55,8 +36,6 @@ pub mod simple;
 #[forbid(unsafe_code)]
 pub mod slave;
 #[forbid(unsafe_code)]
-mod snapshot;
-#[forbid(unsafe_code)]
 pub mod start_file;
 #[forbid(unsafe_code)]
 pub mod state;
@@ -78,8 +57,7 @@ pub mod prelude {
 pub use description::{model_description, token};
 pub use pushbelt_archive::Archive;
 pub use simple::{SimpleModel, SimpleUnit};
-pub use slave::{Slave, Version};
-pub use snapshot::Snapshot;
+pub use slave::{Slave, Snapshot, Version};
 pub use table::Table;
 pub use unit::Unit;
 

@@ -60,15 +60,12 @@ impl From<()> for Status {
     }
 }
 
-/// Receives messages for the importer.
-pub trait Sink {
-    /// Passes one message on.
-    fn send(&self, status: Status, category: Category, text: &str);
-}
+/// Passes one message on to the importer.
+pub type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
 pub struct Log {
-    sink: Option<Box<dyn Sink>>,
+    sink: Option<Sink>,
     enabled: u8,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
@@ -81,7 +78,7 @@ impl Log {
     /// messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2 forbids any message,
     /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
     #[must_use]
-    pub fn new(version: Version, sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+    pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
         let quiet: &[Category] = match version {
             Version::Two => &[Category::Error, Category::Warning, Category::Discard],
             Version::Three => &[Category::Error],
@@ -117,7 +114,7 @@ impl Log {
         if let Some(sink) = &self.sink
             && self.enabled & category.bit() != 0
         {
-            sink.send(status, category, text);
+            sink(status, category, text);
         }
     }
 }

@@ -52,9 +52,9 @@ pub fn places(location: &str) -> Result<Vec<PathBuf>, String> {
     Ok(found.into_iter().map(PathBuf::from).collect())
 }
 
-/// The resources of the archive that a library in this folder was unpacked with: it is the platform's folder in `binaries`.
-pub fn beside(folder: &Path) -> Option<PathBuf> {
-    let binaries = folder.parent()?;
+/// The resources of the archive that a library was unpacked with: it is in the platform's folder in `binaries`.
+pub fn beside(library: &Path) -> Option<PathBuf> {
+    let binaries = library.parent()?.parent()?;
     let unpacked = binaries.file_name()?.eq_ignore_ascii_case("binaries");
     unpacked.then(|| binaries.with_file_name("resources"))
 }
@@ -185,9 +185,9 @@ mod tests {
 
     #[test]
     fn resources_are_beside_the_binaries() {
-        let found = beside(Path::new("/x/binaries/linux64"));
+        let found = beside(Path::new("/x/binaries/linux64/a.so"));
         assert_eq!(found.as_deref(), Some(Path::new("/x/resources")));
-        assert_eq!(beside(Path::new("/x/lib/linux64")), None);
-        assert_eq!(beside(Path::new("linux64")), None);
+        assert_eq!(beside(Path::new("/x/lib/linux64/a.so")), None);
+        assert_eq!(beside(Path::new("linux64/a.so")), None);
     }
 }

@@ -124,6 +124,6 @@ fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result
         }
         Kind::Boolean { .. } => Value::Boolean(text.parse().map_err(|_| not_a("truth value"))?),
     };
-    variable.set(settings, value).map_err(|error| error.to_string())?;
+    variable.set(settings, value)?;
     Ok(name)
 }

@@ -101,7 +101,7 @@ pub enum Access<S, R, T> {
     },
     /// A field of the readings.
     Reading(fn(&R) -> T),
-    /// An element of an array of the readings.
+    /// An element of an [`Array`] of the readings.
     Element(fn(&R, usize) -> T, usize),
 }
 
@@ -264,21 +264,9 @@ pub struct Variable<S, R> {
     pub kind: Kind<S, R>,
 }
 
-/// Why a value was not accepted: a sentence with name, value and allowed range.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct Inadmissible(String);
-
-impl Inadmissible {
-    /// The value is NaN or infinite.
-    pub(crate) fn not_finite(name: &str, value: f64) -> Self {
-        Self(format!("{name} = {value} is not a finite number"))
-    }
-
-    /// The variable is an output or a local.
-    pub(crate) fn calculated(name: &str) -> Self {
-        Self(format!("{name} is calculated and can't be set"))
-    }
+/// Refusal of a value that is NaN or infinite.
+pub(crate) fn not_finite(name: &str, value: f64) -> String {
+    format!("{name} = {value} is not a finite number")
 }
 
 /// An input that exceeds a limit by less than this, in its unit, is set to the limit. Another model that ends at
@@ -334,23 +322,13 @@ impl<S, R> Variable<S, R> {
         matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
     }
 
-    /// Whether it is an element of an array of the readings.
-    pub(crate) fn is_element(&self) -> bool {
-        use Access::Element;
-        match &self.kind {
-            Kind::Real { access, .. } => matches!(access, Element(..)),
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => matches!(access, Element(..)),
-            Kind::Boolean { access } => matches!(access, Element(..)),
-        }
-    }
-
     /// Sets a setting to a value of its type, if that is within its limits.
     ///
     /// # Errors
-    /// The value is not admissible, or the variable is no setting; nothing has changed.
-    pub fn set(&self, settings: &mut S, value: Value) -> Result<(), Inadmissible> {
+    /// The variable is no setting, or as [`Variable::admit`]; nothing has changed.
+    pub fn set(&self, settings: &mut S, value: Value) -> Result<(), String> {
         if !self.causality.is_setting() {
-            return Err(Inadmissible::calculated(&self.name));
+            return Err(format!("{} is calculated and can't be set", self.name));
         }
         match (&self.kind, self.admit(value)?) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
@@ -366,12 +344,13 @@ impl<S, R> Variable<S, R> {
     /// Checks a value against the limits; the value to be set.
     ///
     /// # Errors
-    /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input.
-    pub fn admit(&self, value: Value) -> Result<Value, Inadmissible> {
+    /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input: a
+    /// sentence with name, value and allowed range.
+    pub fn admit(&self, value: Value) -> Result<Value, String> {
         let range = match (&self.kind, value) {
             (Kind::Real { unit, range, .. }, Value::Real(number)) => {
                 if !number.is_finite() {
-                    return Err(Inadmissible::not_finite(&self.name, number));
+                    return Err(not_finite(&self.name, number));
                 }
                 let exceeded = match (range.min, range.max) {
                     (Some(min), _) if number < min => min,
@@ -399,10 +378,7 @@ impl<S, R> Variable<S, R> {
             }
             _ => return Ok(value),
         };
-        Err(Inadmissible(format!(
-            "{} = {value} is out of range: {range}",
-            self.name
-        )))
+        Err(format!("{} = {value} is out of range: {range}", self.name))
     }
 }
 

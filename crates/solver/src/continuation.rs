@@ -1,7 +1,7 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
 use super::newton::{Newton, Unsolved};
-use super::stage::{Stage, slopes};
+use super::stage::Stage;
 use super::{State, System, View};
 
 /// Shortest pseudo-time step, s.
@@ -85,13 +85,13 @@ pub fn settle<S: System>(
         trial.copy_from(state);
         let mut stage = Stage {
             time: settings.time,
-            slopes: slopes(1.0 / report.step),
+            alpha: 1.0 / report.step,
             base: &state.y,
             position: &state.q,
             state: &mut trial,
         };
         let tolerance = if last { 1.0 } else { COARSE };
-        newton.set_scale(system, stage.slopes[0]);
+        newton.set_scale(system, stage.alpha);
         match newton.solve(system, &mut stage, tolerance, false) {
             Ok(jacobians) => {
                 let solved = Trial {

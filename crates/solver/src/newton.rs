@@ -2,8 +2,9 @@
 //! stops before a Jacobian for which the work does not last, and continues there.
 
 use super::System;
+use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
-use super::stage::{Chord, Stage, move_by};
+use super::stage::{Stage, move_by};
 use pushbelt_archive::Archive;
 
 // "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian: of the manoeuvre with ALE; of
@@ -31,7 +32,7 @@ const AGEING: f64 = 0.9;
 /// Half, twice: +3, −2 %; +2, −1 %.
 const LEFT: f64 = 0.15;
 /// Part of a correction that may point along the step before it, where a search along the step may end. Half, twice: 0, −1 %; +1, 0 %.
-const ALONG: f64 = 0.2;
+const PROJECTION: f64 = 0.2;
 /// Residuals after which a search along a step ends, at the best place it has found; without one it fails after twice as many.
 /// Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the flips fail instead of 8.
 const TRIALS: usize = 6;
@@ -126,15 +127,21 @@ impl WorkBound {
 /// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
 pub struct Newton {
-    chord: Chord,
+    matrix: Arrow,
+    factors: ArrowLu,
     /// α of the factored matrix; infinite before the first, so no stage reuses it.
     alpha: f64,
+    /// Change of each unknown that counts as 1.
+    scale: Vec<f64>,
+    /// By the factors, from the residual at the place evaluated last.
+    correction: Vec<f64>,
     broyden: Broyden,
     /// Residual at the place evaluated last.
     residual: Vec<f64>,
-    /// Step along which a search goes, and y where it begins; or the best y of Broyden's method.
+    /// Step along which a search goes.
     step: Vec<f64>,
-    kept: Vec<f64>,
+    /// y where the search begins; or the best y of Broyden's method.
+    anchor: Vec<f64>,
     /// Residual at the best place.
     best_residual: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
@@ -156,15 +163,19 @@ impl Newton {
     /// Memory for `system`.
     #[must_use]
     pub fn new(system: &impl System) -> Self {
-        let unknowns = system.shape().len();
+        let shape = system.shape();
+        let unknowns = shape.len();
         let zeros = vec![0.0; unknowns];
         Self {
-            chord: Chord::new(system),
+            matrix: Arrow::new(shape),
+            factors: ArrowLu::new(shape),
             alpha: f64::INFINITY,
+            scale: zeros.clone(),
+            correction: zeros.clone(),
             broyden: Broyden::new(ITERATIONS, unknowns),
             residual: zeros.clone(),
             step: zeros.clone(),
-            kept: zeros.clone(),
+            anchor: zeros.clone(),
             best_residual: zeros,
             rate: 1.0,
             excess: 0,
@@ -190,7 +201,7 @@ impl Newton {
         archive.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
         archive.within(&mut self.alpha, 0.0, f64::INFINITY);
         if self.alpha.is_finite() {
-            self.chord.serialize(archive);
+            self.factors.serialize(archive);
         }
         archive.real(&mut self.rate);
         archive.counter(&mut self.excess);
@@ -216,20 +227,16 @@ impl Newton {
 
     /// Forms and factors the Jacobian at the stage.
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), Unsolved> {
-        let [alpha, beta] = stage.slopes;
         self.counts.factorizations += 1;
         self.alpha = f64::INFINITY;
-        let view = stage.state.view();
-        let mut renewed = 0.0;
-        let regular = self.chord.factor(|matrix| {
-            renewed = system.renew_jacobian(stage.time, view, alpha, beta, matrix);
-        });
+        let (view, beta) = (stage.state.view(), 1.0 / stage.alpha);
+        let renewed = system.renew_jacobian(stage.time, view, stage.alpha, beta, &mut self.matrix);
         let [tangents, geometry] = self.bound.jacobian;
         self.bound.left -= tangents + geometry * renewed;
-        if !regular {
+        if self.factors.factor(&self.matrix).is_err() {
             return Err(Unsolved::NoSolution);
         }
-        self.alpha = alpha;
+        self.alpha = stage.alpha;
         self.rate = 1.0;
         self.excess = 0;
         Ok(())
@@ -237,7 +244,7 @@ impl Newton {
 
     /// Sets the scale that stages with this α are solved to: the system's.
     pub fn set_scale(&mut self, system: &impl System, alpha: f64) {
-        system.newton_scale(1.0 / alpha, &mut self.chord.scale);
+        system.newton_scale(1.0 / alpha, &mut self.scale);
     }
 
     /// Solves a stage to `tolerance` times the scale that was set last. `reuse` allows a Jacobian from before.
@@ -258,7 +265,7 @@ impl Newton {
         if self.bound.left <= 0.0 {
             return Err(Unsolved::OutOfWork);
         }
-        let tries = reuse && (stage.slopes[0] / self.alpha - 1.0).abs() < REUSED;
+        let tries = reuse && (stage.alpha / self.alpha - 1.0).abs() < REUSED;
         if tries && self.broyden(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
@@ -273,10 +280,23 @@ impl Newton {
         self.bound.left -= 1.0;
     }
 
-    /// Newton correction at `stage.state.y` with the factors at hand, into `self.chord.correction`.
-    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
-        self.evaluate(system, stage);
-        self.chord.correct(&self.residual);
+    /// Newton correction from the residual at hand with the factors at hand.
+    fn correct(&mut self) {
+        self.correction.copy_from_slice(&self.residual);
+        self.factors.solve(&mut self.correction);
+    }
+
+    /// The largest scaled entry of the correction and its scaled 2-norm.
+    fn measure(&self) -> (f64, f64) {
+        let scaled = || self.correction.iter().zip(&self.scale).map(|(d, s)| d / s);
+        let largest = scaled().fold(0.0, |most: f64, x| most.max(x.abs()));
+        (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
+    /// The scaled product of the correction with the step of the search.
+    fn product_with_step(&self) -> f64 {
+        let products = self.correction.iter().zip(&self.step).zip(&self.scale);
+        products.map(|((d, step), s)| (d / s) * (step / s)).sum()
     }
 
     /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and the
@@ -296,12 +316,13 @@ impl Newton {
                 break;
             }
             if !corrected || iteration > 0 {
-                self.correct(system, stage);
+                self.evaluate(system, stage);
+                self.correct();
             }
-            let change = self.broyden.step(&self.chord.correction, &self.chord.scale);
+            let change = self.broyden.step(&self.correction, &self.scale);
             if iteration == 0 || change < least {
                 least = change;
-                self.kept.copy_from_slice(&stage.state.y);
+                self.anchor.copy_from_slice(&stage.state.y);
                 self.best_residual.copy_from_slice(&self.residual);
             }
             let contraction = change / before;
@@ -311,7 +332,7 @@ impl Newton {
             // What is left after this step, over the step: before any is measured, by the contraction of the last stage. At most the step
             // itself: steps that are rounding need not fall.
             let ahead = if iteration == 0 {
-                let off = (stage.slopes[0] / self.alpha - 1.0).abs();
+                let off = (stage.alpha / self.alpha - 1.0).abs();
                 self.rate = self.rate.max(off).max(f64::EPSILON).powf(AGEING);
                 self.rate
             } else {
@@ -323,7 +344,7 @@ impl Newton {
                 (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;
-            self.broyden.add_to(&mut stage.state.y, &self.chord.scale);
+            self.broyden.add_to(&mut stage.state.y, &self.scale);
             if change * ahead < LEFT * tolerance {
                 self.left = self.left.max(change * ahead / tolerance);
                 stage.complete(system.has_position());
@@ -335,7 +356,7 @@ impl Newton {
             }
         }
         self.rate = 1.0;
-        stage.state.y.copy_from_slice(&self.kept);
+        stage.state.y.copy_from_slice(&self.anchor);
         self.residual.copy_from_slice(&self.best_residual);
         Err(Unsolved::NoSolution)
     }
@@ -362,7 +383,7 @@ impl Newton {
                 known = true;
             }
             self.refresh(system, stage)?;
-            self.chord.correct(&self.residual);
+            self.correct();
             let whole = self.search(system, stage, tolerance)?;
             if whole && self.broyden(system, stage, tolerance, true).is_ok() {
                 return Ok(jacobians);
@@ -376,30 +397,31 @@ impl Newton {
     /// seeks a place from which the correction points along the step no more, by bisection: where an arc slides the other way with all its
     /// cells at once, the correction beyond leads back. The residual there is at hand, and after a whole step the correction.
     fn search<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<bool, Unsolved> {
-        let (_, norm) = self.chord.measure();
+        let (_, norm) = self.measure();
         if !norm.is_finite() {
             return Err(Unsolved::NoSolution);
         }
-        self.kept.copy_from_slice(&stage.state.y);
-        self.step.copy_from_slice(&self.chord.correction);
+        self.anchor.copy_from_slice(&stage.state.y);
+        self.step.copy_from_slice(&self.correction);
         self.best_residual.copy_from_slice(&self.residual);
         let (mut best, mut least) = (0.0, norm);
         let ([mut lower, mut upper], mut share) = ([0.0, 1.0], 1.0);
         for trial in 1..=2 * TRIALS {
-            move_by(-share, &mut stage.state.y, &self.kept, &self.step);
-            self.correct(system, stage);
-            let (change, after) = self.chord.measure();
-            let along = self.chord.along(&self.step) / (norm * norm);
+            move_by(-share, &mut stage.state.y, &self.anchor, &self.step);
+            self.evaluate(system, stage);
+            self.correct();
+            let (change, after) = self.measure();
+            let projection = self.product_with_step() / (norm * norm);
             let solved = after.is_finite() && change < LEFT * tolerance;
             let accepted = solved || after < norm;
-            if accepted && (share >= 1.0 || solved || along.abs() < ALONG) {
+            if accepted && (share >= 1.0 || solved || projection.abs() < PROJECTION) {
                 return Ok(share >= 1.0);
             }
             if accepted && after < least {
                 (best, least) = (share, after);
                 self.best_residual.copy_from_slice(&self.residual);
             }
-            if accepted && along > 0.0 {
+            if accepted && projection > 0.0 {
                 lower = share;
             } else {
                 upper = share;
@@ -412,7 +434,7 @@ impl Newton {
         if best == 0.0 && !self.bound.is_overdrawn() {
             return Err(Unsolved::NoSolution);
         }
-        move_by(-best, &mut stage.state.y, &self.kept, &self.step);
+        move_by(-best, &mut stage.state.y, &self.anchor, &self.step);
         self.residual.copy_from_slice(&self.best_residual);
         Ok(false)
     }

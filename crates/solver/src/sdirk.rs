@@ -6,7 +6,7 @@
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Unsolved};
-use super::stage::{Stage, move_by, slopes};
+use super::stage::{Stage, move_by};
 use super::{State, System, View};
 use pushbelt_archive::Archive;
 
@@ -69,8 +69,8 @@ pub struct Sdirk {
     pub newton_tolerance: f64,
     /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions don't make them better.
     pub newton_widening: f64,
-    /// Size of the step whose stages are kept; none after an attempt that failed, s.
-    kept: Option<f64>,
+    /// Size of the step that the stages are of, s; none after an attempt that failed.
+    last_step: Option<f64>,
     /// Squared error of the last step, of 1 at most: small as long as motions are smooth.
     error: f64,
     /// Stage that is not solved, from 1 on; 0 if no step is open.
@@ -141,7 +141,7 @@ impl Sdirk {
             max_step,
             newton_tolerance: 1.0,
             newton_widening: 0.0,
-            kept: None,
+            last_step: None,
             error: 0.0,
             open: 0,
             stages: [State::zero(n), State::zero(n)],
@@ -158,7 +158,7 @@ impl Sdirk {
     #[must_use]
     pub fn slope_rate(&self, unknown: usize) -> f64 {
         let [first, second] = &self.stages;
-        self.kept.map_or(0.0, |h| {
+        self.last_step.map_or(0.0, |h| {
             (second.y_dot[unknown] - first.y_dot[unknown]) / ((1.0 - GAMMA) * h)
         })
     }
@@ -167,10 +167,10 @@ impl Sdirk {
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
         archive.within(&mut self.step, 0.0, f64::MAX);
-        archive.option(&mut self.kept);
+        archive.option(&mut self.last_step);
         archive.within(&mut self.error, 0.0, 1.0);
         archive.reals(&mut self.slope);
-        if self.kept.is_some() {
+        if self.last_step.is_some() {
             for stage in &mut self.stages {
                 archive.reals(&mut stage.y_dot);
             }
@@ -202,7 +202,7 @@ impl Sdirk {
 
     /// Solves both stages, or continues where the work was used up.
     fn solve<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
-        self.kept = None;
+        self.last_step = None;
         self.newton.set_scale(system, 1.0 / (h * GAMMA));
         let tolerance = self.tolerance();
         for number in self.open.max(1)..=2 {
@@ -216,7 +216,7 @@ impl Sdirk {
             };
             let mut stage = Stage {
                 time: time + node * h,
-                slopes: slopes(1.0 / (h * GAMMA)),
+                alpha: 1.0 / (h * GAMMA),
                 base: &self.base,
                 position: &self.position,
                 state,
@@ -368,6 +368,6 @@ impl Sdirk {
         self.slope.copy_from_slice(&end.y_dot);
         self.newton.counts.steps += 1;
         // Slopes over less than this differ by rounding only.
-        self.kept = (interval.length >= MIN_STEP).then_some(interval.length);
+        self.last_step = (interval.length >= MIN_STEP).then_some(interval.length);
     }
 }

@@ -17,7 +17,7 @@ macro_rules! functions {
         $all:ident:
         $(
             $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
-                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+                $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
         )*
     ) => {
         /// The exported functions.

@@ -3,7 +3,6 @@
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::ptr;
-use std::sync::atomic::Ordering;
 
 use libc::{c_char, c_int, c_void};
 
@@ -33,8 +32,9 @@ pub(crate) enum Messages {
     },
 }
 
-impl Sink for Messages {
-    fn send(&self, status: Status, category: Category, message: &str) {
+impl Messages {
+    /// Passes one message on.
+    pub fn send(&self, status: Status, category: Category, message: &str) {
         let string = |text: String| CString::new(text).unwrap_or_default();
         let category = string(category.name().to_owned());
         let (category, status, message) = (category.as_ptr(), status as c_int, message.replace('\0', " "));
@@ -112,12 +112,12 @@ pub(crate) unsafe fn create<U: Unit>(
                 return ptr::null_mut();
             }
         };
-        let sink = sink.map(|sink| Box::new(sink) as Box<dyn Sink>);
+        let sink =
+            sink.map(|sink| -> Sink { Box::new(move |status, category, text| sink.send(status, category, text)) });
         let log = Log::new(version, sink, debug);
         if let Some((status, category, text)) = dispatch::remark() {
             log.send(status, category, &text);
         }
-        dispatch::INSTANCES.fetch_add(1, Ordering::SeqCst);
         Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
     })
 }
@@ -133,7 +133,6 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
         unsafe {
             if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
                 drop(Box::from_raw(pointer));
-                dispatch::INSTANCES.fetch_sub(1, Ordering::SeqCst);
             }
         }
     });
@@ -161,7 +160,7 @@ fn start<U: Unit>(
         warnings.push(warning);
         Vec::new()
     });
-    places.extend(library::own_folder().ok().and_then(|folder| resources::beside(&folder)));
+    places.extend(library::own_path().ok().and_then(|path| resources::beside(&path)));
     let defaults = load::<U>(&places)?;
     let own = description::token::<U>(version, U::data(&defaults));
     let token = Token::of(&token, &own).ok_or_else(|| {

@@ -1,19 +1,20 @@
 //! Forwarding to a variant of the library for newer processors.
 //!
 //! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by itself, and `Name-avx2` in the
-//! same folder. `Name` opens `Name-avx2` when it creates an instance and has no other instance. Then it forwards calls on
-//! instances there, until the last instance is freed; then it closes `Name-avx2`. So an instance is used only by the library
-//! that created it, and a host that unloads `Name` after its instances leaves nothing loaded.
+//! same folder. An instance that `Name` creates there opens `Name-avx2`, gets all its calls forwarded, and closes it at its end; the
+//! operating system counts how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances that exist at
+//! the same time are all in one of the two, because they exchange stored states.
 //!
 //! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0",
 //! or if `Name-avx2` is not the file of its build. `Name` contains the hash of that file and compares it before the system opens the
 //! file, because to open a damaged or strange library can already end the host.
 
-use std::ffi::{CStr, c_void};
+use std::cell::Cell;
+use std::ffi::c_void;
 use std::fs;
 use std::path::Path;
 use std::ptr::null_mut;
-use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::entry::contain;
@@ -24,12 +25,8 @@ use crate::log::{Category, Status};
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
 
-/// Instances of this library.
-pub(super) static INSTANCES: AtomicUsize = AtomicUsize::new(0);
-
-/// The function by which a library opens its variant: it returns the number of instances.
-const HANDSHAKE: &CStr = c"pushbeltVariant";
-type Handshake = unsafe extern "C" fn() -> *const AtomicUsize;
+/// The function by which a variant is told that it is one.
+const HANDSHAKE: &str = "pushbeltVariant";
 
 /// A message for the log.
 type Remark = (Status, Category, String);
@@ -37,234 +34,148 @@ type Remark = (Status, Category, String);
 /// Why the library of a portable build runs.
 static REMARK: Mutex<Option<Remark>> = Mutex::new(None);
 
+fn remark_now() -> MutexGuard<'static, Option<Remark>> {
+    REMARK.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// What the log of a new instance has about the choice of the library.
 pub(crate) fn remark() -> Option<Remark> {
-    locked(&REMARK).clone()
+    remark_now().clone()
 }
 
-/// What an exported function does with instances.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Creates one.
-    Create,
-    /// Frees one.
-    Free,
-    /// Is called on one.
-    Call,
-    /// Has none. Never forwarded, so it can be called while the variant is closed.
-    Without,
+/// Another library opens this one as its variant.
+pub fn handshake() {
+    let text = "the library for processors with AVX2 runs".to_owned();
+    *remark_now() = Some((Status::Ok, Category::Events, text));
 }
 
-impl Kind {
-    /// The kind of a function, by its name and whether its first argument is an instance.
-    #[must_use]
-    pub const fn of(name: &str, on_instance: bool) -> Self {
-        match name.as_bytes() {
-            b"fmi2Instantiate" | b"fmi3InstantiateCoSimulation" => Self::Create,
-            b"fmi2FreeInstance" | b"fmi3FreeInstance" => Self::Free,
-            _ if on_instance => Self::Call,
-            _ => Self::Without,
-        }
+/// Instances of this library, and those that it has forwarded.
+static INSTANCES: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
+
+/// What a host has as an instance of a library with a variant.
+struct Handle {
+    instance: *mut c_void,
+    /// The library of the instance, if it is not this one.
+    variant: Option<Library>,
+    /// Whether a call is being made on it.
+    is_in_call: Cell<bool>,
+}
+
+impl Handle {
+    fn count(&self) -> &'static AtomicUsize {
+        &INSTANCES[usize::from(self.variant.is_some())]
+    }
+
+    /// A function of the variant; null for an instance of this library.
+    fn function(&self, name: &str) -> *mut c_void {
+        self.variant.as_ref().map_or(null_mut(), |library| library.find(name))
     }
 }
 
-/// A text that ends with a zero, in constants too.
-///
-/// # Panics
-/// It ends with no zero.
-#[must_use]
-pub const fn c_string(text: &'static str) -> &'static CStr {
-    match CStr::from_bytes_with_nul(text.as_bytes()) {
-        Ok(text) => text,
-        Err(_) => panic!("no zero at the end"),
-    }
-}
-
-/// An exported function of the variant.
-pub struct Forward {
-    name: &'static CStr,
-    kind: Kind,
-    /// The opening of the variant in which the function was found, counted from 1; 0 before the first.
-    opening: AtomicUsize,
-    function: AtomicPtr<c_void>,
-}
-
-impl Forward {
-    /// A function of a kind, not found yet.
-    #[must_use]
-    pub const fn new(name: &'static CStr, kind: Kind) -> Self {
-        Self {
-            name,
-            kind,
-            opening: AtomicUsize::new(0),
-            function: AtomicPtr::new(null_mut()),
-        }
-    }
-}
-
-/// The variant of a library.
-pub struct Dispatch {
-    model: &'static str,
-    /// Identifies the file of the variant, as [`hash::of_file`]; none in a library that has no variant.
-    variant: Option<&'static str>,
-    /// The present opening of the variant, counted from 1; 0 while it is closed.
-    opening: AtomicUsize,
-    state: Mutex<State>,
-}
-
-struct State {
-    /// Running calls that create or free an instance.
-    calls: usize,
-    /// How often the variant has been opened.
-    openings: usize,
-    open: Option<Variant>,
-}
-
-struct Variant {
-    /// Closed when this is dropped.
-    library: Library,
-    instances: *const AtomicUsize,
-}
-
-// SAFETY: the counter is a static of the library, which is open as long as this exists.
-unsafe impl Send for Variant {}
-
-impl Dispatch {
-    /// The dispatcher of the library of a model; `variant` is the hash of its variant's file ([`hash::of_file`]).
-    #[must_use]
-    pub const fn new(model: &'static str, variant: Option<&'static str>) -> Self {
-        Self {
-            model,
-            variant,
-            opening: AtomicUsize::new(0),
-            state: Mutex::new(State {
-                calls: 0,
-                openings: 0,
-                open: None,
-            }),
-        }
-    }
-
-    /// Keeps the choice of the library until [`Self::leave`], and makes one for a call that creates the first instance.
-    fn enter(&self, variant: &str, kind: Kind) {
-        let mut state = locked(&self.state);
-        state.calls += 1;
-        let is_first = state.calls == 1 && INSTANCES.load(Ordering::SeqCst) == 0;
-        if kind != Kind::Create || state.open.is_some() || !is_first {
-            return;
-        }
-        match self.find(variant) {
-            Ok(variant) => {
-                state.open = Some(variant);
-                state.openings += 1;
-                self.opening.store(state.openings, Ordering::Release);
-            }
-            Err(why) => {
-                let text = format!("the slower library for all processors runs: {why}");
-                *locked(&REMARK) = Some((Status::Warning, Category::Warning, text));
-            }
-        }
-    }
-
-    /// Closes the variant if it has no instance and no call that creates or frees one.
-    fn leave(&self) {
-        let mut state = locked(&self.state);
-        state.calls -= 1;
-        // SAFETY: the variant is open.
-        let unused = |variant: &Variant| unsafe { &*variant.instances }.load(Ordering::SeqCst) == 0;
-        if state.calls == 0 && state.open.as_ref().is_some_and(unused) {
-            self.opening.store(0, Ordering::Release);
-            state.open = None;
-        }
-    }
-
-    /// A function of the variant; null while the variant is closed. It is searched for once in each opening.
-    fn function(&self, forward: &Forward) -> *mut c_void {
-        let opening = self.opening.load(Ordering::Acquire);
-        if opening == 0 {
+/// Creates an instance in the variant whose file has this hash, or here. `call` makes the call, of a function of the variant or, if that is
+/// null, of this library.
+pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_void) -> *mut c_void {
+    let mut handle = Handle {
+        instance: null_mut(),
+        variant: contain(None, || choose(hash)),
+        is_in_call: Cell::new(false),
+    };
+    handle.instance = call(handle.function(name));
+    contain(null_mut(), || {
+        if handle.instance.is_null() {
             return null_mut();
         }
-        if forward.opening.load(Ordering::Acquire) != opening {
-            let found = locked(&self.state)
-                .open
-                .as_ref()
-                .map(|variant| variant.library.find(forward.name));
-            forward.function.store(found.unwrap_or(null_mut()), Ordering::Relaxed);
-            forward.opening.store(opening, Ordering::Release);
-        }
-        forward.function.load(Ordering::Relaxed)
-    }
-
-    /// Opens the variant.
-    ///
-    /// # Errors
-    /// Why this library runs by itself.
-    fn find(&self, variant: &str) -> Result<Variant, String> {
-        if !has_avx2() {
-            return Err("the processor has no AVX2".to_owned());
-        }
-        if std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
-            return Err(format!("{SWITCH} is 0"));
-        }
-        let name = format!("{}-avx2{}", self.model, std::env::consts::DLL_SUFFIX);
-        let path = library::own_folder()?.join(name);
-        open(&path, variant).map_err(|why| format!("{}: {why}", path.display()))
-    }
+        handle.count().fetch_add(1, SeqCst);
+        Box::into_raw(Box::new(handle)).cast()
+    })
 }
 
-/// Opens a variant if it is the file with this hash.
-fn open(path: &Path, variant: &str) -> Result<Variant, String> {
-    // Without these checks the message would be that of the operating system, and a pipe would keep the host waiting.
-    let found = fs::metadata(path).map_err(|_| "there is no such file")?;
-    if !found.is_file() || !variant.starts_with(&format!("{}-", found.len())) {
-        return Err(format!(
-            "it has {} bytes and is not the file of this build",
-            found.len()
-        ));
-    }
-    if hash::of_file(&fs::read(path).map_err(|error| error.to_string())?) != variant {
-        return Err("its content is not that of this build".to_owned());
-    }
-    // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
-    let library = unsafe { Library::open(path) }?;
-    let handshake = library.find(HANDSHAKE);
-    if handshake.is_null() {
-        return Err("it has no handshake".to_owned());
-    }
-    // SAFETY: the library exports the function of this name, with this type.
-    let instances = unsafe { std::mem::transmute::<*mut c_void, Handshake>(handshake)() };
-    Ok(Variant { library, instances })
-}
-
-/// The number of instances of this library, for the library whose variant it is.
-pub fn handshake() -> *const c_void {
-    let text = "the library for processors with AVX2 runs".to_owned();
-    *locked(&REMARK) = Some((Status::Ok, Category::Events, text));
-    (&raw const INSTANCES).cast()
-}
-
-/// Makes the call of an exported function, here or in the variant. A call that creates or frees an instance keeps the variant open.
-pub fn through<T>(dispatch: Option<&Dispatch>, forward: &Forward, call: impl FnOnce(*mut c_void) -> T) -> T {
-    let Some(dispatch) = dispatch else {
-        return call(null_mut());
+/// Makes a call on an instance: `call` gets it as its library has it, and the function as in [`create`].
+///
+/// # Safety
+/// `c` is null, or comes from [`create`] and has not been freed.
+pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void) -> T) -> T {
+    // SAFETY: as the caller grants.
+    let Some(handle) = (unsafe { c.cast::<Handle>().as_ref() }) else {
+        return call(null_mut(), null_mut());
     };
-    let kind = forward.kind;
-    let held = dispatch.variant.filter(|_| matches!(kind, Kind::Create | Kind::Free));
-    if let Some(variant) = held {
-        contain((), || dispatch.enter(variant, kind));
-    }
-    let result = call(match kind {
-        Kind::Without => null_mut(),
-        _ => dispatch.function(forward),
-    });
-    if held.is_some() {
-        contain((), || dispatch.leave());
-    }
+    let outer = handle.is_in_call.replace(true);
+    let result = call(handle.instance, handle.function(name));
+    handle.is_in_call.set(outer);
     result
 }
 
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Frees an instance; null is legal. In a callback of a call on the instance nothing happens.
+///
+/// # Safety
+/// As for [`on`].
+pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void)) {
+    let handle = c.cast::<Handle>();
+    // SAFETY: as the caller grants.
+    unsafe {
+        if handle.as_ref().is_some_and(|handle| !handle.is_in_call.get()) {
+            on(c, name, call);
+            contain((), || {
+                let handle = Box::from_raw(handle);
+                handle.count().fetch_sub(1, SeqCst);
+            });
+        }
+    }
+}
+
+/// The variant for a new instance.
+fn choose(hash: &str) -> Option<Library> {
+    let [own, forwarded] = INSTANCES.each_ref().map(|count| count.load(SeqCst) > 0);
+    if own {
+        return None;
+    }
+    let found = open(hash, forwarded).map_err(|why| {
+        let text = format!("the slower library for all processors runs: {why}");
+        *remark_now() = Some((Status::Warning, Category::Warning, text));
+    });
+    found.ok()
+}
+
+/// Opens the variant. Its file and the switch are not checked again if it `is_open`.
+///
+/// # Errors
+/// Why this library runs by itself.
+fn open(hash: &str, is_open: bool) -> Result<Library, String> {
+    if !has_avx2() {
+        return Err("the processor has no AVX2".to_owned());
+    }
+    if !is_open && std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
+        return Err(format!("{SWITCH} is 0"));
+    }
+    let own = library::own_path()?;
+    let name = own.file_stem().unwrap_or_default().display();
+    let path = own.with_file_name(format!("{name}-avx2{}", std::env::consts::DLL_SUFFIX));
+    let opened = if is_open { Ok(()) } else { check(&path, hash) }.and_then(|()| {
+        // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
+        let library = unsafe { Library::open(&path) }?;
+        let handshake = library.find(HANDSHAKE);
+        if handshake.is_null() {
+            return Err("it has no handshake".to_owned());
+        }
+        // SAFETY: the library exports the function of this name, with this type.
+        unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
+        Ok(library)
+    });
+    opened.map_err(|why| format!("{}: {why}", path.display()))
+}
+
+/// Checks that a file has this hash.
+fn check(path: &Path, hash: &str) -> Result<(), String> {
+    // Without these checks the message would be that of the operating system, and a pipe would keep the host waiting.
+    let found = fs::metadata(path).map_err(|_| "there is no such file")?;
+    if !found.is_file() || !hash.starts_with(&format!("{}-", found.len())) {
+        let size = found.len();
+        return Err(format!("it has {size} bytes and is not the file of this build"));
+    }
+    if hash::of_file(&fs::read(path).map_err(|error| error.to_string())?) != hash {
+        return Err("its content is not that of this build".to_owned());
+    }
+    Ok(())
 }
 
 #[cfg(target_arch = "x86_64")]

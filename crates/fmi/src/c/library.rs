@@ -1,6 +1,6 @@
 //! Shared libraries at run time: the path of this one, and another one.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::c_void;
 use std::path::{Path, PathBuf};
 use std::ptr::null_mut;
 
@@ -33,21 +33,19 @@ impl Library {
     }
 
     /// The address of an exported function; null if there is none.
-    pub fn find(&self, name: &CStr) -> *mut c_void {
+    pub fn find(&self, name: &str) -> *mut c_void {
         // SAFETY: an address only; the caller decides what is there.
         unsafe { self.0.get(name) }.map_or(null_mut(), |address| *address)
     }
 }
 
-/// The folder of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
+/// The path of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
 /// working directory has an effect.
 ///
 /// # Errors
 /// The operating system has no path for it.
-pub fn own_folder() -> Result<PathBuf, String> {
-    let path = own_path();
-    let folder = path.as_deref().and_then(Path::parent).map(Path::to_owned);
-    folder.ok_or_else(|| "the path of this library is unknown".to_owned())
+pub fn own_path() -> Result<PathBuf, String> {
+    own_file().ok_or_else(|| "the path of this library is unknown".to_owned())
 }
 
 /// A byte of this library, whose address identifies the library.
@@ -56,7 +54,7 @@ static HERE: u8 = 0;
 /// The path of the file that the library was loaded from, without links. `dladdr` has the path that the host gave to `dlopen`,
 /// which may be relative to another working directory than that of today.
 #[cfg(target_os = "linux")]
-fn own_path() -> Option<PathBuf> {
+fn own_file() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
 
     let here = (&raw const HERE).addr();
@@ -75,7 +73,7 @@ fn own_path() -> Option<PathBuf> {
 
 /// The path that the system has kept since the library was loaded, without links. A relative one is of no use.
 #[cfg(not(target_os = "linux"))]
-fn own_path() -> Option<PathBuf> {
+fn own_file() -> Option<PathBuf> {
     loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
 }
 
@@ -88,7 +86,8 @@ fn loaded_from() -> Option<PathBuf> {
     unsafe {
         let known = libc::dladdr((&raw const HERE).cast(), found.as_mut_ptr()) != 0;
         let name = found.assume_init().dli_fname;
-        (known && !name.is_null()).then(|| std::ffi::OsStr::from_bytes(CStr::from_ptr(name).to_bytes()).into())
+        (known && !name.is_null())
+            .then(|| std::ffi::OsStr::from_bytes(std::ffi::CStr::from_ptr(name).to_bytes()).into())
     }
 }
 

@@ -1,17 +1,9 @@
 //! Common parts of the C functions of both versions.
 //!
 //! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
-//! and, after `=`, the body, or after `=>` the instance and the call on its slave. A table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
+//! and, after `=`, the body, or after `=>` the instance and the call on its slave. Before `=` a row says what its body does with an instance:
+//! `creates`, `on c`, `free c`. A table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
 //! `export_fmi3!` make the exported functions for one unit, which call the generic ones.
-//!
-//! | file | content |
-//! |---|---|
-//! | `entry` | the entry of every C function; pointers to slices, references and strings |
-//! | `floating_point` | the floating-point environment of the host, and the default one |
-//! | `creation` | creation and end of an instance |
-//! | `stored` | stored states |
-//! | `dispatch` | forwarding of calls to a variant of the library for newer processors |
-//! | `library` | shared libraries at run time |
 
 pub(super) mod creation;
 pub mod dispatch;
@@ -25,7 +17,7 @@ macro_rules! define {
     (
         $(
             $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
-                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+                $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
         )*
     ) => {
         /// Names of the C functions.
@@ -51,16 +43,16 @@ macro_rules! define {
 pub(super) use define;
 
 /// Exports C functions, each with a list of arguments, a result and a body, and lists their names in `NAMES`: functions of an FMU
-/// beyond the standard. The first argument of a function on an instance has the name `c`. The calls of these go to the variant of
-/// the library that [`Dispatch`](crate::dispatch::Dispatch) has chosen.
+/// beyond the standard. After `, on` stands the argument that is an instance: in a library with a variant the call is made where the
+/// instance is.
 ///
 /// To be called in a module that allows `unsafe` code and names in C's style.
 #[macro_export]
 macro_rules! export_functions {
-    (
-        $dispatch:expr;
-        $($(#[$attribute:meta])* $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*
-    ) => {
+    ($(
+        $(#[$attribute:meta])* $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
+            $(, $use:ident $($instance:ident)?)? = $body:expr;
+    )*) => {
         /// Names of the C functions.
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
@@ -69,7 +61,9 @@ macro_rules! export_functions {
             #[cfg_attr(not(test), unsafe(no_mangle))]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: as the caller grants.
-                $crate::__here_or_in_variant! { $dispatch, $name($($argument: $type),*) $(-> $result)?, unsafe { $body } }
+                $crate::__here_or_in_variant! {
+                    [$($use $($instance)?)?] $name($($argument: $type),*) $(-> $result)?, unsafe { $body }
+                }
             }
         )*
     };
@@ -80,10 +74,10 @@ macro_rules! export_functions {
 #[macro_export]
 macro_rules! __export_for {
     (
-        $version:ident $unit:ty, $dispatch:expr;
+        $version:ident $unit:ty;
         $(
             $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
-                $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+                $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
         )*
     ) => {
         $(
@@ -95,7 +89,8 @@ macro_rules! __export_for {
             #[cfg_attr(not(test), unsafe(no_mangle))]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the caller grants what the function that is called requires.
-                $crate::__here_or_in_variant! { $dispatch, $name($($argument: $type),*) $(-> $result)?,
+                $crate::__here_or_in_variant! {
+                    [$($use $($instance)?)? $(on $c)?] $name($($argument: $type),*) $(-> $result)?,
                     unsafe { $crate::$version::functions::$name::<$unit>($($argument),*) }
                 }
             }
@@ -103,41 +98,46 @@ macro_rules! __export_for {
     };
 }
 
-/// Whether the first argument is an instance.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __takes_instance {
-    (c $($others:ident)*) => {
-        true
-    };
-    ($($others:ident)*) => {
-        false
-    };
-}
-
 /// The body of an exported function: a call in this library, or in its variant. Builds without variant have no code for it.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __here_or_in_variant {
-    ($dispatch:expr, $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
+    ([] $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
+        $here
+    };
+    ([creates] $name:ident($($argument:ident: $type:ty),*) -> $result:ty, $here:expr) => {
+        match option_env!("PUSHBELT_VARIANT") {
+            Some(hash) => $crate::dispatch::create(hash, stringify!($name), |function| {
+                $crate::__call! { function, ($($argument: $type),*) -> $result, $here }
+            }),
+            None => $here,
+        }
+    };
+    ([$use:ident $c:ident] $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {
         if const { option_env!("PUSHBELT_VARIANT").is_some() } {
-            static FORWARD: $crate::dispatch::Forward = $crate::dispatch::Forward::new(
-                $crate::dispatch::c_string(concat!(stringify!($name), "\0")),
-                $crate::dispatch::Kind::of(stringify!($name), $crate::__takes_instance!($($argument)*)),
-            );
-            $crate::dispatch::through($dispatch, &FORWARD, |function| {
-                if function.is_null() {
-                    return $here;
-                }
-                type Function = unsafe extern "C" fn($($type),*) $(-> $result)?;
-                // SAFETY: the variant is compiled from the same sources, so its function has this type and the same requirements. It
-                // is open, because it has the instance of the call.
-                unsafe { std::mem::transmute::<*mut $crate::libc::c_void, Function>(function)($($argument),*) }
-            })
+            let call = |$c, function: *mut $crate::libc::c_void| {
+                $crate::__call! { function, ($($argument: $type),*) $(-> $result)?, $here }
+            };
+            // SAFETY: the caller grants that it is null or an instance of this library.
+            unsafe { $crate::dispatch::$use($c, stringify!($name), call) }
         } else {
             $here
         }
     };
+}
+
+/// A call of a function of the variant, or here if that is null.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __call {
+    ($function:ident, ($($argument:ident: $type:ty),*) $(-> $result:ty)?, $here:expr) => {{
+        if $function.is_null() {
+            return $here;
+        }
+        type Function = unsafe extern "C" fn($($type),*) $(-> $result)?;
+        // SAFETY: the variant is compiled from the same sources, so its function has this type and the same requirements. It is open.
+        unsafe { std::mem::transmute::<*mut $crate::libc::c_void, Function>($function)($($argument),*) }
+    }};
 }
 
 /// Exports the function by which a library opens its variant: `pushbeltVariant`.
@@ -145,10 +145,10 @@ macro_rules! __here_or_in_variant {
 #[macro_export]
 macro_rules! export_variant {
     () => {
-        /// For a library of the FMU that opens another one: the number of instances of this library.
+        /// For a library of the FMU that opens this one as its variant.
         #[cfg_attr(not(test), unsafe(no_mangle))]
-        pub extern "C" fn pushbeltVariant() -> *const $crate::libc::c_void {
-            $crate::dispatch::handshake()
+        pub extern "C" fn pushbeltVariant() {
+            $crate::dispatch::handshake();
         }
     };
 }
@@ -159,15 +159,11 @@ macro_rules! export {
     ($unit:ty) => {
         #[allow(unsafe_code, non_snake_case, reason = "C functions of the standard")]
         const _: () = {
-            static DISPATCH: $crate::dispatch::Dispatch = $crate::dispatch::Dispatch::new(
-                <$unit as $crate::Unit>::IDENTITY.name,
-                option_env!("PUSHBELT_VARIANT"),
-            );
             const _: () = {
-                $crate::export_fmi2!($unit, Some(&DISPATCH));
+                $crate::export_fmi2!($unit);
             };
             const _: () = {
-                $crate::export_fmi3!($unit, Some(&DISPATCH));
+                $crate::export_fmi3!($unit);
             };
             $crate::export_variant!();
         };

@@ -7,8 +7,7 @@ use libc::c_void;
 use std::ptr;
 
 use super::entry::{NULL_RESULT, array, array_mut, result};
-use crate::slave::{CallError, Outcome, Slave, refused};
-use crate::snapshot::Snapshot;
+use crate::slave::{CallError, Outcome, Slave, Snapshot, refused};
 use crate::state::Call;
 use crate::unit::Unit;
 

@@ -8,12 +8,18 @@ use crate::c::creation::free_instance;
 use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::log::Status;
-use crate::slave::{Slave, StatusKind, Type};
+use crate::slave::{Slave, Type};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
 const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
                            (providesDirectionalDerivative is false)";
+
+/// Kinds of `fmi2StatusKind` that have a value, and one that no function has.
+const DO_STEP: c_int = 0;
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+const TERMINATED: c_int = 3;
+const NONE: c_int = -1;
 
 /// Passes the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own arguments.
 #[doc(hidden)]
@@ -28,8 +34,8 @@ macro_rules! fmi2_functions {
         fmi2Instantiate(
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
-        ) -> Component = instantiate::<U>(instance_name, fmu_type, guid, resource_location, functions, logging_on != 0);
-        fmi2FreeInstance(c: Component) = free_instance::<U>(c);
+        ) -> Component, creates = instantiate::<U>(instance_name, fmu_type, guid, resource_location, functions, logging_on != 0);
+        fmi2FreeInstance(c: Component), free c = free_instance::<U>(c);
 
         // Set-up, initialisation, end.
         fmi2SetupExperiment(
@@ -93,16 +99,16 @@ macro_rules! fmi2_functions {
         ) -> Status => c, |slave| slave.do_step(current_communication_point, communication_step_size);
         fmi2CancelStep(c: Component) -> Status => c, Slave::cancel_step;
         fmi2GetStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
-            c, |slave| slave.status(kind, StatusKind::DoStep, result(value)?, |slave| slave.step_status() as c_int);
+            c, |slave| slave.status(kind, DO_STEP, result(value)?, |slave| slave.step_status() as c_int);
         fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status =>
-            c, |slave| slave.status(kind, StatusKind::LastSuccessfulTime, result(value)?, Slave::time);
+            c, |slave| slave.status(kind, LAST_SUCCESSFUL_TIME, result(value)?, Slave::time);
         fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
-            c, |slave| slave.no_status(kind);
+            c, |slave| slave.status(kind, NONE, &mut (), |_| ());
         // The slave never requests the end of the run.
         fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
-            c, |slave| slave.status(kind, StatusKind::Terminated, result(value)?, |_| 0);
+            c, |slave| slave.status(kind, TERMINATED, result(value)?, |_| 0);
         fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =>
-            c, |slave| slave.no_status(kind);
+            c, |slave| slave.status(kind, NONE, &mut (), |_| ());
     } };
 }
 
@@ -111,19 +117,15 @@ fmi2_functions!([define]);
 /// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions. A library with a variant for newer processors passes
-/// `Some(&Dispatch)` after the unit.
+/// [`export!`](crate::export) does so for both versions.
 #[macro_export]
 macro_rules! export_fmi2 {
     ($unit:ty) => {
-        $crate::export_fmi2!($unit, None);
-    };
-    ($unit:ty, $dispatch:expr) => {
         use $crate::libc::{c_char, c_int, c_uint};
 
         use $crate::fmi2::{CallbackFunctions, Component, FmuState};
         use $crate::log::Status;
 
-        $crate::fmi2_functions! { [$crate::__export_for] fmi2 $unit, $dispatch; }
+        $crate::fmi2_functions! { [$crate::__export_for] fmi2 $unit; }
     };
 }

@@ -11,13 +11,6 @@
 //! - a pointer is aligned for its type, and memory from the caller is initialised.
 //!
 //! The status is an error for a null pointer where the standard requires a value.
-//!
-//! | file | content |
-//! |---|---|
-//! | `types` | the standard's types |
-//! | `functions` | the table of the C functions |
-//! | `creation` | creation of an instance |
-//! | `query` | queries beyond the standard |
 
 mod creation;
 #[doc(hidden)]

@@ -6,7 +6,7 @@ use std::ptr;
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::{Messages, create};
 use crate::c::entry::{array, contain};
-use crate::log::{Category, Sink, Status};
+use crate::log::{Category, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
 use crate::table::Causality;

@@ -42,7 +42,7 @@ macro_rules! fmi3_functions {
             event_mode_used: Boolean, early_return_allowed: Boolean, required_intermediate_variables: *const Reference,
             n_required_intermediate_variables: usize, environment: Environment, log_message: Option<LogMessage>,
             intermediate_update: Option<IntermediateUpdate>
-        ) -> Instance = if processor_suffices(environment, log_message) {
+        ) -> Instance, creates = if processor_suffices(environment, log_message) {
             let texts = [instance_name, instantiation_token, resource_path];
             let flags = [logging_on, event_mode_used, early_return_allowed];
             let required = (required_intermediate_variables, n_required_intermediate_variables);
@@ -56,7 +56,7 @@ macro_rules! fmi3_functions {
             environment: Environment, log_message: Option<LogMessage>, clock_update: *const c_void,
             lock_preemption: *const c_void, unlock_preemption: *const c_void
         ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION, environment, log_message);
-        fmi3FreeInstance(c: Instance) = free_instance::<U>(c);
+        fmi3FreeInstance(c: Instance), free c = free_instance::<U>(c);
         fmi3EnterInitializationMode(
             c: Instance, tolerance_defined: Boolean, tolerance: f64, start_time: f64, stop_time_defined: Boolean,
             stop_time: f64
@@ -221,7 +221,7 @@ macro_rules! fmi3_functions {
             c: Instance, current_communication_point: f64, communication_step_size: f64,
             no_set_fmu_state_prior_to_current_point: Boolean, event_handling_needed: *mut Boolean,
             terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut f64
-        ) -> Status = {
+        ) -> Status, on c = {
             let flags = [event_handling_needed, terminate_simulation, early_return];
             let step = (current_communication_point, communication_step_size);
             do_step::<U>(c, FUNCTION, step, flags, last_successful_time)
@@ -236,14 +236,10 @@ fmi3_functions!([define]);
 /// Exports the 75 C functions of FMI 3.0, for the given [`Unit`](crate::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions. A library with a variant for newer processors passes
-/// `Some(&Dispatch)` after the unit.
+/// [`export!`](crate::export) does so for both versions.
 #[macro_export]
 macro_rules! export_fmi3 {
     ($unit:ty) => {
-        $crate::export_fmi3!($unit, None);
-    };
-    ($unit:ty, $dispatch:expr) => {
         use $crate::libc::{c_char, c_int, c_void};
 
         use $crate::fmi3::{
@@ -251,6 +247,6 @@ macro_rules! export_fmi3 {
         };
         use $crate::log::Status;
 
-        $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit, $dispatch; }
+        $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit; }
     };
 }

@@ -5,14 +5,6 @@
 //! callback for messages may not.
 //!
 //! By the standard, an instance is terminated after an error. Here a refused call leaves it unchanged.
-//!
-//! | file | content |
-//! |---|---|
-//! | `types` | the standard's types |
-//! | `functions` | the table of the C functions |
-//! | `creation` | creation of an instance |
-//! | `steps` | communication steps, with intermediate update mode |
-//! | `terminals` | `terminalsAndIcons.xml` |
 
 mod creation;
 #[doc(hidden)]

@@ -2,10 +2,10 @@
 
 use super::error::{Outcome, refused};
 use super::instance::Slave;
+use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
-use crate::snapshot::zero_rates;
 use crate::state::Call;
-use crate::table::{Access, Causality, Inadmissible, Kind, Variable};
+use crate::table::{Access, Causality, Kind, Variable, not_finite};
 use crate::unit::Unit;
 
 impl<U: Unit> Slave<U> {
@@ -17,7 +17,12 @@ impl<U: Unit> Slave<U> {
             return refused("not supported: inputs are held during a step (canInterpolateInputs is false)");
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            check_input(find(&self.table, reference, Type::Real)?, order, value)?;
+            let variable = find(&self.table, reference, Type::Real)?;
+            check(variable, Causality::Input, order)?;
+            if !value.is_finite() {
+                // The standard lets values be discarded, but not derivatives.
+                return refused(not_finite(&format!("the derivative of {}", variable.name), value));
+            }
         }
         let rates = self.now.rates.get_or_insert_with(|| zero_rates(&self.table));
         for (&reference, &value) in references.iter().zip(values) {
@@ -38,7 +43,14 @@ impl<U: Unit> Slave<U> {
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
         for (&reference, &order) in references.iter().zip(orders) {
-            check_output(find(&self.table, reference, Type::Real)?, order)?;
+            let variable = find(&self.table, reference, Type::Real)?;
+            check(variable, Causality::Output, order)?;
+            if self.table.array_of(reference).is_some() {
+                return refused(format!(
+                    "{} is an element of an array: these have no derivatives",
+                    variable.name
+                ));
+            }
         }
         let Some(unit) = &mut self.now.unit else {
             return refused("there are no calculated values after a failed start");
@@ -62,37 +74,19 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-fn check_input<S, R>(variable: &Variable<S, R>, order: i32, value: f64) -> Outcome {
+/// Checks that a variable is an input or output, and that the order of its derivative is 1.
+fn check<S, R>(variable: &Variable<S, R>, causality: Causality, order: i32) -> Outcome {
     let name = &variable.name;
-    if variable.causality != Causality::Input {
-        return refused(format!("{name} is not an input"));
+    if variable.causality != causality {
+        let what = if causality == Causality::Input {
+            "input"
+        } else {
+            "output"
+        };
+        return refused(format!("{name} is not an {what}"));
     }
     if order != 1 {
-        return refused(format!(
-            "{name}: inputs change in proportion to time, so the order of a derivative is 1, not {order}"
-        ));
-    }
-    if !value.is_finite() {
-        // The standard lets values be discarded, but not derivatives.
-        return refused(Inadmissible::not_finite(&format!("the derivative of {name}"), value).to_string());
-    }
-    Ok(())
-}
-
-fn check_output<S, R>(variable: &Variable<S, R>, order: i32) -> Outcome {
-    let name = &variable.name;
-    if variable.causality != Causality::Output {
-        return refused(format!("{name} is not an output"));
-    }
-    if variable.is_element() {
-        return refused(format!(
-            "{name} is an element of an array, and elements have no derivatives"
-        ));
-    }
-    if order != 1 {
-        return refused(format!(
-            "{name}: the order of an output's derivative is 1 (maxOutputDerivativeOrder), not {order}"
-        ));
+        return refused(format!("{name}: the order of a derivative is 1, not {order}"));
     }
     Ok(())
 }

@@ -1,7 +1,5 @@
 //! Why a call was not done.
 
-use crate::table::Inadmissible;
-
 /// Why a call was not done.
 #[derive(Debug, thiserror::Error)]
 pub enum CallError {
@@ -14,12 +12,6 @@ pub enum CallError {
     /// A value was not set, or a step was completed in part only. The master may continue.
     #[error("{0}")]
     Discarded(String),
-}
-
-impl From<Inadmissible> for CallError {
-    fn from(reason: Inadmissible) -> Self {
-        Self::Discarded(reason.to_string())
-    }
 }
 
 /// How a call ended.

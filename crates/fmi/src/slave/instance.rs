@@ -8,9 +8,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
+use super::snapshot::Snapshot;
 use crate::description;
 use crate::log::{Category, Log, Status};
-use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
 use crate::unit::{Remark, Unit};

@@ -3,8 +3,8 @@
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
+use super::snapshot::Snapshot;
 use crate::log::Category;
-use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 

@@ -2,8 +2,8 @@
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
+use super::snapshot::Snapshot;
 use crate::log::{Category, Status};
-use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{StepFailure, Unit};
 
@@ -54,23 +54,6 @@ impl Ended {
             time,
         }
     }
-}
-
-/// Kinds of `fmi2StatusKind`, with their numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StatusKind {
-    /// How the last step ended.
-    DoStep = 0,
-    /// Progress of a pending step; no step is ever pending.
-    Pending = 1,
-    /// Time reached, s.
-    LastSuccessfulTime = 2,
-    /// Whether the slave requests the end of the run; it never does.
-    Terminated = 3,
-}
-
-impl StatusKind {
-    const ALL: [Self; 4] = [Self::DoStep, Self::Pending, Self::LastSuccessfulTime, Self::Terminated];
 }
 
 impl<U: Unit> Slave<U> {
@@ -232,15 +215,16 @@ impl<U: Unit> Slave<U> {
         self.allow(Call::CancelStep)
     }
 
-    /// Writes the status of a kind to `place`, if it is the kind that is `known`.
-    pub fn status<T>(&self, kind: i32, known: StatusKind, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
-        let Some(kind) = StatusKind::ALL.into_iter().find(|known| *known as i32 == kind) else {
-            return refused("the kind of status is not one of the standard's");
-        };
+    /// Writes the status to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0 to 3, the one that has a
+    /// value of this type.
+    pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
+        if !(0..=3).contains(&kind) {
+            return refused(format!("the kind of status {kind} is not one of the standard's"));
+        }
         self.allow(Call::GetStatus)?;
-        if kind != known || kind == StatusKind::Pending {
+        if kind != known {
             return Err(CallError::Discarded(format!(
-                "there is no status {kind:?}: each step is complete when fmi2DoStep returns"
+                "there is no status of the kind {kind} in this type: each step is complete when fmi2DoStep returns"
             )));
         }
         *place = value(self);
@@ -254,11 +238,6 @@ impl<U: Unit> Slave<U> {
             State::StepFailed => Status::Discard,
             _ => Status::Ok,
         }
-    }
-
-    /// A status of a type that none has.
-    pub fn no_status(&self, kind: i32) -> Outcome {
-        self.status(kind, StatusKind::Pending, &mut (), |_| ())
     }
 }
 

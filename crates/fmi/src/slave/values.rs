@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Slave, Version};
-use crate::snapshot::Snapshot;
+use super::snapshot::Snapshot;
 use crate::state::{Call, State};
-use crate::table::{Causality, Inadmissible, Kind, Table, Value, Variable};
+use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::Unit;
 
 /// Value reference of the time in FMI 3.0, which no variable of a table has.
@@ -139,7 +139,7 @@ impl<U: Unit> Slave<U> {
             }
             let variable = find(&self.table, reference, of)?;
             calculated |= !variable.causality.is_setting();
-            elements |= variable.is_element();
+            elements |= self.table.array_of(reference).is_some();
         }
         if calculated {
             if self.now.state == State::Initialisation {
@@ -176,12 +176,14 @@ impl<U: Unit> Slave<U> {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            find(&self.table, reference, of)?.admit(value.to_value(of))?;
+            let admitted = find(&self.table, reference, of)?.admit(value.to_value(of));
+            admitted.map_err(CallError::Discarded)?;
         }
         // A tunable parameter is checked against the others at once, because no initialisation follows.
         let before = (running && has_tunable).then(|| self.now.settings.clone());
         for (&reference, &value) in references.iter().zip(values) {
-            find(&self.table, reference, of)?.set(&mut self.now.settings, value.to_value(of))?;
+            let set = find(&self.table, reference, of)?.set(&mut self.now.settings, value.to_value(of));
+            set.map_err(CallError::Discarded)?;
         }
         if let Some(before) = before
             && let Err(text) = U::check(&self.now.settings)
@@ -199,7 +201,7 @@ impl<U: Unit> Slave<U> {
     fn check_writable(&self, variable: &Variable<U::Settings, U::Readings>) -> Result<bool, CallError> {
         let name = &variable.name;
         match variable.causality {
-            Causality::Output | Causality::Local => refused(Inadmissible::calculated(name).to_string()),
+            Causality::Output | Causality::Local => refused(format!("{name} is calculated and can't be set")),
             Causality::Parameter if self.now.state.is_running() => {
                 refused(format!("{name} is fixed once the run has started"))
             }

@@ -40,6 +40,8 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
         assert_refused(version, &of(Some(c""), Some(&right)), "the instance name is missing");
         assert_refused(version, &of(name, None), " is missing");
         assert_refused(version, &of(name, Some(c"{0}")), " {0} is not that of this binary");
+        // What is not UTF-8 in a text is replaced.
+        assert_refused(version, &of(name, Some(c"a\xffb")), "a\u{fffd}b is not that");
         let importer = Importer::with(version, &of(name, Some(&right)));
         assert!(!importer.c.is_null() && importer.last().is_empty());
     }
@@ -88,18 +90,6 @@ fn a_text_without_end_is_refused() {
         assert_eq!(importer.log(true, &[c"logEvents", longest]), Error);
         importer.assert_logged("no log category");
         importer.start();
-    }
-}
-
-#[test]
-fn what_is_not_utf_8_in_a_text_is_replaced() {
-    for version in BOTH {
-        let right = token::<Tank>(version);
-        let arguments = Arguments {
-            token: Some(c"a\xffb"),
-            ..Arguments::of(&right)
-        };
-        assert_refused(version, &arguments, "a\u{fffd}b is not that");
     }
 }
 

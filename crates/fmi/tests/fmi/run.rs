@@ -292,11 +292,7 @@ fn derivatives_are_those_of_the_unit() {
         assert_eq!(importer.derivatives(&[LEVEL], 1), Result::Ok(vec![2.0]));
         assert_eq!(importer.derivatives(&[], 1), Result::Ok(vec![]));
         for (reference, order, why) in [
-            (
-                LEVEL,
-                0,
-                "level: the order of an output's derivative is 1 (maxOutputDerivativeOrder), not 0",
-            ),
+            (LEVEL, 0, "level: the order of a derivative is 1, not 0"),
             (LEVEL, 2, "not 2"),
             (INFLOW, 1, "inflow is not an output"),
             (FULL, 1, "full (value reference 10) has another type"),

@@ -1,13 +1,10 @@
 //! Steps of bounded work: order, the bound, and going on where the work was used up.
 
 use super::super::newton::{Unsolved, WorkBound};
-use super::super::sdirk::Sdirk;
+use super::super::sdirk::{Sdirk, Span};
 use super::super::{State, System};
-use super::problems::{Decay, Equations, Quadrature, Real, Solved, Test, VanDerPol};
+use super::problems::{Equations, Quadrature, Real, Test, VanDerPol, equations};
 use pushbelt_archive::Archive;
-
-/// Numbers of steps of a ladder over 1 s.
-const LADDER: [u32; 4] = [20, 40, 80, 160];
 
 fn bounded(system: &impl System, bound: WorkBound) -> Sdirk {
     let mut sdirk = Sdirk::new(system, 1.0, 1.0);
@@ -25,39 +22,29 @@ fn work(left: f64) -> WorkBound {
     }
 }
 
-fn assert_order<E: Solved<N>, const N: usize>(equations: impl Fn() -> E, of: usize) {
-    let errors = LADDER.map(|steps| {
-        let mut system = Test::new(equations());
-        let mut state = system.state(0.0);
-        let mut sdirk = bounded(&system, work(1e6));
-        let length = 1.0 / f64::from(steps);
-        for k in 0..steps {
-            sdirk
-                .fixed_step(&mut system, &mut state, f64::from(k) * length, length)
-                .expect("solved");
-        }
-        assert_eq!(sdirk.newton.counts.steps, u64::from(steps));
-        system.error(&state, 1.0)[of]
-    });
-    for pair in errors.windows(2) {
-        let order = (pair[0] / pair[1]).log2();
-        assert!((order - 2.0).abs() < 0.1, "{errors:?}");
-    }
-}
-
 #[test]
-fn order_is_two_without_error_control() {
-    assert_order(|| Decay, 0);
-    assert_order(|| Quadrature, 1);
+fn a_step_without_error_control_is_one_with_it() {
+    let mut system = Test::new(Quadrature {});
+    let mut ends = [system.state(0.0), system.state(0.0)];
+    let [fixed, controlled] = &mut ends;
+    bounded(&system, WorkBound::NONE)
+        .step(&mut system, controlled, &mut Span::new(0.0, 0.1))
+        .unwrap();
+    bounded(&system, work(1e6))
+        .fixed_step(&mut system, fixed, 0.0, 0.1)
+        .unwrap();
+    assert_eq!(ends[0], ends[1]);
+    let [first, second] = &system.accepted[..] else {
+        panic!("{:?}", system.accepted)
+    };
+    assert_eq!(first, second);
 }
 
 /// An oscillator that is far from its limit cycle.
 fn oscillator() -> (Test<VanDerPol, 1>, State) {
     let mut system = Test::new(VanDerPol { damping: 1.0 });
     system.newton_scale = [1e-5];
-    let mut state = State::zero(system.shape().len());
-    state.y = system.unknowns([30.0]);
-    state.q = system.unknowns([2.0]);
+    let state = system.at([30.0], [0.0], [2.0]);
     (system, state)
 }
 
@@ -103,23 +90,16 @@ fn a_step_continues_where_its_work_was_used_up() {
     }
 }
 
-/// y² = −1: no solution.
-struct Nowhere;
-
-impl Equations<1> for Nowhere {
-    const HAS_POSITION: [bool; 1] = [false];
-
-    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], _: [T; 1], _: [T; 1]) -> [T; 1] {
-        [y * y + 1.0]
-    }
+equations! {
+    /// y² = −1: no solution.
+    Nowhere {}: 1, false, |self, _, [y], _, _| [y * y + 1.0]
 }
 
 /// The number of Jacobians of a stage is bounded, however often it was open.
 #[test]
 fn a_step_without_a_solution_is_abandoned() {
-    let mut system = Test::new(Nowhere);
-    let mut state = State::zero(system.shape().len());
-    state.y = system.unknowns([3.0]);
+    let mut system = Test::new(Nowhere {});
+    let mut state = system.at([3.0], [0.0], [0.0]);
     let start = state.clone();
     let bound = WorkBound {
         jacobians: 4,

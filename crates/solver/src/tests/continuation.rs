@@ -2,8 +2,7 @@
 
 use super::super::continuation::{Settled, Settling, settle};
 use super::super::newton::Newton;
-use super::super::{State, System};
-use super::problems::{Equations, Real, Test};
+use super::problems::{Equations, Real, Test, equations};
 
 const SETTINGS: Settling = Settling {
     time: 0.0,
@@ -12,45 +11,17 @@ const SETTINGS: Settling = Settling {
     max_solves: 1000,
 };
 
-/// ẏ = λ − y²: y = √λ is stable, y = −√λ is not, and they meet at λ = 0.
-struct Fold {
-    parameter: f64,
+equations! {
+    /// ẏ = λ + t − y²: y = √λ is stable, y = −√λ is not, and they meet at λ = 0.
+    Fold { parameter: f64 }: 1, false, |self, t, [y], [y_dot], _| [y_dot + y * y - self.parameter - t]
 }
-
-impl Equations<1> for Fold {
-    const HAS_POSITION: [bool; 1] = [false];
-
-    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], _: [T; 1]) -> [T; 1] {
-        [y_dot + y * y - self.parameter]
-    }
-}
-
-/// A shallow arch, q̈ + 2q̇ + q³ − q = λ: it snaps through where λ² = 4/27.
-struct Arch {
-    load: f64,
+equations! {
+    /// A shallow arch, q̈ + 2q̇ + q³ − q = λ: it snaps through where λ² = 4/27.
+    Arch { load: f64 }: 1, true, |self, _, [y], [y_dot], [q]| [y_dot + y * 2.0 + q.powi(3) - q - self.load]
 }
 
 /// λ at the fold.
 const SNAP: f64 = 0.384_900_179_459_750_5;
-
-impl Equations<1> for Arch {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
-        [y_dot + y * 2.0 + q.powi(3) - q - self.load]
-    }
-}
-
-/// The load on the arch follows time.
-struct Loading;
-
-impl Equations<1> for Loading {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, time: f64, y: [T; 1], y_dot: [T; 1], q: [T; 1]) -> [T; 1] {
-        Arch { load: time }.residual(time, y, y_dot, q)
-    }
-}
 
 /// Settles from y and q; where it ends, and how it went.
 fn settled<E: Equations<1>>(
@@ -61,8 +32,7 @@ fn settled<E: Equations<1>>(
 ) -> ([f64; 2], Result<Settled, Settled>, usize) {
     let mut system = Test::new(equations);
     let mut newton = Newton::new(&system);
-    let mut state = State::zero(system.shape().len());
-    (state.y, state.q) = (system.unknowns([y]), system.unknowns([q]));
+    let mut state = system.at([y], [0.0], [q]);
     let mut refused = 0;
     let mut before_refusal = f64::INFINITY;
     let outcome = settle(&mut system, &mut newton, &mut state, settings, |_, trial| {
@@ -147,17 +117,17 @@ fn who_refuses_every_step_ends_it() {
 
 #[test]
 fn the_system_is_evaluated_at_the_time_that_was_set() {
-    let settings = Settling { time: 0.2, ..SETTINGS };
-    let ([_, q], outcome, _) = settled(Loading, [0.0, -1.0], &settings, 0.05);
+    let settings = Settling { time: 3.0, ..SETTINGS };
+    let ([y, _], outcome, _) = settled(Fold { parameter: 1.0 }, [1.0, 0.0], &settings, 0.5);
     outcome.unwrap();
-    assert!((q.powi(3) - q - 0.2).abs() < 1e-9, "{q}");
+    assert!((y - 2.0).abs() < 1e-9, "{y}");
 }
 
 #[test]
 fn the_longest_step_is_kept_to() {
     let mut system = Test::new(Fold { parameter: 1.0 });
     let mut newton = Newton::new(&system);
-    let mut state = State::zero(system.shape().len());
+    let mut state = system.at([0.0], [0.0], [0.0]);
     let settings = Settling {
         max_solves: 20,
         ..SETTINGS

@@ -1,10 +1,10 @@
 //! Newton's method on hard problems of one or two unknowns, with the work it takes.
 
+use super::super::System;
 use super::super::newton::{Newton, Unsolved};
-use super::super::stage::{Stage, slopes};
-use super::super::{State, System};
+use super::super::stage::Stage;
 use super::assert_work;
-use super::problems::{Equations, Real, Test};
+use super::problems::{Equations, Real, Test, equations};
 
 /// A stage in which ẏ = y and q = y.
 const ALPHA: f64 = 1.0;
@@ -16,13 +16,11 @@ fn solve<E: Equations<N>, const N: usize>(
     guess: [f64; N],
     reuse: bool,
 ) -> Result<[f64; N], Unsolved> {
-    let n = system.shape().len();
-    let zeros = vec![0.0; n];
-    let mut state = State::zero(n);
-    state.y = system.unknowns(guess);
+    let zeros = vec![0.0; system.shape().len()];
+    let mut state = system.at(guess, [0.0; N], [0.0; N]);
     let mut stage = Stage {
         time: 0.0,
-        slopes: slopes(ALPHA),
+        alpha: ALPHA,
         base: &zeros,
         position: &zeros,
         state: &mut state,
@@ -51,49 +49,47 @@ fn assert_solves<E: Equations<1>>(equations: E, guess: f64, expected: f64, work:
     assert_work(done, work, &format!("from {guess}"));
 }
 
-/// One equation in one unknown.
-macro_rules! equation {
-    ($(#[$doc:meta])* $name:ident { $($field:ident),* }, |$self:ident, $y:ident| $value:expr) => {
-        $(#[$doc])*
-        struct $name {
-            $($field: f64),*
-        }
-
-        impl Equations<1> for $name {
-            const HAS_POSITION: [bool; 1] = [false];
-
-            fn residual<T: Real>(&$self, _: f64, [$y]: [T; 1], _: [T; 1], _: [T; 1]) -> [T; 1] {
-                [$value]
-            }
-        }
-    };
-}
-
-equation! {
+equations! {
     /// A force on a body of unit mass that meets a wall of this stiffness at y = 0.
-    Wall { stiffness, force }, |self, y| if y.re() > 0.0 { y * self.stiffness + y - self.force } else { y - self.force }
+    Wall { stiffness: f64, force: f64 }: 1, false,
+    |self, _, [y], _, _| [if y.re() > 0.0 { y * self.stiffness + y - self.force } else { y - self.force }]
 }
-equation! {
+equations! {
     /// A force on a body of this mass under friction that saturates at 1, y/√(y² + v²).
-    Friction { mass, velocity, force }, |self, y| {
-        y * self.mass + y / (y * y + self.velocity.powi(2)).sqrt() - self.force
+    Friction { mass: f64, velocity: f64, force: f64 }: 1, false,
+    |self, _, [y], _, _| [y * self.mass + y / (y * y + self.velocity.powi(2)).sqrt() - self.force]
+}
+equations! {
+    /// arctan y = 0: full steps diverge from |y| > 1.39.
+    Arctan {}: 1, false, |self, _, [y], _, _| [y.atan()]
+}
+equations! {
+    /// A diode behind a resistor: its exponential overflows within a full step.
+    Diode { voltage: f64 }: 1, false, |self, _, [y], _, _| [y + ((y * 40.0).exp() - 1.0) * 1e-12 - self.voltage]
+}
+equations! {
+    /// ln y = 0: not a number where y < 0.
+    Logarithm {}: 1, false, |self, _, [y], _, _| [y.ln()]
+}
+equations! {
+    /// y² + c.
+    Parabola { constant: f64 }: 1, false, |self, _, [y], _, _| [y * y + self.constant]
+}
+equations! {
+    /// Two unknowns that differ by 1e18 in size, coupled.
+    IllScaled {}: 2, false, |self, _, [a, b], _, _| {
+        let (a, b) = (a * 1e9, b * 1e-9);
+        [(a * a + b - 3.0) * 1e12, (b * b * a - 4.0) * 1e-12]
     }
 }
-equation! {
-    /// arctan y = 0: full steps diverge from |y| > 1.39.
-    Arctan {}, |self, y| y.atan()
+equations! {
+    /// The valley of Rosenbrock's function, 10(b − a²) = 0 and 1 − a = 0.
+    Valley {}: 2, false, |self, _, [a, b], _, _| [(b - a * a) * 10.0, -a + 1.0]
 }
-equation! {
-    /// A diode behind a resistor: its exponential overflows within a full step.
-    Diode { voltage }, |self, y| y + ((y * 40.0).exp() - 1.0) * 1e-12 - self.voltage
-}
-equation! {
-    /// ln y = 0: not a number where y < 0.
-    Logarithm {}, |self, y| y.ln()
-}
-equation! {
-    /// y² + c.
-    Parabola { constant }, |self, y| y * y + self.constant
+equations! {
+    /// Springs that harden, each by itself, under one force.
+    Springs { stiffness: [f64; 24], force: f64 }: 24, false,
+    |self, _, y, _, _| std::array::from_fn(|i| y[i] * self.stiffness[i] + y[i].powi(3) - self.force)
 }
 
 #[test]
@@ -196,21 +192,9 @@ fn a_double_root() {
     assert_work(work, [61, 3], "");
 }
 
-/// Two unknowns that differ by 1e18 in size, coupled.
-struct IllScaled;
-
-impl Equations<2> for IllScaled {
-    const HAS_POSITION: [bool; 2] = [false; 2];
-
-    fn residual<T: Real>(&self, _: f64, [a, b]: [T; 2], _: [T; 2], _: [T; 2]) -> [T; 2] {
-        let (a, b) = (a * 1e9, b * 1e-9);
-        [(a * a + b - 3.0) * 1e12, (b * b * a - 4.0) * 1e-12]
-    }
-}
-
 #[test]
 fn ill_scaled_unknowns_and_rows() {
-    let mut system = Test::new(IllScaled);
+    let mut system = Test::new(IllScaled {});
     system.newton_scale = [1e-21, 1e-3];
     let mut newton = Newton::new(&system);
     let [a, b] = solve(&mut newton, &mut system, [1.2e-9, 1.5e9], false).unwrap();
@@ -221,43 +205,18 @@ fn ill_scaled_unknowns_and_rows() {
     assert_work([newton.counts.residuals, newton.counts.factorizations], [9, 1], "");
 }
 
-/// The valley of Rosenbrock's function, 10(b − a²) = 0 and 1 − a = 0.
-struct Valley;
-
-impl Equations<2> for Valley {
-    const HAS_POSITION: [bool; 2] = [false; 2];
-
-    fn residual<T: Real>(&self, _: f64, [a, b]: [T; 2], _: [T; 2], _: [T; 2]) -> [T; 2] {
-        [(b - a * a) * 10.0, -a + 1.0]
-    }
-}
-
 #[test]
 fn a_curved_valley() {
-    let (found, work) = fresh(Valley, [-1.2, 1.0]);
+    let (found, work) = fresh(Valley {}, [-1.2, 1.0]);
     let [a, b] = found.unwrap();
     assert!((a - 1.0).abs() < 1e-11 && (b - 1.0).abs() < 1e-11);
     assert_work(work, [3, 1], "");
-}
-
-/// Springs that harden, each by itself, under one force.
-struct Springs {
-    stiffness: [f64; 24],
-    force: f64,
 }
 
 impl Springs {
     fn left(&self, y: [f64; 24]) -> f64 {
         let rows = self.residual(0.0, y, [0.0; 24], [0.0; 24]);
         rows.iter().fold(0.0, |most, row| most.max(row.abs()))
-    }
-}
-
-impl Equations<24> for Springs {
-    const HAS_POSITION: [bool; 24] = [false; 24];
-
-    fn residual<T: Real>(&self, _: f64, y: [T; 24], _: [T; 24], _: [T; 24]) -> [T; 24] {
-        std::array::from_fn(|i| y[i] * self.stiffness[i] + y[i].powi(3) - self.force)
     }
 }
 

@@ -75,10 +75,16 @@ impl<E: Equations<N>, const N: usize> Test<E, N> {
     }
 
     /// All unknowns, from those of the equations.
-    pub fn unknowns(&self, values: [f64; N]) -> Vec<f64> {
+    fn unknowns(&self, values: [f64; N]) -> Vec<f64> {
         let mut all = vec![0.0; self.first];
         all.extend(values);
         all
+    }
+
+    /// A state from the unknowns of the equations.
+    pub fn at(&self, y: [f64; N], y_dot: [f64; N], q: [f64; N]) -> State {
+        let [y, y_dot, q] = [y, y_dot, q].map(|values| self.unknowns(values));
+        State { y, y_dot, q }
     }
 
     /// Values of the equations' unknowns.
@@ -100,11 +106,7 @@ impl<E: Solved<N>, const N: usize> Test<E, N> {
     /// The solution.
     pub fn state(&self, time: f64) -> State {
         let [y, q] = self.equations.exact(Dual64::new(time, 1.0));
-        State {
-            y: self.unknowns(y.map(|y| y.re)),
-            y_dot: self.unknowns(y.map(|y| y.eps)),
-            q: self.unknowns(q.map(|q| q.re)),
-        }
+        self.at(y.map(|y| y.re), y.map(|y| y.eps), q.map(|q| q.re))
     }
 
     /// Largest error of y and of q.
@@ -112,15 +114,6 @@ impl<E: Solved<N>, const N: usize> Test<E, N> {
         let exact = self.state(time);
         let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         [largest(&state.y, &exact.y), largest(&state.q, &exact.q)]
-    }
-
-    /// Integrates from 0 to `to` by `steps` equal steps; the errors of y and q.
-    pub fn error_of_steps(&mut self, to: f64, steps: u32) -> [f64; 2] {
-        let mut state = self.state(0.0);
-        let mut integrator = fixed(self, to / f64::from(steps));
-        integrator.advance(self, &mut state, 0.0, to).unwrap();
-        assert_eq!(integrator.newton.counts.steps, u64::from(steps));
-        self.error(&state, to)
     }
 }
 
@@ -204,202 +197,95 @@ impl<E: Equations<N>, const N: usize> Evolution for Test<E, N> {
     }
 }
 
-/// ẏ = −y: y = exp(−t).
-pub struct Decay;
+/// N equations, whether their unknowns are rates of positions, and y and q of their solution if that is known.
+macro_rules! equations {
+    (
+        $(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* }: $n:literal, $has_position:literal,
+        |$self:ident, $time:pat, $y:pat, $y_dot:pat, $q:pat_param| $residual:expr $(, |$at:ident| $exact:expr)?
+    ) => {
+        $(#[$doc])*
+        pub struct $name {
+            $(pub $field: $type),*
+        }
 
-impl Equations<1> for Decay {
-    const HAS_POSITION: [bool; 1] = [false];
+        impl Equations<$n> for $name {
+            const HAS_POSITION: [bool; $n] = [$has_position; $n];
 
-    fn residual<T: Real>(&self, _time: f64, [y]: [T; 1], [y_dot]: [T; 1], _q: [T; 1]) -> [T; 1] {
-        [y_dot + y]
-    }
+            fn residual<T: Real>(&$self, $time: f64, $y: [T; $n], $y_dot: [T; $n], $q: [T; $n]) -> [T; $n] {
+                $residual
+            }
+        }
+
+        $(impl Solved<$n> for $name {
+            fn exact<T: Real>(&$self, $at: T) -> [[T; $n]; 2] {
+                $exact
+            }
+        })?
+    };
 }
+pub(super) use equations;
 
-impl Solved<1> for Decay {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        [[(-time).exp()], [T::zero()]]
-    }
+equations! {
+    /// ẏ = −y: y = exp(−t).
+    Decay {}: 1, false, |self, _, [y], [y_dot], _| [y_dot + y], |t| [[(-t).exp()], [T::zero()]]
 }
-
-/// ẏ = cos t with q̇ = y: nothing but quadrature. y = sin t, q = 1 − cos t.
-pub struct Quadrature;
-
-impl Equations<1> for Quadrature {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, time: f64, _y: [T; 1], [y_dot]: [T; 1], _q: [T; 1]) -> [T; 1] {
-        [y_dot - time.cos()]
-    }
+equations! {
+    /// ẏ = cos t with q̇ = y: nothing but quadrature. y = sin t, q = 1 − cos t.
+    Quadrature {}: 1, true, |self, t, _, [y_dot], _| [y_dot - t.cos()], |t| [[t.sin()], [-t.cos() + 1.0]]
 }
-
-impl Solved<1> for Quadrature {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        [[time.sin()], [-time.cos() + 1.0]]
-    }
+equations! {
+    /// ẏ = y cos t, not autonomous: y = exp(sin t).
+    Swelling {}: 1, false, |self, t, [y], [y_dot], _| [y_dot - y * t.cos()], |t| [[t.sin().exp()], [T::zero()]]
 }
-
-/// ẏ = y cos t, not autonomous: y = exp(sin t).
-pub struct Swelling;
-
-impl Equations<1> for Swelling {
-    const HAS_POSITION: [bool; 1] = [false];
-
-    fn residual<T: Real>(&self, time: f64, [y]: [T; 1], [y_dot]: [T; 1], _q: [T; 1]) -> [T; 1] {
-        [y_dot - y * time.cos()]
-    }
+equations! {
+    /// q̈ + 9 q = 0: q = cos 3t.
+    Oscillator {}: 1, true, |self, _, _, [y_dot], [q]| [y_dot + q * 9.0],
+    |t| [[(t * 3.0).sin() * -3.0], [(t * 3.0).cos()]]
 }
-
-impl Solved<1> for Swelling {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        [[time.sin().exp()], [T::zero()]]
-    }
+equations! {
+    /// q̈ + q̇ + q = f(t), with the force that makes q = sin 2t of it.
+    Forced {}: 1, true,
+    |self, t, [y], [y_dot], [q]| [y_dot + y + q - (2.0 * (2.0 * t).cos() - 3.0 * (2.0 * t).sin())],
+    |t| [[(t * 2.0).cos() * 2.0], [(t * 2.0).sin()]]
 }
-
-/// q̈ + ω²q = 0: q = cos ωt.
-pub struct Oscillator {
-    pub frequency: f64,
+equations! {
+    /// ẏ = −λ(y − cos t) − sin t, of Prothero and Robinson (1974): y = cos t however stiff.
+    ProtheroRobinson { rate: f64 }: 1, false,
+    |self, t, [y], [y_dot], _| [y_dot + (y - t.cos()) * self.rate + t.sin()], |t| [[t.cos()], [T::zero()]]
 }
-
-impl Equations<1> for Oscillator {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, _time: f64, _y: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
-        [y_dot + q * self.frequency.powi(2)]
-    }
-}
-
-impl Solved<1> for Oscillator {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        let w = self.frequency;
-        [[(time * w).sin() * -w], [(time * w).cos()]]
-    }
-}
-
-/// q̈ + q̇ + q = f(t), with the force that makes q = sin 2t of it.
-pub struct Forced;
-
-impl Equations<1> for Forced {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, time: f64, [y]: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
-        let (sin, cos) = (2.0 * time).sin_cos();
-        [y_dot + y + q - (2.0 * cos - 3.0 * sin)]
-    }
-}
-
-impl Solved<1> for Forced {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        let (sin, cos) = (time * 2.0).sin_cos();
-        [[cos * 2.0], [sin]]
-    }
-}
-
-/// ẏ = −λ(y − cos t) − sin t, of Prothero and Robinson (1974): y = cos t however stiff.
-pub struct ProtheroRobinson {
-    /// λ, 1/s.
-    pub rate: f64,
-}
-
-impl Equations<1> for ProtheroRobinson {
-    const HAS_POSITION: [bool; 1] = [false];
-
-    fn residual<T: Real>(&self, time: f64, [y]: [T; 1], [y_dot]: [T; 1], _q: [T; 1]) -> [T; 1] {
-        [y_dot + (y - time.cos()) * self.rate + time.sin()]
-    }
-}
-
-impl Solved<1> for ProtheroRobinson {
-    fn exact<T: Real>(&self, time: T) -> [[T; 1]; 2] {
-        [[time.cos()], [T::zero()]]
-    }
-}
-
-/// ẏ = −z with a row that has no rate, z + z³ = y + y³: y = z = exp(−t).
-pub struct Constrained;
-
-impl Equations<2> for Constrained {
-    const HAS_POSITION: [bool; 2] = [false; 2];
-
-    fn residual<T: Real>(&self, _time: f64, [y, z]: [T; 2], [y_dot, _]: [T; 2], _q: [T; 2]) -> [T; 2] {
-        [y_dot + z, z + z.powi(3) - y - y.powi(3)]
-    }
-}
-
-impl Solved<2> for Constrained {
-    fn exact<T: Real>(&self, time: T) -> [[T; 2]; 2] {
-        [[(-time).exp(); 2], [T::zero(); 2]]
-    }
+equations! {
+    /// ẏ = −z with a row that has no rate, z + z³ = y + y³: y = z = exp(−t).
+    Constrained {}: 2, false,
+    |self, _, [y, z], [y_dot, _], _| [y_dot + z, z + z.powi(3) - y - y.powi(3)], |t| [[(-t).exp(); 2], [T::zero(); 2]]
 }
 
 /// Cells around the loop of the matrix.
 pub const CELLS: usize = 8;
 
-/// Heat around a loop, ẏᵢ = k(yᵢ₋₁ − 2yᵢ + yᵢ₊₁): its first mode dies with 2k(1 − cos(2π/n)).
-pub struct Heat;
-
-impl Heat {
-    const CONDUCTION: f64 = 1.0;
-
-    fn decay() -> f64 {
-        2.0 * Self::CONDUCTION * (1.0 - (TAU / CELLS as f64).cos())
-    }
-}
-
-/// The first mode of a loop.
-fn mode(i: usize) -> f64 {
-    (TAU * i as f64 / CELLS as f64 + 0.3).cos()
-}
-
-/// xᵢ₋₁ − 2xᵢ + xᵢ₊₁ around the loop.
-fn second_difference<T: Real>(x: &[T; CELLS], i: usize) -> T {
-    x[(i + CELLS - 1) % CELLS] - x[i] * 2.0 + x[(i + 1) % CELLS]
-}
-
-fn around_the_loop() -> Shape {
-    Shape {
-        blocks: CELLS / 2,
-        block: 2,
-        border: 0,
-    }
-}
-
-impl Equations<CELLS> for Heat {
-    const HAS_POSITION: [bool; CELLS] = [false; CELLS];
-
-    fn residual<T: Real>(&self, _time: f64, y: [T; CELLS], y_dot: [T; CELLS], _q: [T; CELLS]) -> [T; CELLS] {
-        std::array::from_fn(|i| y_dot[i] - second_difference(&y, i) * Self::CONDUCTION)
-    }
-
-    fn shape(&self) -> Shape {
-        around_the_loop()
-    }
-}
-
-impl Solved<CELLS> for Heat {
-    fn exact<T: Real>(&self, time: T) -> [[T; CELLS]; 2] {
-        let left = (time * -Self::decay()).exp();
-        [std::array::from_fn(|i| left * mode(i)), [T::zero(); CELLS]]
-    }
-}
-
-/// Waves around a loop, q̈ᵢ = k(qᵢ₋₁ − 2qᵢ + qᵢ₊₁): its first mode stands with the square root of [`Heat`]'s rate.
+/// Waves around a loop, q̈ᵢ = qᵢ₋₁ − 2qᵢ + qᵢ₊₁: the square of its first mode's frequency is 2(1 − cos(2π/n)).
 pub struct Wave;
 
 impl Equations<CELLS> for Wave {
     const HAS_POSITION: [bool; CELLS] = [true; CELLS];
 
     fn residual<T: Real>(&self, _time: f64, _y: [T; CELLS], y_dot: [T; CELLS], q: [T; CELLS]) -> [T; CELLS] {
-        std::array::from_fn(|i| y_dot[i] - second_difference(&q, i) * Heat::CONDUCTION)
+        let neighbours = |i: usize| q[(i + CELLS - 1) % CELLS] - q[i] * 2.0 + q[(i + 1) % CELLS];
+        std::array::from_fn(|i| y_dot[i] - neighbours(i))
     }
 
     fn shape(&self) -> Shape {
-        around_the_loop()
+        Shape {
+            blocks: CELLS / 2,
+            block: 2,
+            border: 0,
+        }
     }
 }
 
 impl Solved<CELLS> for Wave {
     fn exact<T: Real>(&self, time: T) -> [[T; CELLS]; 2] {
-        let w = Heat::decay().sqrt();
+        let w = (2.0 * (1.0 - (TAU / CELLS as f64).cos())).sqrt();
+        let mode = |i: usize| (TAU * i as f64 / CELLS as f64 + 0.3).cos();
         let (sin, cos) = (time * w).sin_cos();
         [
             std::array::from_fn(|i| sin * (-w * mode(i))),
@@ -408,59 +294,24 @@ impl Solved<CELLS> for Wave {
     }
 }
 
-/// q̈ − μ(1 − q²)q̇ + q = 0 (van der Pol).
-pub struct VanDerPol {
-    /// μ.
-    pub damping: f64,
+equations! {
+    /// q̈ − μ(1 − q²)q̇ + q = 0 (van der Pol). `damping` is μ.
+    VanDerPol { damping: f64 }: 1, true,
+    |self, _, [y], [y_dot], [q]| [y_dot - (T::one() - q * q) * y * self.damping + q]
 }
 
-impl Equations<1> for VanDerPol {
-    const HAS_POSITION: [bool; 1] = [true];
-
-    fn residual<T: Real>(&self, _time: f64, [y]: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
-        [y_dot - (T::one() - q * q) * y * self.damping + q]
+equations! {
+    /// Robertson's reaction (1966), rates 0.04, 1e4 and 3e7; the last row is that nothing is lost, without a rate. The
+    /// second unknown is in units of 1e-5.
+    Robertson {}: 3, false,
+    |self, _, [a, b, c], [a_dot, b_dot, _], _| {
+        let b = b * 1e-5;
+        let (first, back, on) = (a * 0.04, b * c * 1e4, b * b * 3e7);
+        [a_dot + first - back, b_dot * 1e-5 - first + back + on, a + b + c - 1.0]
     }
 }
-
-impl VanDerPol {
-    /// y and q from q = 2 at rest, by `steps` steps of the classical Runge-Kutta method.
-    pub fn reference(&self, to: f64, steps: u32) -> [f64; 2] {
-        let h = to / f64::from(steps);
-        let slope = |[y, q]: [f64; 2]| [self.damping * (1.0 - q * q) * y - q, y];
-        let moved = |[y, q]: [f64; 2], h: f64, [a, b]: [f64; 2]| [y + h * a, q + h * b];
-        let mut at = [0.0, 2.0];
-        for _ in 0..steps {
-            let k1 = slope(at);
-            let k2 = slope(moved(at, 0.5 * h, k1));
-            let k3 = slope(moved(at, 0.5 * h, k2));
-            let k4 = slope(moved(at, h, k3));
-            at = std::array::from_fn(|i| at[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        }
-        at
-    }
-}
-
-/// Robertson's reaction (1966), rates 0.04, 1e4 and 3e7; the last row is that nothing is lost, without a rate. The
-/// second unknown is in units of 1e-5.
-pub struct Robertson;
 
 impl Robertson {
-    const UNIT: f64 = 1.0e-5;
-
     /// Solution at 40 s: by Radau IIA of order 5 in 800 graded steps, twice as many as leave 3e-11.
     pub const AT_40: [f64; 3] = [0.715_827_068_72, 0.918_553_476_46, 0.284_163_745_75];
-}
-
-impl Equations<3> for Robertson {
-    const HAS_POSITION: [bool; 3] = [false; 3];
-
-    fn residual<T: Real>(&self, _time: f64, [a, b, c]: [T; 3], [a_dot, b_dot, _]: [T; 3], _q: [T; 3]) -> [T; 3] {
-        let b = b * Self::UNIT;
-        let (first, back, on) = (a * 0.04, b * c * 1e4, b * b * 3e7);
-        [
-            a_dot + first - back,
-            b_dot * Self::UNIT - first + back + on,
-            a + b + c - 1.0,
-        ]
-    }
 }

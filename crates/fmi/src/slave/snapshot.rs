@@ -1,13 +1,15 @@
-//! The whole dynamic state of an instance, and its conversion to bytes and back.
+//! Stored states: the whole dynamic state of an instance, and its conversion to bytes and back.
 
 use super::bytes;
-use super::slave::Clock;
-use super::state::State;
-use super::table::{Access, Causality, Kind, Table, Value};
-use super::unit::{Experiment, Unit};
+use super::clock::Clock;
+use super::error::{CallError, Outcome, refused};
+use super::instance::Slave;
+use crate::state::{Call, State};
+use crate::table::{Access, Causality, Kind, Table, Value};
+use crate::unit::{Experiment, Unit};
 use pushbelt_archive::{Archive, Mismatch};
 
-/// The whole dynamic state of an instance: `Slave::save` copies it, `Slave::restore` goes back to it.
+/// The whole dynamic state of an instance: [`Slave::save`] copies it, [`Slave::restore`] goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {
     pub(super) state: State,
@@ -21,6 +23,60 @@ pub struct Snapshot<U: Unit> {
     pub(super) unit: Option<U>,
 }
 
+impl<U: Unit> Slave<U> {
+    /// A copy of the state.
+    pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        Ok(self.now.clone())
+    }
+
+    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
+    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
+        self.allow(Call::Always)?;
+        let stop = self.now.experiment.stop;
+        self.now = snapshot.clone();
+        self.now.experiment.stop = stop;
+        // The state may come from an instance whose master handles events.
+        if self.now.state == State::Event && !self.master.events {
+            self.now.state = State::StepComplete;
+        }
+        Ok(())
+    }
+
+    /// A state as bytes.
+    pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
+        self.allow(Call::Always)?;
+        let mut archive = Archive::writer();
+        let written = snapshot.clone().serialize(&self.table, &mut archive);
+        let sealed = written.and_then(|()| bytes::seal(self.guid(), &archive.into_bytes()));
+        sealed.map_err(CallError::Refused)
+    }
+
+    /// The state in these bytes.
+    pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
+        let mut archive = Archive::reader(content);
+        let mut snapshot = Snapshot::<U>::starting_from(self.start.clone());
+        snapshot
+            .serialize(&self.table, &mut archive)
+            .map_err(CallError::Refused)?;
+        if archive.finish() == Err(Mismatch) {
+            return refused("the stored state does not fit this version of the model");
+        }
+        snapshot.experiment = snapshot.experiment.checked()?;
+        if let Some(unit) = &snapshot.unit
+            && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
+        {
+            return refused(format!(
+                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
+                unit.time()
+            ));
+        }
+        Ok(snapshot)
+    }
+}
+
 impl<U: Unit> Snapshot<U> {
     pub(super) fn starting_from(settings: U::Settings) -> Self {
         Self {
@@ -31,43 +87,6 @@ impl<U: Unit> Snapshot<U> {
             clock: Clock::default(),
             unit: None,
         }
-    }
-
-    /// The state as bytes, for an FMU with this GUID.
-    ///
-    /// # Errors
-    /// The reason, as a sentence.
-    pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
-        let mut archive = Archive::writer();
-        self.clone().serialize(table, &mut archive)?;
-        bytes::seal(guid, &archive.into_bytes())
-    }
-
-    /// The state that bytes of an FMU with this GUID hold. `defaults` are settings with the data of the model.
-    ///
-    /// # Errors
-    /// The reason, as a sentence.
-    pub(super) fn from_bytes(
-        table: &Table<U::Settings, U::Readings>,
-        guid: &str,
-        defaults: &U::Settings,
-        sealed: &[u8],
-    ) -> Result<Self, String> {
-        let mut archive = Archive::reader(bytes::open(guid, sealed)?);
-        let mut snapshot = Self::starting_from(defaults.clone());
-        snapshot.serialize(table, &mut archive)?;
-        let fits = archive.finish();
-        fits.map_err(|Mismatch| "the stored state does not fit this version of the model".to_string())?;
-        snapshot.experiment = snapshot.experiment.checked().map_err(|error| error.to_string())?;
-        if let Some(unit) = &snapshot.unit
-            && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
-        {
-            return Err(format!(
-                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
-                unit.time()
-            ));
-        }
-        Ok(snapshot)
     }
 
     /// Writes everything to an archive, or reads it from one into a new snapshot.

@@ -7,7 +7,7 @@
 //! Numbers are little-endian. The GUID identifies the variable table and so the meaning of the settings. The
 //! checksum covers all bytes before it. Bytes that do not fit are refused with the reason.
 
-use super::hash;
+use crate::hash;
 
 /// The first bytes of a stored state.
 const MAGIC: &[u8; 8] = b"FMUstate";
