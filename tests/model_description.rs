@@ -33,7 +33,7 @@ fn the_checked_in_files_are_generated_from_the_table() {
 fn arrays_are_their_elements() {
     let table = VariatorUnit::table();
     let mut elements = 0;
-    for array in table.arrays() {
+    for array in &table.arrays {
         let first = table.by_reference(array.first).expect("listed");
         for (number, reference) in (1..).zip(array.elements()) {
             let element = table.by_reference(reference).expect("listed");
@@ -60,7 +60,7 @@ fn arrays_are_their_elements() {
         }
     }
     let indexed = table.variables().iter().filter(|v| v.name.ends_with(']')).count();
-    assert_eq!((table.arrays().len(), elements), (9, indexed));
+    assert_eq!((table.arrays.len(), elements), (9, indexed));
 }
 
 /// A terminal's members are variables, at least one input and one output.
@@ -90,7 +90,7 @@ fn names_and_value_references_are_unique() {
     let references: BTreeSet<_> = table.variables().iter().map(|v| v.reference).collect();
     assert_eq!(names.len(), table.variables().len());
     assert_eq!(references.len(), table.variables().len());
-    for retired in table.retired() {
+    for retired in table.retired {
         assert!(!references.contains(&retired.reference), "{retired} is used again");
         assert!(table.by_name(retired.name).is_none(), "{retired}");
     }

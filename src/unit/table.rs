@@ -84,10 +84,9 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     rows.parameters();
     locals(&mut rows);
     profiles(&mut rows);
-    let table = Table::new(si::UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays);
+    let mut table = Table::new(si::UNITS, R::ENUMERATIONS, rows.variables);
+    (table.arrays, table.retired, table.initial) = (rows.arrays, R::RETIRED, INITIAL_DEPENDENCIES);
     table
-        .with_retired(R::RETIRED)
-        .with_initial_dependencies(INITIAL_DEPENDENCIES)
 }
 
 impl<R: 'static, Q: AsRef<Outputs>> Rows<R, Q> {

@@ -14,7 +14,7 @@ pub type Importer = crate::importer::Importer<VariatorUnit>;
 /// Value reference of a variable, of an array or of the time.
 pub fn reference(name: &str) -> u32 {
     let table = VariatorUnit::table();
-    match table.arrays().iter().find(|array| array.name == name) {
+    match table.arrays.iter().find(|array| array.name == name) {
         Some(array) => array.first,
         None if name == "time" => TIME,
         None => pushbelt_support::shared_library::reference(name),

@@ -48,9 +48,14 @@ impl Category {
         }
     }
 
-    /// The bit of the category in [`Log::enabled`].
-    fn bit(self) -> u8 {
+    /// The bit of the category in a choice of categories.
+    #[must_use]
+    pub fn bit(self) -> u8 {
         1 << self as u8
+    }
+
+    fn bits(categories: &[Self]) -> u8 {
+        categories.iter().fold(0, |bits, category| bits | category.bit())
     }
 }
 
@@ -66,11 +71,12 @@ pub type Sink = Box<dyn Fn(Status, Category, &str)>;
 /// A sink with a choice of categories.
 pub struct Log {
     sink: Option<Sink>,
+    /// Categories that are logged.
     enabled: u8,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
     /// What is logged without debug logging.
-    quiet: &'static [Category],
+    quiet: u8,
 }
 
 impl Log {
@@ -79,13 +85,13 @@ impl Log {
     /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
     #[must_use]
     pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
-        let quiet: &[Category] = match version {
-            Version::Two => &[Category::Error, Category::Warning, Category::Discard],
-            Version::Three => &[Category::Error],
+        let quiet = match version {
+            Version::Two => Category::bits(&[Category::Error, Category::Warning, Category::Discard]),
+            Version::Three => Category::Error.bit(),
         };
         let mut log = Self {
             sink,
-            enabled: 0,
+            enabled: quiet,
             debug,
             quiet,
         };
@@ -93,20 +99,18 @@ impl Log {
         log
     }
 
-    /// Logs the messages from before it was created.
+    /// Logs what it logged when it was created.
     pub fn reset(&mut self) {
-        self.choose(self.debug, &[]);
+        self.choose(self.debug, 0);
     }
 
-    /// Chooses the logged categories: errors, and with `debug` these, or all if `categories` is empty.
-    pub fn choose(&mut self, debug: bool, categories: &[Category]) {
-        let categories = match (debug, categories.is_empty()) {
+    /// Chooses what is logged with `debug`: errors and the categories with these bits, or all if there is none.
+    pub fn choose(&mut self, debug: bool, chosen: u8) {
+        self.enabled = match (debug, chosen) {
             (false, _) => self.quiet,
-            (true, true) => &Category::ALL[..],
-            (true, false) => categories,
+            (true, 0) => Category::bits(&Category::ALL),
+            (true, _) => chosen | Category::Error.bit(),
         };
-        let always = if debug { Category::Error.bit() } else { 0 };
-        self.enabled = categories.iter().fold(always, |bits, category| bits | category.bit());
     }
 
     /// Logs a message.

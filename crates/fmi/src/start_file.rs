@@ -19,27 +19,13 @@ pub const FILE: &str = "start-values.txt";
 /// Largest size of the file, bytes: a larger file is not a list of start values.
 const LARGEST: u64 = 1 << 20;
 
-/// The model description that a token belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Token {
-    /// The original one.
-    Original,
-    /// One with start values of a user.
-    Copy,
-}
-
 /// Characters at the beginning of a token that a copy has from the original: `{01234567-0123-0123-`.
 const SHARED: usize = 20;
 
-impl Token {
-    /// Compares a token with that of the original; `None` if it is one of another FMU.
-    pub(crate) fn of(token: &str, original: &str) -> Option<Self> {
-        if token == original {
-            return Some(Self::Original);
-        }
-        let is_copy = token.len() == original.len() && original.get(..SHARED) == token.get(..SHARED);
-        is_copy.then_some(Self::Copy)
-    }
+/// Whether a token is that of a copy with start values of a user; `None` if it is one of another FMU than the original.
+pub(crate) fn is_of_copy(token: &str, original: &str) -> Option<bool> {
+    let belongs = token.len() == original.len() && original.get(..SHARED) == token.get(..SHARED);
+    belongs.then_some(token != original)
 }
 
 /// The settings that an instance starts from: those of the file in the first folder that has one, over `defaults`; `None` if
@@ -49,7 +35,7 @@ impl Token {
 /// The file is unusable, or missing in a copy. The reason is a sentence with file, line, variable and value.
 pub(crate) fn find<U: Unit>(
     folders: &[PathBuf],
-    token: Token,
+    is_copy: bool,
     defaults: &U::Settings,
 ) -> Result<Option<U::Settings>, String> {
     for folder in folders {
@@ -59,13 +45,13 @@ pub(crate) fn find<U: Unit>(
         }
     }
     let searched: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
-    match (token, searched.is_empty()) {
-        (Token::Original, _) => Ok(None),
-        (Token::Copy, false) => Err(format!(
+    match (is_copy, searched.is_empty()) {
+        (false, _) => Ok(None),
+        (true, false) => Err(format!(
             "this copy of the FMU has start values of its own, but {FILE} is missing in {}",
             searched.join(" and in ")
         )),
-        (Token::Copy, true) => Err(format!(
+        (true, true) => Err(format!(
             "this copy of the FMU has start values of its own in {FILE}, but the importer passed no resource location, and the \
              library is not in the folder into which the FMU was unpacked"
         )),
@@ -112,7 +98,7 @@ fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result
     let variable =
         table
             .by_name(name)
-            .ok_or_else(|| match table.retired().iter().find(|retired| retired.name == name) {
+            .ok_or_else(|| match table.retired.iter().find(|retired| retired.name == name) {
                 Some(retired) => retired.to_string(),
                 None => format!("there is no variable {name:?}"),
             })?;

@@ -1,5 +1,6 @@
 //! The variable table: all facts about a variable, and the field that holds its value.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// A physical unit: its name and its exponents over the SI base units and the radian.
@@ -410,14 +411,16 @@ pub struct Table<S, R> {
     pub units: Vec<UnitDefinition>,
     /// Every enumeration that a variable uses.
     pub enumerations: &'static [&'static Enumeration],
+    /// Arrays that some of the variables are elements of.
+    pub arrays: Vec<Array>,
+    /// Variables of earlier versions, for the messages of those who still use them.
+    pub retired: &'static [Retired],
+    /// Dependencies of some outputs in initialisation mode. Each other output depends on all settings.
+    pub initial: &'static [InitialDependencies],
     variables: Vec<Variable<S, R>>,
-    /// In the order of their value references.
-    arrays: Vec<Array>,
-    /// (value reference, index in `variables`), sorted. A hash map would get its seed from the operating system, by a
-    /// library that some Windows compatibility layers lack.
-    by_reference: Vec<(u32, usize)>,
-    retired: &'static [Retired],
-    initial: &'static [InitialDependencies],
+    /// Index in `variables` of each value reference. A hash map would get its seed from the operating system, by a library that some
+    /// Windows compatibility layers lack.
+    by_reference: BTreeMap<u32, usize>,
 }
 
 /// A calculated variable, and the settings on which it depends in initialisation mode, by their names. A master that couples units
@@ -425,7 +428,8 @@ pub struct Table<S, R> {
 pub type InitialDependencies = (&'static str, &'static [&'static str]);
 
 /// A variable that an earlier version had. Its value reference is not given again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{name} (value reference {reference}) was removed: {instead}")]
 pub struct Retired {
     /// Its name.
     pub name: &'static str,
@@ -433,16 +437,6 @@ pub struct Retired {
     pub reference: u32,
     /// The replacement for the user, as a sentence without a full stop.
     pub instead: &'static str,
-}
-
-impl std::fmt::Display for Retired {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} (value reference {}) was removed: {}",
-            self.name, self.reference, self.instead
-        )
-    }
 }
 
 impl<S, R> Table<S, R> {
@@ -453,12 +447,8 @@ impl<S, R> Table<S, R> {
         enumerations: &'static [&'static Enumeration],
         variables: Vec<Variable<S, R>>,
     ) -> Self {
-        let mut by_reference: Vec<_> = variables
-            .iter()
-            .enumerate()
-            .map(|(place, variable)| (variable.reference, place))
-            .collect();
-        by_reference.sort_unstable();
+        let places = variables.iter().enumerate();
+        let by_reference = places.map(|(place, variable)| (variable.reference, place)).collect();
         let is_used = |name| {
             variables
                 .iter()
@@ -475,20 +465,6 @@ impl<S, R> Table<S, R> {
         }
     }
 
-    /// The same with variables of earlier versions, for the messages of those who still use them.
-    #[must_use]
-    pub fn with_retired(mut self, retired: &'static [Retired]) -> Self {
-        self.retired = retired;
-        self
-    }
-
-    /// The same with the dependencies of some outputs in initialisation mode. Each other output depends on all settings.
-    #[must_use]
-    pub fn with_initial_dependencies(mut self, initial: &'static [InitialDependencies]) -> Self {
-        self.initial = initial;
-        self
-    }
-
     /// The places of the settings on which a variable depends in initialisation mode, in order; `None` if it depends on all.
     #[must_use]
     pub fn initial_dependencies(&self, variable: &Variable<S, R>) -> Option<Vec<usize>> {
@@ -498,32 +474,10 @@ impl<S, R> Table<S, R> {
         Some(known.map(|(place, _)| place).collect())
     }
 
-    /// The variables of earlier versions.
-    #[must_use]
-    pub fn retired(&self) -> &'static [Retired] {
-        self.retired
-    }
-
-    /// The same with some variables as elements of arrays.
-    #[must_use]
-    pub fn with_arrays(mut self, mut arrays: Vec<Array>) -> Self {
-        arrays.sort_unstable_by_key(|array| array.first);
-        self.arrays = arrays;
-        self
-    }
-
-    /// The arrays, in the order of their value references.
-    #[must_use]
-    pub fn arrays(&self) -> &[Array] {
-        &self.arrays
-    }
-
     /// The array that a variable with this value reference is an element of.
     #[must_use]
     pub fn array_of(&self, reference: u32) -> Option<&Array> {
-        let after = self.arrays.partition_point(|array| array.first <= reference);
-        let array = &self.arrays[after.checked_sub(1)?];
-        array.elements().contains(&reference).then_some(array)
+        self.arrays.iter().find(|array| array.elements().contains(&reference))
     }
 
     /// The variables in order.
@@ -535,11 +489,7 @@ impl<S, R> Table<S, R> {
     /// The variable with a value reference.
     #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        let at = self
-            .by_reference
-            .binary_search_by_key(&reference, |entry| entry.0)
-            .ok()?;
-        self.variables.get(self.by_reference[at].1)
+        self.by_reference.get(&reference).map(|place| &self.variables[*place])
     }
 
     /// The variable with a name.

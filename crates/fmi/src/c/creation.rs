@@ -4,71 +4,21 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::ptr;
 
-use libc::{c_char, c_int, c_void};
+use libc::{c_char, c_void};
 
 use super::entry::{contain, text};
-use super::floating_point::in_hosts;
 use super::{dispatch, library};
 use crate::description;
-use crate::fmi2::Logger;
-use crate::fmi3::LogMessage;
 use crate::log::{Category, Log, Sink, Status};
 use crate::resources;
-use crate::slave::{Environment, Master, Slave, Version};
-use crate::start_file::{self, Token};
+use crate::slave::{Master, Slave, Version};
+use crate::start_file;
 use crate::state::Call;
 use crate::unit::Unit;
 
-/// The importer's function for messages, with the arguments that all messages have in common.
-pub(crate) enum Messages {
-    Two {
-        logger: Logger,
-        environment: *mut c_void,
-        instance: CString,
-    },
-    Three {
-        log_message: LogMessage,
-        environment: Environment,
-    },
-}
-
-impl Messages {
-    /// Passes one message on.
-    pub fn send(&self, status: Status, category: Category, message: &str) {
-        let string = |text: String| CString::new(text).unwrap_or_default();
-        let category = string(category.name().to_owned());
-        let (category, status, message) = (category.as_ptr(), status as c_int, message.replace('\0', " "));
-        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
-        // a zero and exist during the call.
-        match self {
-            Self::Two {
-                logger,
-                environment,
-                instance,
-            } => {
-                let (instance, message) = (instance.as_ptr(), string(message));
-                // The argument of "%s", so that a percent sign in it is not taken for a format.
-                in_hosts(|| unsafe {
-                    logger(
-                        *environment,
-                        instance,
-                        status,
-                        category,
-                        c"%s".as_ptr(),
-                        message.as_ptr(),
-                    );
-                });
-            }
-            Self::Three {
-                log_message,
-                environment,
-            } => {
-                // By the standard, "#" refers to a variable, and "##" is a number sign.
-                let message = string(message.replace('#', "##"));
-                in_hosts(|| unsafe { log_message(*environment, status, category, message.as_ptr()) });
-            }
-        }
-    }
+/// A string of C, without the zeros in it.
+pub(crate) fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 /// An instance, as a `Box<Slave<U>>`; null after a message if the arguments don't fit this FMU. `texts` are name, token and resource
@@ -81,21 +31,21 @@ pub(crate) unsafe fn create<U: Unit>(
     version: Version,
     texts: [*const c_char; 3],
     debug: bool,
-    messages: impl FnOnce(CString) -> Option<Messages>,
+    messages: impl FnOnce(&str) -> Option<Sink>,
     master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
 ) -> *mut c_void {
     contain(ptr::null_mut(), || {
         // SAFETY: null or valid, as the caller grants.
         let texts = texts.map(|pointer| unsafe { text(pointer) }.map_err(|error| error.to_string()));
         let name = texts[0].as_ref().ok().cloned().flatten().unwrap_or_default();
-        let sink = messages(CString::new(name).unwrap_or_default());
+        let sink = messages(&name);
         let function = match version {
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
         };
         let report = |status, category, text: &str| {
             if let Some(sink) = &sink {
-                sink.send(status, category, &format!("{function}: {text}"));
+                sink(status, category, &format!("{function}: {text}"));
             }
         };
         let mut warnings = Vec::new();
@@ -112,8 +62,6 @@ pub(crate) unsafe fn create<U: Unit>(
                 return ptr::null_mut();
             }
         };
-        let sink =
-            sink.map(|sink| -> Sink { Box::new(move |status, category, text| sink.send(status, category, text)) });
         let log = Log::new(version, sink, debug);
         if let Some((status, category, text)) = dispatch::remark() {
             log.send(status, category, &text);
@@ -163,10 +111,10 @@ fn start<U: Unit>(
     places.extend(library::own_path().ok().and_then(|path| resources::beside(&path)));
     let defaults = load::<U>(&places)?;
     let own = description::token::<U>(version, U::data(&defaults));
-    let token = Token::of(&token, &own).ok_or_else(|| {
+    let is_copy = start_file::is_of_copy(&token, &own).ok_or_else(|| {
         format!("the {what} {token} is not that of this binary, {own}: the model description belongs to another binary")
     })?;
-    let start = start_file::find::<U>(&places, token, &defaults)?;
+    let start = start_file::find::<U>(&places, is_copy, &defaults)?;
     Ok((master, start.unwrap_or(defaults)))
 }
 

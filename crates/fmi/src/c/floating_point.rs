@@ -25,7 +25,7 @@ pub(crate) fn in_default<T>(body: impl FnOnce() -> T) -> T {
     }
     HOST.set(Some(Registers::hold()));
     let _host = Restore;
-    apart(body)
+    not_inlined(body)
 }
 
 /// Runs a callback of the host in the host's environment. What it changes there is the host's.
@@ -34,14 +34,14 @@ pub(crate) fn in_hosts<T>(callback: impl FnOnce() -> T) -> T {
         return callback();
     };
     host.load();
-    let result = apart(callback);
+    let result = not_inlined(callback);
     HOST.set(Some(Registers::hold()));
     result
 }
 
 /// Runs `body` as a function of its own: the compiler moves no arithmetic of it across a change of the environment.
 #[inline(never)]
-fn apart<T>(body: impl FnOnce() -> T) -> T {
+fn not_inlined<T>(body: impl FnOnce() -> T) -> T {
     body()
 }
 

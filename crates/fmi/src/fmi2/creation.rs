@@ -1,65 +1,55 @@
 //! Creation of an instance.
 
-use libc::{c_char, c_int};
-use std::ptr;
+use libc::{c_char, c_int, c_void};
 
-use super::types::{CallbackFunctions, Component};
-use crate::c::creation::{Messages, create};
-use crate::log::Status;
+use super::types::{CallbackFunctions, Component, Logger};
+use crate::c::creation::{c_string, create};
+use crate::c::floating_point::in_hosts;
+use crate::log::{Sink, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
 use crate::unit::Unit;
 
-/// `fmi2Instantiate`: creates an instance; null if the arguments don't fit this FMU.
+/// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
+/// before it, not even the packing of arguments.
+///
+/// # Safety
+/// The name and `functions` are null or valid; the logger in it can be called, with the environment in it.
+pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const CallbackFunctions) -> bool {
+    if processor::suffices() {
+        return true;
+    }
+    // Not through a `Sink`, whose code may need what the processor lacks.
+    // SAFETY: as the caller grants.
+    if let Some(functions) = unsafe { functions.as_ref() }
+        && let Some(logger) = functions.logger
+    {
+        let (environment, status) = (functions.component_environment, Status::Error as c_int);
+        let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
+        // SAFETY: the caller grants that the logger can be called.
+        unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
+    }
+    false
+}
+
+/// `fmi2Instantiate`: creates an instance; null if the arguments don't fit this FMU. `texts` are name, GUID and resource location. Never
+/// inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
 /// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
 /// in it, until the instance is freed.
+#[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
-    name: *const c_char,
+    texts: [*const c_char; 3],
     fmu_type: c_int,
-    guid: *const c_char,
-    resource_location: *const c_char,
     functions: *const CallbackFunctions,
-    logging_on: bool,
+    debug: bool,
 ) -> Component {
     // SAFETY: null or valid, as the caller grants.
     let functions = unsafe { functions.as_ref() };
-    if !processor::suffices() {
-        // Not through `Messages`, whose code may need what the processor lacks.
-        if let Some(functions) = functions
-            && let Some(logger) = functions.logger
-        {
-            let (environment, status) = (functions.component_environment, Status::Error as c_int);
-            let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-            // SAFETY: the caller grants that the logger can be called.
-            unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
-        }
-        return ptr::null_mut();
-    }
-    // SAFETY: as the caller grants.
-    unsafe { instantiate_here::<U>([name, guid, resource_location], fmu_type, functions, logging_on) }
-}
-
-/// [`instantiate`] on a processor that has the instructions that the code is compiled for. Never inlined: none of its code may
-/// run before the check.
-///
-/// # Safety
-/// As there.
-#[inline(never)]
-unsafe fn instantiate_here<U: Unit>(
-    texts: [*const c_char; 3],
-    fmu_type: c_int,
-    functions: Option<&CallbackFunctions>,
-    debug: bool,
-) -> Component {
-    let messages = |instance| {
+    let messages = |instance: &str| {
         let functions = functions?;
-        Some(Messages::Two {
-            logger: functions.logger?,
-            environment: functions.component_environment,
-            instance,
-        })
+        Some(sink(functions.logger?, functions.component_environment, instance))
     };
     let master = |_: &mut Vec<String>| match fmu_type {
         CO_SIMULATION => Ok(Master::default()),
@@ -71,3 +61,16 @@ unsafe fn instantiate_here<U: Unit>(
 
 /// `fmi2CoSimulation` of the standard's `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
+
+/// Passes messages of an instance on to its logger.
+fn sink(logger: Logger, environment: *mut c_void, instance: &str) -> Sink {
+    let instance = c_string(instance);
+    Box::new(move |status, category, text| {
+        let [category, text] = [category.name(), text].map(c_string);
+        let (instance, category, text) = (instance.as_ptr(), category.as_ptr(), text.as_ptr());
+        // The argument of "%s", so that a percent sign in it is not taken for a format.
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
+        // a zero and exist during the call.
+        in_hosts(|| unsafe { logger(environment, instance, status as c_int, category, c"%s".as_ptr(), text) });
+    })
+}

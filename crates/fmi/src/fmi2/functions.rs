@@ -1,8 +1,9 @@
 //! The C functions of FMI 2.0: signatures (`fmi2FunctionTypes.h`) and bodies.
 
 use libc::{c_char, c_int, c_uint};
+use std::ptr::null_mut;
 
-use super::creation::instantiate;
+use super::creation::{instantiate, processor_suffices};
 use super::types::{CallbackFunctions, Component, FmuState};
 use crate::c::creation::free_instance;
 use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
@@ -34,7 +35,11 @@ macro_rules! fmi2_functions {
         fmi2Instantiate(
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
-        ) -> Component, creates = instantiate::<U>(instance_name, fmu_type, guid, resource_location, functions, logging_on != 0);
+        ) -> Component, creates = if processor_suffices(instance_name, functions) {
+            instantiate::<U>([instance_name, guid, resource_location], fmu_type, functions, logging_on != 0)
+        } else {
+            null_mut()
+        };
         fmi2FreeInstance(c: Component), free c = free_instance::<U>(c);
 
         // Set-up, initialisation, end.

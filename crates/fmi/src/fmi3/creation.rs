@@ -4,9 +4,10 @@ use libc::c_int;
 use std::ptr;
 
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use crate::c::creation::{Messages, create};
+use crate::c::creation::{c_string, create};
 use crate::c::entry::{array, contain};
-use crate::log::{Category, Status};
+use crate::c::floating_point::in_hosts;
+use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
 use crate::table::Causality;
@@ -21,7 +22,7 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     if processor::suffices() {
         return true;
     }
-    // Not through `Messages`, whose code may need what the processor lacks.
+    // Not through a `Sink`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
         let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
         // SAFETY: as the caller grants.
@@ -44,12 +45,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
     required: (*const Reference, usize),
     (environment, log_message, update): (Environment, Option<LogMessage>, Option<IntermediateUpdate>),
 ) -> Instance {
-    let messages = |_| {
-        log_message.map(|log_message| Messages::Three {
-            log_message,
-            environment,
-        })
-    };
+    let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let [debug, events, early_return] = flags.map(|flag| flag != 0);
     let master = |warnings: &mut Vec<String>| {
         // SAFETY: null or valid, as the caller grants.
@@ -109,12 +105,20 @@ pub(super) unsafe fn refuse_instance(
 ) -> Instance {
     contain((), || {
         if let Some(log_message) = log_message {
-            let messages = Messages::Three {
-                log_message,
-                environment,
-            };
-            messages.send(Status::Error, Category::Error, &format!("{function}: {why}"));
+            sink(log_message, environment)(Status::Error, Category::Error, &format!("{function}: {why}"));
         }
     });
     ptr::null_mut()
+}
+
+/// Passes messages on to the importer's function.
+fn sink(log_message: LogMessage, environment: Environment) -> Sink {
+    Box::new(move |status, category, text| {
+        // By the standard, "#" refers to a variable, and "##" is a number sign.
+        let [category, text] = [category.name(), &text.replace('#', "##")].map(c_string);
+        let (category, text) = (category.as_ptr(), text.as_ptr());
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
+        // a zero and exist during the call.
+        in_hosts(|| unsafe { log_message(environment, status as c_int, category, text) });
+    })
 }

@@ -16,21 +16,19 @@ impl<U: Unit> Slave<U> {
         names: impl IntoIterator<Item = Result<String, CallError>>,
     ) -> Outcome {
         self.allow(Call::Always)?;
-        let mut chosen = Vec::new();
+        let mut chosen = 0;
         for name in names {
             let name = name?;
             let is_chosen = |category: &Category| name == "logAll" || category.name() == name;
-            let found = Category::ALL.into_iter().filter(is_chosen);
-            let before = chosen.len();
-            chosen.extend(found);
-            if chosen.len() == before {
+            let bits = Category::ALL.into_iter().filter(is_chosen).map(Category::bit);
+            let found = bits.fold(0, |found, bit| found | bit);
+            if found == 0 {
                 let all = Category::ALL.map(Category::name).join(", ");
                 return refused(format!("no log category {name:?}; there are {all}, logAll"));
             }
-            chosen.sort_unstable();
-            chosen.dedup();
+            chosen |= found;
         }
-        self.log.choose(on, &chosen);
+        self.log.choose(on, chosen);
         Ok(())
     }
 

@@ -216,7 +216,7 @@ impl<U: Unit> Slave<U> {
 /// The variable with a value reference, if it has this type.
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
-        None => match table.retired().iter().find(|retired| retired.reference == reference) {
+        None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
         },

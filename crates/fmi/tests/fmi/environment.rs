@@ -75,7 +75,7 @@ pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
     }
     let reset = Reset;
     set(host);
-    let result = apart(calls);
+    let result = not_inlined(calls);
     let after = present();
     drop(reset);
     assert_eq!(after, host, "the environment after the calls");
@@ -84,6 +84,6 @@ pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
 
 /// A function of its own, so that no arithmetic moves out of it.
 #[inline(never)]
-fn apart<T>(body: impl FnOnce() -> T) -> T {
+fn not_inlined<T>(body: impl FnOnce() -> T) -> T {
     body()
 }

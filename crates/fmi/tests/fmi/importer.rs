@@ -17,7 +17,6 @@ use std::rc::Rc;
 use crate::layer::Unit;
 use crate::layer::fmi2::functions as f2;
 use crate::layer::fmi2::{CallbackFunctions, Logger};
-use crate::layer::fmi3::IntermediateUpdate;
 use crate::layer::fmi3::functions as f3;
 use crate::layer::log::Status::{self, Discard, Ok as Done};
 use crate::layer::slave::Version::{self, Three, Two};
@@ -227,15 +226,13 @@ impl<U: Unit> Importer<U> {
     pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
-        let Arguments {
-            name,
-            token,
-            location,
-            debug,
-            kind,
-            handles,
-        } = *arguments;
-        let [name, token, location] = [name, token, location].map(|text| text.map_or(null(), CStr::as_ptr));
+        let [name, token, location] =
+            [arguments.name, arguments.token, arguments.location].map(|text| text.map_or(null(), CStr::as_ptr));
+        let Handles {
+            events,
+            early_return,
+            required,
+        } = arguments.handles;
         let c = unsafe {
             match version {
                 Two => {
@@ -246,40 +243,30 @@ impl<U: Unit> Importer<U> {
                         step_finished: None,
                         component_environment: environment,
                     };
-                    f2::fmi2Instantiate::<U>(name, kind, token, location, &raw const functions, 0, debug.into())
+                    let (kind, debug) = (arguments.kind, arguments.debug.into());
+                    f2::fmi2Instantiate::<U>(name, kind, token, location, &raw const functions, 0, debug)
                 }
-                Three => {
-                    let Handles {
-                        events,
-                        early_return,
-                        required,
-                    } = handles;
-                    let (events, early) = (events.into(), early_return.into());
-                    let update: Option<IntermediateUpdate> = if required.is_empty() { None } else { Some(update) };
-                    let (count, required) = (required.len(), required.as_ptr());
-                    let (debug, log) = (debug.into(), Some(log_of_fmi3 as _));
-                    f3::fmi3InstantiateCoSimulation::<U>(
-                        name,
-                        token,
-                        location,
-                        0,
-                        debug,
-                        events,
-                        early,
-                        required,
-                        count,
-                        environment,
-                        log,
-                        update,
-                    )
-                }
+                Three => f3::fmi3InstantiateCoSimulation::<U>(
+                    name,
+                    token,
+                    location,
+                    0,
+                    arguments.debug.into(),
+                    events.into(),
+                    early_return.into(),
+                    required.as_ptr(),
+                    required.len(),
+                    environment,
+                    Some(log_of_fmi3),
+                    (!required.is_empty()).then_some(update as _),
+                ),
             }
         };
         Self {
             version,
             c,
             record,
-            events: handles.events,
+            events,
             owned: true,
             unit: PhantomData,
         }
@@ -421,8 +408,8 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn real(&self, reference: u32) -> f64 {
-        let values = self.reals(&[reference], 1);
-        values.unwrap_or_else(|status| panic!("{status:?}: {}", self.last()))[0]
+        self.reals(&[reference], 1)
+            .unwrap_or_else(|status| panic!("{status:?}: {}", self.last()))[0]
     }
 
     fn is_enumeration(reference: u32) -> bool {
@@ -566,14 +553,10 @@ impl<U: Unit> Importer<U> {
 
     /// Another handle of the instance, for the importer's callback.
     pub fn alias(&self) -> Self {
-        let (version, c, events) = (self.version, self.c, self.events);
         Self {
-            version,
-            c,
-            events,
             record: Rc::clone(&self.record),
             owned: false,
-            unit: PhantomData,
+            ..*self
         }
     }
 

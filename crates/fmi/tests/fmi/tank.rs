@@ -171,9 +171,9 @@ impl Unit for Tank {
             reference: OLD,
             instead: "use start",
         }];
-        Table::new(UNITS, ENUMERATIONS, variables)
-            .with_arrays(vec![depth])
-            .with_retired(&RETIRED)
+        let mut table = Table::new(UNITS, ENUMERATIONS, variables);
+        (table.arrays, table.retired) = (vec![depth], &RETIRED);
+        table
     }
 
     fn check(valves: &Valves) -> Result<(), String> {
