@@ -2,7 +2,7 @@
 
 use crate::slave::Version;
 
-/// Status of a call, numbered as in the standard.
+/// Status of a call, numbered as in the standard; the others, of lost instances and pending calls, are never returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
@@ -14,10 +14,6 @@ pub enum Status {
     Discard = 2,
     /// The call failed; the run can't continue without reset or a stored state.
     Error = 3,
-    /// All instances are lost. Never returned here.
-    Fatal = 4,
-    /// A call is still running. Never returned here.
-    Pending = 5,
 }
 
 /// Categories of messages, as in the description's `LogCategories`.

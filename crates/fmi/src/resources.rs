@@ -20,18 +20,11 @@ pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
     if !data.is_file() {
         return Err("this is not a file".to_owned());
     }
-    let too_large = |size: u64| Err(format!("it has {size} bytes, more than {largest} bytes"));
-    if data.len() > largest {
-        return too_large(data.len());
-    }
-    let mut bytes = Vec::new();
-    let reserved = bytes.try_reserve_exact(usize::try_from(data.len()).unwrap_or(usize::MAX));
-    reserved.map_err(|error| format!("{} bytes: {error}", data.len()))?;
-    let file = File::open(path).map_err(|error| error.to_string())?;
+    let (mut bytes, file) = (Vec::new(), File::open(path).map_err(|error| error.to_string())?);
     let read = file.take(largest + 1).read_to_end(&mut bytes);
     read.map_err(|error| error.to_string())?;
     if bytes.len() as u64 > largest {
-        return too_large(largest + 1);
+        return Err(format!("it has more than {largest} bytes"));
     }
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());

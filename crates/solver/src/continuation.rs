@@ -4,17 +4,21 @@ use super::newton::{Newton, Unsolved};
 use super::stage::Stage;
 use super::{State, System, View};
 
-/// Shortest pseudo-time step, s.
+// "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian, of the nine load cases with ALE
+// and ALE0.
+
+/// Pseudo-time step below which the search ends without a steady state, s. Half, twice: 0, 0 %.
 const SHORTEST_STEP: f64 = 1.0e-12;
-/// Newton tolerance of all steps but the last, over that of the last: only its state is kept.
+/// Newton tolerance of all steps but the last, over that of the last: only its state is the result. Half, twice: +2, −3 %; 1: +5 %.
 const COARSE: f64 = 100.0;
-/// Change of a step that `control` refused.
+/// Change of a step that `control` refused: none in these cases. Half, twice: 0, 0 %.
 const REFUSED: f64 = 0.4;
-/// Change of a step whose stage was not solved.
+/// Change of a step whose stage was not solved. Half, twice: −2, +2 %.
 const FAILED: f64 = 0.3;
 
 /// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step grow as the
-/// residual falls. Here the residual jumps where the system is controlled, so the work of Newton's method stands for it.
+/// residual falls. Here the residual jumps where the system is controlled, so the work of Newton's method stands for it. Half and twice
+/// the powers of growth: −3, +24 %.
 fn growth(jacobians: usize) -> f64 {
     match jacobians {
         0..=3 => 4.0,

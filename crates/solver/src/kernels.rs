@@ -89,7 +89,7 @@ pub fn gemm<const R: usize, const C: usize>(
     }
 }
 
-/// Columns of Y at a time where the size is not known to the compiler.
+/// Columns of Y at a time where the size is not known to the compiler: with 8 rows their sums are half of the 16 registers of AVX2.
 const BESIDE: usize = 4;
 
 /// [`gemm`] of any size for N columns of Y, in tiles whose sums stand in registers.
@@ -158,7 +158,7 @@ fn beside<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f
 }
 
 /// Least size of a pivot, as a share of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
-/// Reid 1986).
+/// Reid 1986). Half, twice, and 1, which is partial pivoting: the work of steady states stays the same within a residual of 12 000.
 const PIVOT: f64 = 0.1;
 
 /// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or

@@ -299,8 +299,8 @@ impl Newton {
         products.map(|((d, step), s)| (d / s) * (step / s)).sum()
     }
 
-    /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and the
-    /// residual there is at hand.
+    /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and
+    /// the residual there is at hand.
     /// `corrected`: the correction at `stage.state.y` is at hand.
     fn broyden<S: System>(
         &mut self,

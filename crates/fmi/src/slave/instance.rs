@@ -96,12 +96,6 @@ impl<U: Unit> Slave<U> {
             .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
     }
 
-    /// State of the state machine.
-    #[must_use]
-    pub fn state(&self) -> State {
-        self.now.state
-    }
-
     /// The present time, s: the communication point; before the start the start time, and in intermediate update mode the
     /// time of the unit.
     #[must_use]

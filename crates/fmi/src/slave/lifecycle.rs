@@ -74,11 +74,6 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Updates discrete states. There are none, so nothing needs an update, and there are no time events.
-    pub fn update_discrete_states(&mut self) -> Outcome {
-        self.allow(Call::HandleEvent)
-    }
-
     /// Leaves event mode.
     pub fn enter_step_mode(&mut self) -> Outcome {
         self.allow(Call::HandleEvent)?;

@@ -210,11 +210,6 @@ impl<U: Unit> Slave<U> {
 
 /// How the last step ended, in FMI 2.0.
 impl<U: Unit> Slave<U> {
-    /// Cancels a step: refused, since no step is ever pending.
-    pub fn cancel_step(&mut self) -> Outcome {
-        self.allow(Call::CancelStep)
-    }
-
     /// Writes the status to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0 to 3, the one that has a
     /// value of this type.
     pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
