@@ -150,18 +150,22 @@ fn open(hash: &str, is_open: bool) -> Result<Library, String> {
     let own = library::own_path()?;
     let name = own.file_stem().unwrap_or_default().display();
     let path = own.with_file_name(format!("{name}-avx2{}", std::env::consts::DLL_SUFFIX));
-    let opened = if is_open { Ok(()) } else { check(&path, hash) }.and_then(|()| {
-        // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
-        let library = unsafe { Library::open(&path) }?;
-        let handshake = library.find(HANDSHAKE);
-        if handshake.is_null() {
-            return Err("it has no handshake".to_owned());
-        }
-        // SAFETY: the library exports the function of this name, with this type.
-        unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
-        Ok(library)
-    });
+    let checked = if is_open { Ok(()) } else { check(&path, hash) };
+    let opened = checked.and_then(|()| load(&path));
     opened.map_err(|why| format!("{}: {why}", path.display()))
+}
+
+/// Loads a checked file.
+fn load(path: &Path) -> Result<Library, String> {
+    // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
+    let library = unsafe { Library::open(path) }?;
+    let handshake = library.find(HANDSHAKE);
+    if handshake.is_null() {
+        return Err("it has no handshake".to_owned());
+    }
+    // SAFETY: the library exports the function of this name, with this type.
+    unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
+    Ok(library)
 }
 
 /// Checks that a file has this hash.
@@ -186,4 +190,40 @@ fn has_avx2() -> bool {
 #[cfg(not(target_arch = "x86_64"))]
 fn has_avx2() -> bool {
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// There is no file with this hash, so the instance is one of this library.
+    #[test]
+    fn an_instance_is_freed_once_and_not_within_a_call_on_it() {
+        let (mut value, freed) = (0_u8, Cell::new(0));
+        let instance: *mut c_void = (&raw mut value).cast();
+        let c = create("0-0", "create", |function| {
+            assert!(function.is_null());
+            instance
+        });
+        let own = || INSTANCES[0].load(SeqCst);
+        assert_eq!(own(), 1);
+        let free_it = || {
+            // SAFETY: it is from `create`.
+            unsafe {
+                free(c, "free", |found, _| {
+                    assert_eq!(found, instance);
+                    freed.set(freed.get() + 1);
+                });
+            }
+        };
+        // SAFETY: it is from `create`, and null is legal.
+        unsafe {
+            on(c, "call", |_, _| free_it());
+            assert_eq!((freed.get(), own()), (0, 1));
+            free_it();
+            assert_eq!((freed.get(), own()), (1, 0));
+            free(null_mut(), "free", |_, _| panic!("an instance"));
+        }
+        assert!(create("0-0", "create", |_| null_mut()).is_null() && own() == 0);
+    }
 }
