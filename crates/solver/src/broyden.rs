@@ -1,4 +1,4 @@
-//! Broyden's good update on kept factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations
+//! Broyden's good update on earlier factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations
 //! (1995), section 7.3: it needs the steps made so far and no matrix. Where a few rows have changed between sticking and
 //! sliding, the Jacobian has changed in rank by as few, which updates make good.
 
@@ -37,12 +37,12 @@ impl Broyden {
         }
     }
 
-    /// Forgets the steps made so far: the next one is Newton's with the kept factors.
+    /// Forgets the steps made so far: the next one is Newton's with the factors at hand.
     pub fn restart(&mut self) {
         self.made = 0;
     }
 
-    /// Largest entry of the next step, scaled, from the `correction` that the kept factors give at the present point, after whole
+    /// Largest entry of the next step, scaled, from the `correction` that the factors give at the present point, after whole
     /// steps. Not finite if the step is not.
     ///
     /// # Panics
@@ -54,9 +54,9 @@ impl Broyden {
             *u = -d / s;
         }
         for pair in earlier.windows(2) {
-            let along = dot(&pair[0].entries, entries) / pair[0].square;
+            let projection = dot(&pair[0].entries, entries) / pair[0].square;
             for (u, next) in entries.iter_mut().zip(&pair[1].entries) {
-                *u += along * next;
+                *u += projection * next;
             }
         }
         if let Some(last) = earlier.last() {

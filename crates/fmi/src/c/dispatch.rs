@@ -3,7 +3,7 @@
 //! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by itself, and `Name-avx2` in the
 //! same folder. An instance that `Name` creates there opens `Name-avx2`, gets all its calls forwarded, and closes it at its end; the
 //! operating system counts how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances that exist at
-//! the same time are all in one of the two, because they exchange stored states.
+//! the same time are all in one of the two, because they exchange stored states. A function is looked up at each call: 0.1 µs.
 //!
 //! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0",
 //! or if `Name-avx2` is not the file of its build. `Name` contains the hash of that file and compares it before the system opens the

@@ -1,27 +1,27 @@
-//! Numbers with N slopes, packed or one at a time: forward differentiation.
+//! Numbers with N derivatives, packed or one at a time: forward differentiation.
 
 use super::lanes::Lanes;
 use super::real::Real;
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The chain rule: the sum of slopes times the variations of what they are slopes by.
+/// The chain rule: the sum of derivatives times the variations of the arguments.
 #[inline(always)]
 pub fn along<const N: usize, L: Real>(slopes: &[L; N], by: &[L; N]) -> L {
     (1..N).fold(slopes[0] * by[0], |sum, k| sum + slopes[k] * by[k])
 }
 
-/// Numbers and their slopes in N directions.
+/// Numbers and their derivatives in N directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent<const N: usize, L = Lanes> {
     /// The numbers themselves.
     pub re: L,
-    /// Their slopes, one for each direction.
+    /// Their derivatives, one for each direction.
     pub eps: [L; N],
 }
 
 impl<const N: usize, L: Real> Tangent<N, L> {
-    /// Numbers without slopes.
+    /// Numbers without derivatives.
     #[inline(always)]
     fn plain(value: L) -> Self {
         Self {
@@ -30,7 +30,7 @@ impl<const N: usize, L: Real> Tangent<N, L> {
         }
     }
 
-    /// `value` with slope `slope` in `direction`; a constant if there is no such direction.
+    /// `value` with the derivative `slope` in `direction`; a constant if there is no such direction.
     #[inline(always)]
     #[must_use]
     pub fn seed(value: L, direction: usize, slope: f64) -> Self {
