@@ -205,11 +205,11 @@ def changed(study: Study, index: int, **values: float) -> xarray.Dataset:
     """The made-up results with a point changed; double underscores stand for dots."""
     rows = made_up(study)
     rows[index] |= {name.replace("__", "."): value for name, value in values.items()}
-    return maps.gridded(study.grid, table(study, rows))
+    return maps.data_set(study.grid, table(study, rows))
 
 
 def test_checks_pass_what_is_right(study: Study) -> None:
-    results = maps.gridded(study.grid, table(study, made_up(study)))
+    results = maps.data_set(study.grid, table(study, made_up(study)))
     assert [check.statement for check in checks.evaluate(results) if not check.passed] == []
 
 
@@ -234,14 +234,14 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
 def test_checks_find_a_hole(study: Study) -> None:
     rows = made_up(study)
     rows[4] = {"reason": "none found"}
-    failed = [check for check in checks.evaluate(maps.gridded(study.grid, table(study, rows))) if not check.passed]
+    failed = [check for check in checks.evaluate(maps.data_set(study.grid, table(study, rows))) if not check.passed]
     assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
     assert "ratio 1, utilisation 0.3, μ 0.07" in failed[0].found
 
 
 def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
-    sheets = maps.sheets(maps.gridded(several.grid, table(several, made_up(several))))
+    sheets = maps.sheets(maps.data_set(several.grid, table(several, made_up(several))))
     assert list(sheets) == ["thrust-ratio", "efficiency", "slip"]
     for name, figure in sheets.items():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
@@ -285,7 +285,7 @@ def test_states_make_sense_and_those_beyond_capacity_have_a_reason(study: Study,
     reasons = {number: row["reason"] for number, row in solved.items() if row["reason"]}
     assert set(reasons) == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
     assert all("beyond the capacity" in reason for reason in reasons.values())
-    results = maps.gridded(study.grid, table(study, solved))
+    results = maps.data_set(study.grid, table(study, solved))
     failed = [check.statement for check in checks.evaluate(results) if not check.passed]
     assert [statement for statement in failed if not statement.startswith("Losses of the belt sum")] == []
 

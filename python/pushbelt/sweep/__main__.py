@@ -106,7 +106,7 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line
 
-    from . import design_report, report
+    from . import report
     from .results import table, write_parquet
 
     for warning in warnings_of(study):
@@ -114,8 +114,7 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     rows, effort = from_command_line(study, options, "points", options.chunk or CHUNK, scheduler)
     results = table(study, rows)
     write_parquet(results, options.output / "results.parquet")
-    write = design_report.write if isinstance(study.grid, Design) else report.write
-    path = write(study, results, options.output, effort)
+    path = report.write(study, results, options.output, effort)
     failed = len(results) - results["reason"].null_count
     print(f"{path.resolve()} ({len(results)} points, {failed} without a steady state, {effort})")
     return 0 if failed < len(results) else 1

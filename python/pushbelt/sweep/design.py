@@ -54,9 +54,31 @@ class Varied:
     span: tuple[float, float] | None = None
 
 
+class Points:
+    """Points with values of columns: `initial.ratio`, `utilisation`, parameters and inputs of the FMU, in SI units."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def points(self) -> list[Point]:
+        """All points; their places number them."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
+
+    def check(self, variables: Mapping[str, Any]) -> None:
+        """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
+        for number, point in enumerate(self.points(), 1):
+            try:
+                checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
+            except StartValueError as error:
+                raise DesignError(f"point {number} of the design: {error}") from None
+
+
 @dataclass(frozen=True)
-class Design:
-    """Points with values of any columns: `initial.ratio`, `utilisation`, parameters and inputs of the FMU, in SI units."""
+class Design(Points):
+    """Points of any columns."""
 
     kind: str
     """`grid`, `Latin hypercube` or `list`."""
@@ -74,21 +96,6 @@ class Design:
         for line, row in enumerate(self.rows, 1):
             if len(row) != len(self.columns) or not all(map(math.isfinite, row)):
                 raise DesignError(f"point {line} of the design is not complete: {row}")
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def points(self) -> list[Point]:
-        """All points; their places number them."""
-        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
-
-    def check(self, variables: Mapping[str, Any]) -> None:
-        """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
-        for number, point in enumerate(self.points(), 1):
-            try:
-                checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
-            except StartValueError as error:
-                raise DesignError(f"point {number} of the design: {error}") from None
 
 
 # Reading

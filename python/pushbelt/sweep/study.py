@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from typing import Any
 
 from pushbelt.errors import PushbeltError
@@ -15,7 +16,7 @@ from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import point
-from .design import Design, DesignError
+from .design import Design, DesignError, Points
 from .point import Point, start_values
 
 class WrongUnitError(PushbeltError, ValueError):
@@ -51,8 +52,8 @@ def rpm(*speeds: float) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Grid:
-    """All combinations of the values of the axes. Each axis is ascending."""
+class Grid(Points):
+    """All combinations of the values of the axes, the utilisation fastest. Each axis is ascending."""
 
     force: tuple[float, ...] = (12e3,)
     """Secondary clamping force, N, above 0."""
@@ -75,18 +76,15 @@ class Grid:
         """Numbers of values in the order of `AXES`."""
         return tuple(len(getattr(self, name)) for name in AXES)
 
-    def __len__(self) -> int:
-        return math.prod(self.shape)
-
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of the points."""
         return tuple(axis.column for axis in AXES.values())
 
-    def points(self) -> list[Point]:
-        """All points; their places number them. The utilisation varies fastest."""
-        rows = itertools.product(*(getattr(self, name) for name in AXES))
-        return [dict(zip(self.columns, row, strict=True)) for row in rows]
+    @cached_property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """Values of the columns at all points."""
+        return tuple(itertools.product(*(getattr(self, name) for name in AXES)))
 
 
 DEFAULT = Grid()
@@ -107,11 +105,8 @@ class Study(Tasks):
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
-        if isinstance(self.grid, Design):
-            self.grid.check(self.variables)
-            fixed = {"initial.steady", "initial.equilibrium"}
-        else:
-            fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
+        self.grid.check(self.variables)
+        fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
@@ -128,9 +123,8 @@ class Study(Tasks):
 
     def start_values(self, point: Point) -> dict[str, float]:
         """All start values of a point."""
-        if isinstance(self.grid, Design):
-            point = {**point, **checked(self.variables, {name: one for name, one in point.items() if name in self.variables})}
-        return start_values(self.parameters, point)
+        known = {name: value for name, value in point.items() if name in self.variables}
+        return start_values(self.parameters, {**point, **checked(self.variables, known)})
 
 
 MOST = 2000
