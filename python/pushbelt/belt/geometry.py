@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import BELT_LENGTH
-from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
+from pushbelt.fmu.geometry import TwoPulleyCurve
+from pushbelt.maps.plan import stops
 
 SETS = 2  # Ring sets of a belt
 WIDTH = 0.024  # Width of the elements to which the engineering values of stiffness and film apply, m
@@ -136,31 +137,14 @@ class Belt:
         _require(low < high, f"the smallest pitch radius, {low:g} mm, is not below the largest, {high:g} mm")
         text = f"pulleys with a pitch radius of {high:g} mm touch each other at a center distance of {1e3 * d.center_distance:g} mm"
         _require(2.0 * self.max_radius < d.center_distance, text)
-        one = 1e3 * self.pitch_radii(1.0)[0]
+        one = 1e3 * (TwoPulleyCurve(d.center_distance, d.length, 0.0).primary_radius - self.pitch_offset)
         text = f"at ratio 1 the pitch radius is {one:.1f} mm, not within the stops at {low:g} and {high:g} mm: no ratio can be reached"
         _require(low <= one <= high, text)
-
-    def pitch_radii(self, ratio: float) -> tuple[float, float]:
-        """Pitch radii on the primary and the secondary pulley at a geometric ratio, m. ValueError if no belt closes there."""
-        d = self.dimensions
-        curve = TwoPulleyCurve(d.center_distance, d.length, theta_of(ratio))
-        return curve.primary_radius - self.pitch_offset, curve.secondary_radius - self.pitch_offset
 
     @cached_property
     def reach(self) -> float:
         """Largest ratio between the stops; the smallest is its reciprocal, as both pulleys are alike."""
-        low, high = 0.0, math.log(100.0)
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._within(math.exp(middle)) else (low, middle)
-        return math.exp(low)
-
-    def _within(self, ratio: float) -> bool:
-        try:
-            primary, secondary = self.pitch_radii(ratio)
-        except ValueError:
-            return False
-        return primary >= self.dimensions.min_radius and secondary <= self.max_radius
+        return stops({name: entry.value for name, entry in self.entries.items()})[1]
 
     # Parameters of the FMU
 
