@@ -46,11 +46,11 @@ class LinearGrid:
 
     def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
         """Points with a model: values by axis, and the model."""
-        return ((self.point(place), self.models[place]) for place in np.ndindex(self.shape) if self.models[place] is not None)
+        return ((self.point(place), model) for place, model in np.ndenumerate(self.models) if model is not None)
 
     def refused(self) -> Iterator[tuple[dict[str, float], str]]:
         """Points without a model: values by axis, and the reason."""
-        return ((self.point(place), self.reasons[place]) for place in np.ndindex(self.shape) if self.models[place] is None)
+        return ((self.point(place), self.reasons[place]) for place, model in np.ndenumerate(self.models) if model is None)
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
         """Values by axis at a point."""
@@ -79,9 +79,9 @@ class LinearGrid:
     def to_dataframe(self) -> pandas.DataFrame:
         """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
         rows = []
-        for place in np.ndindex(self.shape):
+        for place, model in np.ndenumerate(self.models):
             row: dict[str, Any] = dict(self.point(place))
-            if (model := self.models[place]) is not None:
+            if model is not None:
                 row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
             rows.append(row | {"reason": self.reasons[place]})
         return dataframe(rows)
@@ -99,10 +99,10 @@ class LinearGrid:
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
             raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
-        models = [model for model in self.models.flat if model is not None]
-        if not models:
+        kinds = {(model.coordinates, model.sample_time) for _, model in self.points()}
+        if not kinds:
             raise ArgumentError(f"{path} was not written: there is no linear model at any point")
-        if len(kinds := {(model.coordinates, model.sample_time) for model in models}) > 1:
+        if len(kinds) > 1:
             raise ArgumentError(f"{path} was not written: coordinates or sample times differ: {', '.join(map(str, kinds))}")
         writers[path.suffix](self, path)
 
@@ -116,10 +116,9 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
         with np.load(path, allow_pickle=False) as file:
             found = dict(file)
         axes = {str(name): found[f"axis.{name}"] for name in found["axes"]}
-        shape = found["order"].shape
-        models = np.full(shape, None, dtype=object)
-        for place in np.ndindex(shape):
-            if found["order"][place]:
+        models = np.full(found["order"].shape, None, dtype=object)
+        for place, order in np.ndenumerate(found["order"]):
+            if order:
                 models[place] = _model(found, place)
     except (KeyError, ValueError, EOFError) as error:
         raise InputFileError(f"{os.fspath(path)} does not contain linear models: {error}") from error
@@ -155,10 +154,8 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
     """Matrices and values of a model by their names in the files."""
-    discrete = () if model.sample_time is None else model.discrete()
     return {
-        **dict(zip(("Ad", "Bd", "Cd", "Dd"), discrete, strict=False)),
-        **{name: getattr(model, name.lower()) for name in "ABCD"},
+        **model._matrices(),
         "poles": model.poles,
         "held": np.array([model.held[name] for name in model.inputs]),
         "given": np.array([model.given[name] for name in model.inputs]),
@@ -171,52 +168,44 @@ def _arrays(model: LinearModel) -> dict[str, Any]:
 
 def _npz(grid: LinearGrid, path: Path) -> None:
     """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    models = grid.models
-    rows = [None if model is None else _arrays(model) for model in models.flat]
+    rows = [None if model is None else _arrays(model) for model in grid.models.flat]
     found = [row for row in rows if row is not None]
-    arrays = {}
-    for name in found[0]:
+
+    def full(name: str) -> Array:
         shape = np.max([row[name].shape for row in found], axis=0).astype(int)
-        full = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
+        values = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
         for place, row in enumerate(rows):
             if row is not None:
-                full[(place, *map(slice, row[name].shape))] = row[name]
-        arrays[name] = full.reshape(*models.shape, *shape)
-    first = next(model for model in models.flat if model is not None)
+                values[(place, *map(slice, row[name].shape))] = row[name]
+        return values.reshape(*grid.shape, *shape)
+
+    def each(of: Callable[[LinearModel], Any], missing: Any) -> NDArray[Any]:
+        return np.array([missing if model is None else of(model) for model in grid.models.flat]).reshape(grid.shape)
+
+    first = next(model for _, model in grid.points())
     np.savez_compressed(
-        path,
-        about=ABOUT,
-        coordinates=first.coordinates,
-        sampleTime=np.nan if first.sample_time is None else first.sample_time,
-        **arrays,
-        order=np.array([0 if model is None else len(model.a) for model in models.flat]).reshape(models.shape),
-        remarks=np.array(["" if model is None else "\n".join(model.remarks) for model in models.flat]).reshape(models.shape),
-        inputs=np.array(first.inputs),
-        outputs=np.array(first.outputs),
+        path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
+        **{name: full(name) for name in found[0]},
+        order=each(lambda model: len(model.a), 0), remarks=each(lambda model: "\n".join(model.remarks), ""),
+        inputs=np.array(first.inputs), outputs=np.array(first.outputs),
         units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
-        frequency=first.frequency,
-        reasons=grid.reasons.astype(str),
-        axes=np.array(list(grid.axes), dtype=str),
+        frequency=first.frequency, reasons=grid.reasons.astype(str), axes=np.array(list(grid.axes), dtype=str),
         **{f"axis.{name}": values for name, values in grid.axes.items()},
-    )
+    )  # fmt: skip
 
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
     from scipy.io import savemat
 
-    first = next(model for model in grid.models.flat if model is not None)
+    first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
-    for place, (model, reason) in enumerate(zip(grid.models.flat, grid.reasons.flat, strict=True)):
-        cells.flat[place] = {"reason": reason} if model is None else _structure(model)
+    for k, (place, model) in enumerate(np.ndenumerate(grid.models)):
+        cells.flat[k] = {"reason": grid.reasons[place]} if model is None else _structure(model)
     points = np.empty(len(grid.axes), dtype=object)
     points[:] = list(grid.axes.values())
-    names = {
-        "inputs": first.inputs,
-        "outputs": first.outputs,
-        "units": [first.units[name] for name in (*first.inputs, *first.outputs)],
-        "axes": list(grid.axes),
-    }
+    units = [first.units[name] for name in (*first.inputs, *first.outputs)]
+    names = {"inputs": first.inputs, "outputs": first.outputs, "units": units, "axes": grid.axes}
     texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
     savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
 
@@ -230,8 +219,8 @@ def _structure(model: LinearModel) -> dict[str, Any]:
 
 def _json(grid: LinearGrid, path: Path) -> None:
     models = [
-        grid.point(place) | ({"reason": reason} if model is None else model.document())
-        for place, model, reason in zip(np.ndindex(grid.shape), grid.models.flat, grid.reasons.flat, strict=True)
+        grid.point(place) | ({"reason": grid.reasons[place]} if model is None else model.document())
+        for place, model in np.ndenumerate(grid.models)
     ]
     axes = {name: values.tolist() for name, values in grid.axes.items()}
     path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

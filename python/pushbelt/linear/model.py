@@ -101,24 +101,24 @@ class LinearModel:
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
-        discrete = {} if self.sample_time is None else dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
         return {
             "coordinates": self.coordinates,
             "sampleTime": self.sample_time,
             "frequency": {"unit": "Hz", "value": self.frequency},
-            "inputs": [
-                {"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]}
-                for name in self.inputs
-            ],
+            "inputs": [{"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]} for name in self.inputs],
             "outputs": [{"name": name, "unit": self.units[name], "value": self.values[name]} for name in self.outputs],
             "states": list(self.states),
             "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
             "slip": self.slip,
             "macroSlip": self.macro_slip,
             "remarks": list(self.remarks),
-            **{name: matrix.tolist() for name, matrix in zip("ABCD", (self.a, self.b, self.c, self.d), strict=True)},
-            **{name: matrix.tolist() for name, matrix in discrete.items()},
+            **{name: matrix.tolist() for name, matrix in self._matrices().items()},
         }
+
+    def _matrices(self) -> dict[str, Array]:
+        """The matrices by their names in files; with a sample time also those in discrete time."""
+        found = {name: getattr(self, name.lower()) for name in "ABCD"}
+        return found if self.sample_time is None else found | dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
 
     def sampled(self, sample_time: float) -> LinearModel:
         """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
@@ -145,25 +145,10 @@ class LinearModel:
         grown = expm(times[..., None, None] * whole)
         return grown[..., :n, :n], grown[..., :n, n:]
 
-    @property
-    def ad(self) -> Array:
-        """A in discrete time."""
-        return self.discrete()[0]
-
-    @property
-    def bd(self) -> Array:
-        """B in discrete time."""
-        return self.discrete()[1]
-
-    @property
-    def cd(self) -> Array:
-        """C in discrete time: C."""
-        return self.discrete()[2]
-
-    @property
-    def dd(self) -> Array:
-        """D in discrete time: D."""
-        return self.discrete()[3]
+    ad = property(lambda self: self.discrete()[0], doc="A in discrete time.")
+    bd = property(lambda self: self.discrete()[1], doc="B in discrete time.")
+    cd = property(lambda self: self.discrete()[2], doc="C in discrete time: C.")
+    dd = property(lambda self: self.discrete()[3], doc="D in discrete time: D.")
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""

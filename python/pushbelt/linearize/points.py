@@ -12,7 +12,6 @@ import numpy as np
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
-from pushbelt.linear.model import LinearModel
 from pushbelt.variator import Variator
 
 AXES = {
@@ -103,19 +102,13 @@ def _number(name: str, word: str) -> float:
 def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
     """The grid without the points that require other loads than the specified ones."""
     models, reasons = grid.models.copy(), grid.reasons.copy()
-    for place in np.ndindex(grid.shape):
-        if models[place] is not None and (why := _other_loads(models[place], loads)):
+    for place, model in np.ndenumerate(grid.models):
+        held = {} if model is None else {name: (model.held.get(name, given), given) for name, given in loads.items()}
+        if why := [
+            f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
+            for name, (held, given) in held.items()
+            if abs(held - given) > SAME * max(abs(held), abs(given), SMALL[name])
+        ]:
             at = ", ".join(f"{name} {value:g}" for name, value in grid.point(place).items())
-            models[place], reasons[place] = None, f"no linear model at {at}: {why}"
+            models[place], reasons[place] = None, f"no linear model at {at}: {'; '.join(why)}"
     return LinearGrid(grid.axes, models, reasons)
-
-
-def _other_loads(model: LinearModel, loads: Mapping[str, float]) -> str:
-    found = []
-    for name, given in loads.items():
-        held = model.held.get(name, given)
-        if abs(held - given) > SAME * max(abs(held), abs(given), SMALL[name]):
-            found.append(
-                f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
-            )
-    return "; ".join(found)
