@@ -27,7 +27,7 @@ from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import merit
 from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
-from pushbelt.drive.transmission import PressureCircuit, PressureControl
+from pushbelt.drive.transmission import PressureCircuit
 from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity
@@ -296,13 +296,12 @@ def test_slip_controller_rests_while_it_is_overruled() -> None:
 
 def test_pressure_control_shortens_the_lag() -> None:
     circuit, lag = PressureCircuit(1e6), 0
-    control = PressureControl(circuit.lag)
     while circuit.force < 1e4 + 2e3 * (1.0 - math.exp(-1.0)):
-        circuit.advance(control.demand(1.2e4, circuit.force), STEP)
+        circuit.advance(circuit.demand(1.2e4), STEP)
         lag += 1
-    assert lag * STEP <= 2.0 * control.WANTED_LAG
+    assert lag * STEP <= 2.0 * circuit.wanted_lag
     for _ in range(20):
-        circuit.advance(control.demand(1.2e4, circuit.force), STEP)
+        circuit.advance(circuit.demand(1.2e4), STEP)
         assert circuit.force <= 1.2e4
     assert circuit.force == pytest.approx(1.2e4, rel=1e-3)
 
@@ -341,13 +340,13 @@ def test_ratio_control_shifts_both_ways() -> None:
 def test_ratio_control_reaches_its_target(target: float) -> None:
     """On the first-order belt that the control is designed for, with a map that is 10 % wrong and twice the gain."""
     control = RatioControl(FRICTION, MAP, LIMITS)
-    circuits, pressure = [PressureCircuit(1.2e6), PressureCircuit(8e5)], PressureControl(PressureCircuit.lag)
+    circuits = [PressureCircuit(1.2e6), PressureCircuit(8e5)]
     log_ratio, trace = 0.0, []
     for _ in range(800):
         measured = changed(ratio=math.exp(log_ratio))
         wanted = control.forces(target, measured, 8000.0, STEP)
         primary, secondary = (
-            circuit.area * circuit.advance(pressure.demand(force, circuit.force), STEP)
+            circuit.area * circuit.advance(circuit.demand(force), STEP)
             for circuit, force in zip(circuits, wanted, strict=True)
         )
         balance = 1.1 * MAP.thrust_ratio(measured.ratio, CARRIED / secondary)
@@ -368,7 +367,7 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
 
 def test_an_unknown_strategy_is_named() -> None:
     with pytest.raises(ValueError, match="Slip"):
-        transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
+        transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
 def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -609,7 +608,7 @@ def test_pressure_feedback_counts_near_capacity(archive: Archive, table: ThrustM
     led, late, _ = in_fast_overdrive(archive, table, "1 N·m of reserve")
     assert led["utilisation.signed"][late].mean() > 0.85
     assert led["macroSlip"].sum() == 0.0
-    monkeypatch.setattr(PressureControl, "demand", lambda _, wanted, __: wanted)
+    monkeypatch.setattr(PressureCircuit, "demand", lambda _, wanted: wanted)
     lagging, _, _ = in_fast_overdrive(archive, table, "1 N·m of reserve, no pressure feedback")
     assert lagging["macroSlip"].sum() > 0.0
 

@@ -131,9 +131,12 @@ class ThrustMap:
             raise ValueError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
 
         def at(name: str, force: float) -> Array:
-            (f, a), (s, b) = _within(axes["force"], force), _within(axes["speed"] ** 2, SPEED**2)
-            low, high = ((1.0 - b) * maps[name][k, s[0]] + b * maps[name][k, s[1]] for k in f)
-            return (1.0 - a) * low + a * high
+            table = maps[name]
+            for axis, value in ((axes["force"], force), (axes["speed"] ** 2, SPEED**2)):
+                place = float(np.interp(value, axis, np.arange(len(axis))))
+                low, high = table[math.floor(place)], table[math.ceil(place)]
+                table = low + place % 1.0 * (high - low)
+            return table
 
         rates = at("shiftRate", FORCE) / FORCE
         below = int(np.flatnonzero(axes["excess"] == 0.0)[0])
@@ -148,11 +151,3 @@ def _clearance_of(quotient: float) -> float:
     # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
     share = clip(quotient, OTHER_FORCE / FORCE, 0.98)
     return (share * FORCE - OTHER_FORCE) / (1.0 - share)
-
-
-def _within(axis: Array, at: float) -> tuple[tuple[int, int], float]:
-    """Indices of the neighbours on an ascending axis, and the share of the upper one; constant beyond it."""
-    upper = int(np.clip(np.searchsorted(axis, at), 1, max(len(axis) - 1, 1)))
-    if len(axis) == 1:
-        return (0, 0), 0.0
-    return (upper - 1, upper), float(np.clip((at - axis[upper - 1]) / (axis[upper] - axis[upper - 1]), 0.0, 1.0))
