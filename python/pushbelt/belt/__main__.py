@@ -41,7 +41,6 @@ MARGIN = 0.02
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("belt", __doc__, "NAME.json", fmu="the FMU that checks the set")
     found.add_argument("--name", default="belt", help="name of the set and of its file [default: belt]")
     belt, pulleys = found.add_argument_group("the belt"), found.add_argument_group("the pulleys")
@@ -62,7 +61,6 @@ def parser() -> argparse.ArgumentParser:
 
 
 def dimensions(options: argparse.Namespace) -> Dimensions:
-    """Dimensions of the command line."""
     given = {one.name: getattr(options, one.name) for one in dataclasses.fields(Dimensions)}
     return Dimensions(**{name: value for name, value in given.items() if value is not None})
 

@@ -105,8 +105,6 @@ def _chosen(value: float, given: bool, note: str = "") -> Entry:
 
 
 class Belt:
-    """Parameters of a belt with given dimensions."""
-
     def __init__(self, dimensions: Dimensions) -> None:
         """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
         self.dimensions = d = dimensions

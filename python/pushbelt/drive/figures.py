@@ -25,8 +25,6 @@ GROUP = "drive"  # Group name of charts and belt that share a cursor
 
 
 def drive(run: Run, group: str = "") -> Chart:
-    """Speed, ratio, engine, pressures, slip and loss over time."""
-
     def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
         return Series(name, run.time, values, colour, width=width)
 
@@ -50,7 +48,6 @@ def drive(run: Run, group: str = "") -> Chart:
 
 
 def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
-    """The belt during a run."""
     moments = np.array(sorted(run.snapshots))
     columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
     return over_time(moments, columns, run.snapshots, parameters)
@@ -77,7 +74,6 @@ def savings(fixed: Run, slip: Run) -> Chart:
 
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
-    """Distribution of the engine's work."""
     losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
     colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
     energies = [run.energies() for run in (slip, fixed)]

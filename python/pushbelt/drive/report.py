@@ -61,12 +61,10 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
 
 
 def write_html(results: Results, path: Path) -> None:
-    """Writes the report."""
     page.write_html("drive/drive.html.j2", context(results), path)
 
 
 def context(results: Results) -> dict[str, Any]:
-    """Values for the template."""
     parameters = parameter_set(results.plan.variator)
     fixed, slip, close_up, *slippery = results.runs
     motion, title = figures.belt_over_time(slip, parameters), "The belt on its pulleys during the drive"

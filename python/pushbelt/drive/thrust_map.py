@@ -111,7 +111,6 @@ class ThrustMap:
         return self._at(self._plain.thrust, ratio, utilisation)
 
     def slip(self, ratio: float, utilisation: float) -> float:
-        """Slip in the steady state."""
         return self._at(self._plain.slips, ratio, utilisation)
 
     def _at(self, table: Sequence[Sequence[float]], ratio: float, utilisation: float) -> float:

@@ -48,7 +48,6 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
 
 
 def summary(result: Damage) -> str:
-    """One line about a run."""
     used = f"largest equivalent amplitude {100.0 * result.utilisation:.0f} % of the fatigue limit"
     if result.total == 0.0:
         return f"damage 0, {used}; without the limit {_life(result, result.total_without_limit)}"

@@ -194,7 +194,6 @@ class LinearModel:
 
 
 def units_of_states(states: Iterable[str]) -> dict[str, str]:
-    """Units of states that are neither inputs nor outputs."""
     return {LOG_RATIO: "1"} if LOG_RATIO in states else {}
 
 

@@ -23,8 +23,6 @@ STATES = ("modal", "physical")
 
 
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
-    """The linear model about the state of an instance."""
-
     def modal(below: float) -> LinearModel:
         return LinearModel.of(solver.linearise(below))
 

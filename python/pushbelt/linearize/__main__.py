@@ -30,7 +30,6 @@ FILES = ("models.npz", "models.mat", "models.json")
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("linearize", __doc__, "the files and report.html")
     found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
     add_variator(found, None)
@@ -50,7 +49,6 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("linearize", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Computes the models, writes the files and prints their paths."""
     options = parser().parse_intermixed_args(arguments)
     provenance.begin("linearize", arguments)
     asked = points.read(options.settings, options.safety)
@@ -60,7 +58,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
-    """The models, with a progress bar."""
     # Imported here, so that the help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 

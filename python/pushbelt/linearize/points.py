@@ -35,8 +35,6 @@ class PointError(PushbeltError, ValueError):
 
 @dataclass(frozen=True)
 class Asked:
-    """The specified points and parameters."""
-
     points: Mapping[str, list[float]]
     """Specified values of `AXES`."""
     loads: Mapping[str, float]

@@ -35,7 +35,6 @@ class Drawn(NamedTuple):
     model: LinearModel
 
     def line(self, x: Array, y: Array) -> Series:
-        """A response of the model."""
         return Series(self.name, x, y, self.colour, dash=self.dash)
 
 

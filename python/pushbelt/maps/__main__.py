@@ -31,7 +31,6 @@ AXES = {
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("maps", __doc__, "maps, report and finished lines")
     add_short(found, "12 lines instead of 84")
     add_study(found)
@@ -44,7 +43,6 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("maps", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Solves the maps, writes files and report, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("maps", arguments)
     given = {name: getattr(options, name) for name in (*AXES, "ratios") if getattr(options, name) is not None}

@@ -74,7 +74,6 @@ def tables_of(maps: Maps) -> bytes:
 
 
 def _start_values(maps: Maps) -> dict[str, float]:
-    """Parameters of the variator that the FMU has as variables."""
     pulley = ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
     names = ["friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in pulley)]
     return {name: maps.parameters[name] for name in names}

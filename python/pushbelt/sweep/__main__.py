@@ -25,7 +25,6 @@ from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warni
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("sweep", __doc__, "report, maps, results and finished points")
     add_short(found, f"{len(SHORT)} points instead of {len(DEFAULT)}")
     add_study(found)
@@ -53,7 +52,6 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("sweep", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("sweep", arguments)
     if options.slurm is None and options.print_job:

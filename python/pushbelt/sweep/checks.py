@@ -24,7 +24,6 @@ def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:
 
 
 def evaluate(results: xarray.Dataset) -> list[Check]:
-    """All checks of the results of a grid or a design."""
     steady, held = results.steady, results.macroSlip == 0.0
     power = np.maximum(results["primary.power"], results["secondary.power"])
     # Powers are those of the belt, so they exclude the drag of the shafts.
@@ -43,7 +42,6 @@ def evaluate(results: xarray.Dataset) -> list[Check]:
 
 
 def _of_grid(results: xarray.Dataset) -> list[Check]:
-    """Checks along the axes of a grid."""
     steady, positive = results.steady, results.utilisation >= 0.0
     driving = steady & positive
 

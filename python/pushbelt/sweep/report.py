@@ -62,7 +62,6 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
 
 
 def _common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
-    """Values for the template of any study."""
     reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
     return {
         "version": study.description.version or "",

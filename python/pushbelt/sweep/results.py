@@ -76,7 +76,6 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
 
 
 def describe(study: Study) -> dict[str, Any]:
-    """Description of a study in the metadata."""
     description = study.description
     # The axes of a grid with their values, or the columns of a design.
     grid: dict[str, Any] = {axis.column: {"unit": axis.unit, "values": getattr(study.grid, name, ())} for name, axis in AXES.items()}

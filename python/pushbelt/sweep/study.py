@@ -78,7 +78,6 @@ class Grid(Points):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns of the points."""
         return tuple(axis.column for axis in AXES.values())
 
     @cached_property
@@ -118,11 +117,9 @@ class Study(Tasks):
         return {"parameters": dict(self.parameters), "grid": asdict(self.grid)}
 
     def tasks(self) -> list[dict[str, float]]:
-        """Start values of all points."""
         return [self.start_values(point) for point in self.grid.points()]
 
     def start_values(self, point: Point) -> dict[str, float]:
-        """All start values of a point."""
         known = {name: value for name, value in point.items() if name in self.variables}
         return start_values(self.parameters, {**point, **checked(self.variables, known)})
 
