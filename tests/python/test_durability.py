@@ -80,16 +80,6 @@ def test_damage_is_that_of_the_formula(tmp_path: Path) -> None:
     assert found.share(np.ones(101, dtype=bool), "primary pulley") == pytest.approx(1.0)
 
 
-def test_a_doubled_cycle_has_double_damage(tmp_path: Path) -> None:
-    once = run()
-    twice = {name: np.concatenate([one, one[1:]]) for name, one in once.items()}
-    for name in ("time", "distance"):
-        twice[name][101:] += once[name][-1]
-    first, second = computed(tmp_path / "a.csv", once), computed(tmp_path / "b.csv", twice)
-    assert second.total == pytest.approx(2.0 * first.total, rel=1e-12) and first.total > 0.0
-    assert second.life(second.total) == pytest.approx(first.life(first.total))
-
-
 def test_stress_below_the_limit_does_no_damage(tmp_path: Path) -> None:
     """The curve that continues ranks the parts."""
     below, above = (computed(tmp_path / "a.csv", run(amplitude=stress)) for stress in (3.99e8, 4.01e8))
@@ -277,17 +267,6 @@ def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert __main__.main([str(path), "--output", str(tmp_path / "out"), *words]) == 1
     error = capsys.readouterr().err
     assert named in error and error.count("\n") == 1
-
-
-def test_strength_has_the_units_of_belt(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.csv", run())
-    found = []
-    for strength, limit, safety in (("1900", "500", "--safety"), ("1900MPa", "0.5GPa", "--stress-safety"), ("1.9e9 Pa", "500 N/mm2", "--safety")):
-        words = ["--strength", strength, "--limit", limit, safety, "2"]
-        assert __main__.main([str(path), "--output", str(tmp_path), *words]) == 0
-        found.append(json.loads((tmp_path / "durability.json").read_text(encoding="utf-8"))["material"])
-    assert found[0] == found[1] == found[2]
-    assert (found[0]["strength"], found[0]["limit"], found[0]["safety"]) == (1.9e9, 5e8, 2.0)
 
 
 # The report

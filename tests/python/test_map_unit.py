@@ -81,34 +81,6 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
         assert one.read("modelDescription.xml") == other.read("modelDescription.xml")
 
 
-def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Archive, tmp_path: Path) -> None:
-    with Instance(maps_archive, LOADS) as unit:
-        unit.initialise()
-        unit.step_to(0.1)
-        data = unit.serialise(unit.get_state())
-        unit.step_to(0.5)
-        expected = unit.outputs()
-    with Instance(maps_archive, LOADS) as other:
-        other.set_state(other.deserialise(data, 0.1))
-        other.step_to(0.5)
-        assert other.outputs() == expected
-    copy = tmp_path / "copy.fmu"
-    with zipfile.ZipFile(map_fmu) as archive:
-        tables = archive.read(map_unit.TABLES_FILE)
-    map_unit.write_tables(map_fmu, copy, tables + b"\n")
-    with Archive.unpack(copy) as archive, Instance(archive, {}) as other, pytest.raises(UnitError, match="GUID"):
-        other.deserialise(data, 0.1)
-
-
-def test_the_state_beyond_the_tables_is_logged_once(maps_archive: Archive) -> None:
-    with Instance(maps_archive, {**LOADS, "secondary.clampingForce": 1e5, "primary.clampingForce": 1.4e5}) as unit:
-        unit.initialise()
-        for k in range(3):
-            unit.step_to(0.01 * (k + 1))
-        assert unit.get("map.outside")
-        assert len(unit.warnings) == 1
-
-
 def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_archive: Archive) -> None:
     """At points between those of the tables: slip, thrust ratio and loss with a held primary sheave."""
     for ratio, speed, torque, force in ((0.75, 140.0, 50.0, 8e3), (1.3, 260.0, 60.0, 12e3), (1.0, 330.0, -40.0, 10e3)):
@@ -218,26 +190,6 @@ def test_map_variator_has_the_equations_of_the_fmu(
     assert own.secondary_speed[2] == pytest.approx(expected["secondary.speed"], rel=1e-3, abs=1e-4)
     assert own.ratio[2] == pytest.approx(expected["ratio.geometric"], rel=1e-3)
     assert np.ptp(own.primary_speed) == 0.0
-
-
-def test_map_variator_error_is_of_first_order(maps_archive: Archive) -> None:
-    loads = (70.0, -60.0, 15e3, 1e4)
-    with Instance(
-        maps_archive, {"initial.steady": False, "inputs.ramp": 0.0, **dict(zip(LOADS, loads, strict=True))}
-    ) as unit:
-        unit.initialise()
-        for k in range(300):
-            unit.step_to(1e-3 * (k + 1))
-        exact = unit.get("ratio.geometric")
-    errors = []
-    for step in (2e-3, 1e-3):
-        own = MapVariator()
-        own.start(1.0, 209.44)
-        for _ in range(round(0.3 / step)):
-            own.step(step, *loads)
-        errors.append(abs(own.ratio[0] / exact - 1.0))
-    assert errors[1] < 0.6 * errors[0]
-    assert errors[1] < 1e-3
 
 
 def test_map_variator_refuses_what_it_does_not_know(tmp_path: Path, map_fmu: Path) -> None:
