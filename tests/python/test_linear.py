@@ -168,44 +168,37 @@ def test_axes_are_what_has_more_than_one_number(belt: Variator) -> None:
         belt.linear_grid([1.0], [40.0], changes={"friction.pully": [0.08]})
 
 
-def same(one: LinearModel, other: LinearModel) -> bool:
-    """Whether two models are equal to the last bit."""
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__)
+@pytest.fixture(scope="module")
+def written(grid: LinearGrid, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("linear")
+    for name in linearize.FILES:
+        grid.save(folder / name)
+    return folder
 
 
-def test_npz_comes_back_to_the_last_bit(grid: LinearGrid, tmp_path: Path) -> None:
-    grid.save(tmp_path / "models.npz")
-    back = load_linear(tmp_path / "models.npz")
-    assert back.shape == grid.shape
-    assert list(back.axes) == list(grid.axes)
-    assert all(np.array_equal(back.axes[name], values) for name, values in grid.axes.items())
-    for place in np.ndindex(grid.shape):
-        assert back.reasons[place] == grid.reasons[place]
-        one, other = grid.models[place], back.models[place]
+def test_npz_comes_back_to_the_last_bit(grid: LinearGrid, written: Path) -> None:
+    back = load_linear(written / "models.npz")
+    assert {name: values.tolist() for name, values in back.axes.items()} == {name: values.tolist() for name, values in grid.axes.items()}
+    assert back.reasons.tolist() == grid.reasons.tolist()
+    for one, other in zip(grid.models.flat, back.models.flat, strict=True):
         assert (one is None) == (other is None)
-        assert one is None or same(one, other)
-    with np.load(tmp_path / "models.npz") as file:
+        assert one is None or all(np.array_equal(getattr(one, name), getattr(other, name)) for name in one.__dataclass_fields__)
+    with np.load(written / "models.npz") as file:
         assert file["A"].shape[:3] == grid.shape and np.isnan(file["slip"][0, 1, 0])
 
 
-def test_mat_has_a_structure_a_point(grid: LinearGrid, tmp_path: Path) -> None:
-    grid.save(tmp_path / "models.mat")
-    file = loadmat(tmp_path / "models.mat")
+def test_mat_and_json_have_all_points(grid: LinearGrid, written: Path) -> None:
+    file, model = loadmat(written / "models.mat"), grid[1, 0, 1]
     assert file["models"].shape == grid.shape
-    cell, model = file["models"][1, 0, 1], grid[1, 0, 1]
-    fields = {name: cell[name][0, 0] for name in cell.dtype.names}
+    cell = file["models"][1, 0, 1][0, 0]
     for name, matrix in zip("ABCD", (model.a, model.b, model.c, model.d), strict=True):
-        assert np.array_equal(fields[name], matrix)
-    assert fields["held"].ravel().tolist() == list(model.held.values())
-    assert [str(name[0]) for name in file["inputs"].ravel()] == list(model.inputs)
-    assert [str(name[0]) for name in file["axes"].ravel()] == list(grid.axes)
+        assert np.array_equal(cell[name], matrix)
+    assert cell["held"].ravel().tolist() == list(model.held.values())
+    texts = {key: [str(name[0]) for name in file[key].ravel()] for key in ("inputs", "axes")}
+    assert texts == {"inputs": list(model.inputs), "axes": list(grid.axes)}
     assert file["points"].ravel()[2].ravel().tolist() == [0.085, 0.095]
     assert "900 N·m" in str(file["models"][0, 1, 0]["reason"][0, 0][0])
-
-
-def test_json_has_all_points(grid: LinearGrid, tmp_path: Path) -> None:
-    grid.save(tmp_path / "models.json")
-    document = json.loads((tmp_path / "models.json").read_text(encoding="utf-8"))
+    document = json.loads((written / "models.json").read_text(encoding="utf-8"))
     assert document["axes"]["ratio"] == [0.7, 1.4] and len(document["models"]) == 8
     first, refused = document["models"][0], document["models"][2]
     assert first["A"] == grid[0, 0, 0].a.tolist() and first["macroSlip"] is False
