@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import pushbelt
+from pushbelt import cli
 from pushbelt.belt import Belt, BeltError, Dimensions
 from pushbelt.belt.__main__ import OUT_OF_LIMITS, main
 from pushbelt.fmu import data
@@ -38,8 +39,7 @@ def test_formulas_give_the_published_sets(name: str, dimensions: Dimensions, tol
 
 
 def test_what_is_given_is_met_exactly() -> None:
-    published = data.parameter_set("belt155")
-    entries = Belt(BELT155).entries
+    published, entries = data.parameter_set("belt155"), Belt(BELT155).entries
     for key in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "belt.massPerLength"):
         assert entries[key].value == pytest.approx(published[key], rel=1e-4 if "belt" in key else 2e-5)
         assert entries[key].origin == "geometry"
@@ -59,12 +59,6 @@ def test_elements_fill_the_pitch_line() -> None:
     assert (counted.element_thickness, counted.play) == (1.5e-3, pytest.approx(line - 0.69))
     loose = Belt(Dimensions(**{**vars(wide), "elements": 460, "element_thickness": None, "play": 5e-4}))
     assert loose.element_thickness == pytest.approx((line - 5e-4) / 460)
-
-
-def test_more_layers_are_stiffer_and_heavier() -> None:
-    nine, twelve = (Belt(Dimensions(0.03, n, 0.7, 0.17)).entries for n in (9, 12))
-    for name in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "ring.lateralBendingStiffness"):
-        assert twelve[name].value / nine[name].value == pytest.approx(12 / 9)
 
 
 def test_reach_is_where_a_stop_is_met() -> None:
@@ -123,7 +117,7 @@ def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pyte
 @pytest.mark.parametrize(
     ("option", "why"),
     [
-        (["--length", "700"], "length of the belt is 700 m"), (["--ratio", "3.2"], "0.386 to 2.591"), (["--ratio", "nan"], "0.396 to 2.526"),
+        (["--length", "700"], "length of the belt is 700 m"), (["--ratio", "3.2"], "0.386 to 2.591"), (["--ratio", "nan"], "0.386 to 2.591"),
         (["--set", "belt.colour=1"], "belt.colour"), (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"),
         (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa"), (["--stress-safety", "0.1"], "safety of the steel: 0.1"),
         (["--safety", "0.1"], "safety of the load case: 0.1"), (["--rpm", "0"], "speed of the load case: 0 rad/s"),
@@ -152,25 +146,13 @@ def test_layers_alone_are_a_warning(fmu: Path, wide: Path) -> None:
         assert ["ring.layers" in str(warning.message) for warning in found] == [True] * count
 
 
-def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
-    from pushbelt.linearize.__main__ import main as linearize
-    from pushbelt.sweep.__main__ import main as sweep
-
-    common = ["--fmu", str(fmu), "--variator", str(wide)]
-    grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
-    point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200"]
-    assert sweep([*common, "--output", str(tmp_path / "sweep"), *grid]) == 0
-    assert linearize([*common, "--output", str(tmp_path / "linearize"), *point, "--safety", "1.3"]) == 0
-
-
 @pytest.mark.slow
-def test_set_runs_in_the_long_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
-    from pushbelt.demo.__main__ import main as demo
-    from pushbelt.drive.__main__ import main as drive
-    from pushbelt.durability.__main__ import main as durability
-
-    common = ["--fmu", str(fmu), "--variator", str(wide)]
-    assert demo([*common, "--output", str(tmp_path / "demo"), "--short"]) == 0
-    cycle = ["--short", "--cycle", "nedc", "--until", "60"]
-    assert drive([*common, "--output", str(tmp_path / "drive"), *cycle]) == 0
-    assert durability([*common, "--output", str(tmp_path / "durability"), str(tmp_path / "drive")]) == 0
+def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
+    grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
+    point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200", "--safety", "1.3"]
+    words = {
+        "sweep": grid, "linearize": point, "demo": ["--short"], "drive": ["--short", "--cycle", "nedc", "--until", "60"],
+        "durability": [str(tmp_path / "drive")],
+    }  # fmt: skip
+    for name, more in words.items():
+        assert cli.main([name, "--fmu", str(fmu), "--variator", str(wide), "--output", str(tmp_path / name), *more]) == 0

@@ -72,21 +72,6 @@ def test_a_point_sets_its_utilisation() -> None:
     assert start_values(PARAMETERS, at(2.0, 1.0, 0.08, 150.0, 1e4))["secondary.speedSetpoint"] == 75.0
 
 
-@pytest.mark.parametrize(
-    ("changes", "why"),
-    [
-        ({"belt.colour": 1.0}, "no parameter belt.colour"),
-        ({"thrustRatio": 1.0}, "no parameter thrustRatio"),
-        ({"initial.ratio": 2.0}, "set by the points of the study: initial.ratio"),
-        ({"mesh.strand": 4.5}, "mesh.strand = 4.5"),
-        ({"belt.play": math.nan}, "belt.play"),
-    ],
-)
-def test_study_refuses(fmu: Path, changes: dict, why: str) -> None:
-    with pytest.raises(ValueError, match=why):
-        Study(fmu, {**PARAMETERS, **changes}, GRID)
-
-
 def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
     copy = Path(shutil.copy(study.fmu, tmp_path / "copy.fmu"))
     assert Study(copy, dict(reversed(PARAMETERS.items())), GRID).identity == study.identity
