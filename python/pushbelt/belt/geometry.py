@@ -52,7 +52,7 @@ def _of(name: str, low: float, high: float, option: str, default: Any = MISSING,
     `shown` gives the default."""
     unit = {"MM": "m", "M": "m", "N": "", "G": "kg", "GPA": "Pa", "KG/M3": "kg/m3", "DEG": "rad"}[option]
     text = f"{name} [default: {shown}]" if shown else name
-    return field(default=default, metadata={"name": f"the {name}", "low": low, "high": high, "unit": unit, "option": option, "help": text})
+    return field(default=default, metadata={"name": "the " + name.split(":")[0], "low": low, "high": high, "unit": unit, "option": option, "help": text})
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ class Dimensions:
 
     width: float = _of("width of the elements", 0.01, 0.1, "MM")
     layers: int = _of("number of layers of each ring set", 1, 30, "N")
-    length: float = _of("length of the belt", *BELT_LENGTH, "M")
-    center_distance: float = _of("center distance", 0.05, 2.0, "M")
+    length: float = _of("length of the belt: of the unstretched ring at its centre line", *BELT_LENGTH, "M")
+    center_distance: float = _of("center distance: between the pulley axes", 0.05, 2.0, "M")
     element_thickness: float | None = _of("thickness of an element", 0.0005, 0.01, "MM", None, "1.5")
     elements: int | None = _of("number of elements", 50, 5000, "N", None, "as many as fit")
     play: float | None = _of("end play", 0.0, MOST_PLAY, "MM", None, "0.2, or what number and thickness leave")
@@ -74,7 +74,7 @@ class Dimensions:
     element_height: float = _of("height of an element", 0.004, 0.04, "MM", HEIGHT, "12")
     layer_thickness: float = _of("thickness of a layer", 0.00005, 0.001, "MM", 0.000185, "0.185")
     layer_width: float | None = _of("width of a layer", 0.001, 0.05, "MM", None, "(width − 6)/2")
-    pitch_offset: float | None = _of("pitch offset", 0.0, 0.01, "MM", None, "0.17 and half the layers")
+    pitch_offset: float | None = _of("pitch offset: rocking edge to ring centre line", 0.0, 0.01, "MM", None, "0.17 and half the layers")
     young: float = _of("Young's modulus of the ring", 1e11, 3e11, "GPA", 1.86e11, "186")
     density: float = _of("density of the ring", 6000.0, 10000.0, "KG/M3", 8000.0, "8000")
     wedge_angle: float = _of("half wedge angle", 0.08, 0.35, "DEG", math.radians(11.0), "11")
