@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from ..fmu.files import RESOURCES, found
-from ..fmu.geometry import Array
 from ..fmu.start_values import DESCRIPTION, checked, write_copy
 from ..fmu.untrusted import described
 from ..whole_file import copy_archive
@@ -33,6 +32,15 @@ GEOMETRY = (
     *("belt.pitchOffset", "friction.fall", "friction.fallSpeed"),
 )
 """Parameters of the variator that the tables contain."""
+VARIABLES = (
+    "friction.pulley",
+    *(
+        f"{side}.{name}"
+        for side in ("primary", "secondary")
+        for name in ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
+    ),
+)
+"""Parameters of the variator that the FMU has as variables."""
 DIGITS = 9
 """Significant digits of the tables."""
 TOKENS = re.compile(r'\b(guid|instantiationToken)="\{([0-9a-f-]{36})\}"')
@@ -56,33 +64,22 @@ def tables_of(maps: Maps) -> bytes:
     tables = {name: maps[name] for name in USED}
     # The equations rely on a traction that rises, which holds but for the noise of the solver.
     tables["traction"] = np.maximum.accumulate(tables["traction"], axis=-1)
+    rounded = np.vectorize(lambda value: float(f"{value:.{DIGITS}g}"))
     document = {
         "format": FORMAT,
         "version": VERSION,
         "source": dict(maps.source),
         "maps": maps.identity,
         "parameters": {name: maps.parameters[name] for name in GEOMETRY},
-        "startValues": _start_values(maps),
+        "startValues": {name: maps.parameters[name] for name in VARIABLES},
         "axes": {name: {"unit": AXES[name].unit, "values": maps.axes[name].tolist()} for name in AXES},
         "tables": {
-            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": _rounded(values)}
+            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()}
             for name, values in tables.items()
         },
     }
     # Only the numbers of tables are nested lists, so the file is compact without being one line.
     return (json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n").encode()
-
-
-def _start_values(maps: Maps) -> dict[str, float]:
-    pulley = ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
-    names = ["friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in pulley)]
-    return {name: maps.parameters[name] for name in names}
-
-
-def _rounded(values: Array) -> Any:
-    if values.ndim == 0:
-        return float(f"{float(values):.{DIGITS}g}")
-    return [_rounded(value) for value in values]
 
 
 def hash_of(content: bytes) -> int:
