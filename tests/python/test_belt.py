@@ -114,22 +114,6 @@ def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pyte
     assert (tmp_path / "belt.json").is_file()
 
 
-@pytest.mark.parametrize(
-    ("option", "why"),
-    [
-        (["--length", "700"], "length of the belt is 700 m"), (["--ratio", "3.2"], "0.386 to 2.591"), (["--ratio", "nan"], "0.386 to 2.591"),
-        (["--set", "belt.colour=1"], "belt.colour"), (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"),
-        (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa"), (["--stress-safety", "0.1"], "safety of the steel: 0.1"),
-        (["--safety", "0.1"], "safety of the load case: 0.1"), (["--rpm", "0"], "speed of the load case: 0 rad/s"),
-        (["--torque", "nan"], "torque of the load case: nan N.m"),
-    ],
-)  # fmt: skip
-def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], why: str) -> None:
-    assert main(["--fmu", str(fmu), "--output", str(tmp_path), *WIDE, *option]) == 1
-    assert why in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
-
-
 def test_units_may_follow_a_length(fmu: Path, tmp_path: Path, wide: Path) -> None:
     options = ["--fmu", str(fmu), "--output", str(tmp_path), "--width", "0.03m", "--layers", "12"]
     assert main([*options, "--length", "700mm", "--center-distance", "17cm", "--set", "friction.pulley=0.1"]) == 0

@@ -208,41 +208,6 @@ def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
     assert table["ratio.geometric"].to_pylist() == pytest.approx([0.5, 2.0], rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("options", "why"),
-    [
-        (["--vary", "belt.play=1e-4:2e-4"], "add a number of values, LOW:HIGH:N, or --samples"),
-        (["--vary", "belt.play=1e-4", "--samples", "5"], "--samples requires"),
-        (["--vary", "belt.play=1e-4", "--short"], "exclude --short"),
-        (["--samples", "5"], "--samples requires"),
-        (["--points", "points.csv", "--ratio", "1"], "it excludes --vary"),
-        (["--vary", "belt.play=1e-4", "--set", "belt.play=1e-4"], "set by the points of the study: belt.play"),
-        (["--print-job"], "--print-job requires the options of --slurm"),
-        (["--slurm", "jobs=1"], "--slurm excludes"),
-    ],
-)
-def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], why: str) -> None:
-    assert run(fmu, tmp_path, *options) == 1
-    assert why in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "hint"),
-    [
-        (["--force", "12", "--ratio", "1", "--utilisation", "0.3,0.6"], "Is the force in kN? 12 kN are 12000 N"),
-        (["--vary", "primary.torque=20:90:4", "--force", "9"], "Is the force in kN? 9 kN are 9000 N"),
-        (["--vary", "primary.torque=8000,9000", "--force", "12e3"], "Is the torque in N·mm? 8000 N·mm are 8 N·m"),
-    ],
-)
-def test_a_slip_of_units_is_answered_before_the_first_point(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], hint: str
-) -> None:
-    assert run(fmu, tmp_path, *options) == 1
-    said = capsys.readouterr().err
-    assert "the capacity is" in said and hint in said
-    assert not list(tmp_path.rglob("tasks-*"))
-
-
 def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
     def warned(**columns: tuple[float, ...]) -> list[str]:
         design = crossed([Varied(name.replace("_", "."), values) for name, values in columns.items()])

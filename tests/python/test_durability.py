@@ -254,21 +254,6 @@ def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert entry["lifeKilometres"] is None and entry["lifeHours"] > 0.0
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"), (["--limit", "6e8"], "limit of the steel: 6e+08 MPa"),
-        (["--strength", "2e9Pa", "--limit", "2500MPa"], "limit of the steel: 2500 MPa"), (["--knee", "10"], "knee of the steel: 10"),
-        (["--slope", "nan"], "slope of the steel: nan"), (["--safety", "0.1"], "safety of the steel: 0.1"),
-    ],
-)  # fmt: skip
-def test_bad_material_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], named: str) -> None:
-    path = write(tmp_path / "a.csv", run())
-    assert __main__.main([str(path), "--output", str(tmp_path / "out"), *words]) == 1
-    error = capsys.readouterr().err
-    assert named in error and error.count("\n") == 1
-
-
 # The report
 
 

@@ -235,34 +235,6 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
 # The command line
 
 
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (["initial.ratio"], "initial.ratio"),
-        (["initial.ratio=one"], "initial.ratio = 'one'"),
-        (["initial.ratio=nan"], "initial.ratio = nan"),
-        (["initial.ratio=1", "initial.ratio=2"], "initial.ratio appears twice"),
-        (["initial.ratio=1:2:0"], "initial.ratio=1:2:0"),
-        (["secondary.torque=-1,-2"], "secondary.torque"),
-        (["ring.model=ALE0,ALE9"], "ring.model = 'ALE9'"),
-        (["initial.ratoi=1"], "initial.ratio"),
-        (["initial.primarySpeed=0"], "0 rad/s"),
-        (["--frequency", "0"], "out of range"),
-        (["--safety", "0.1"], "--safety 0.1"),
-        (["--safety", "1.3", "secondary.clampingForce=9000"], "secondary.clampingForce"),
-        (["--outputs", "sleep", *WORDS], "sleep"),
-        (["--variator", "bench169"], "bench169"),
-    ],
-)
-def test_a_wrong_argument_gives_one_error(
-    words: list[str], why: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert linearize.main([*words, "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1
-    said = capsys.readouterr().err
-    assert why in said and said.count("\n") <= 2
-    assert "Traceback" not in said
-
-
 def test_lists_and_ranges_are_read() -> None:
     asked = points.read(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
     assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}

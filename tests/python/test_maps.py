@@ -40,7 +40,6 @@ GRID = Grid(
     excess=(-0.4, -0.1, 0.0, 0.1, 0.4),
 )
 """12 lines; a utilisation of 1.1 is beyond what the belt carries."""
-FIRST = {"force": (6e3,), "speed": (100.0,), "ratio": (1.0,)}
 
 
 @pytest.fixture(scope="module")
@@ -318,11 +317,3 @@ def test_the_program_writes_what_it_names(
     assert reports.figures(text) == 4 * 2 + 3
     assert not list((output / "studies").rglob("*.partial"))
     reports.look_at(output / "report.html")
-
-
-def test_the_program_says_why_it_failed(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--fmu", str(fmu), "--output", str(tmp_path)]
-    assert __main__.main([*words, "--speed", "0"]) == 1
-    assert "speed must be positive" in capsys.readouterr().err
-    assert __main__.main([*words, "--set", "belt.colour=1"]) == 1
-    assert "belt.colour" in capsys.readouterr().err
