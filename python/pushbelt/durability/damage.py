@@ -90,8 +90,8 @@ class Damage:
         # Shares are of the damage with the limit; without any such damage of the curve that continues below it.
         self.limited = self.total > 0.0
 
-    def share(self, rows: Array | slice, part: str | None = None) -> float:
-        """Share of the damage of some rows, of one part or of all."""
+    def share(self, rows: Array | slice = slice(None), part: str | None = None) -> float:
+        """Share of the damage of some rows or all, of one part or of all."""
         found = self.rows[self.limited]
         whole = sum(one.sum() for one in found.values())
         chosen = sum(one[rows].sum() for name, one in found.items() if part in (None, name))

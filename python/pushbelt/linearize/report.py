@@ -47,13 +47,9 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     charts = [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs]
     path = folder / "report.html"
     context = {
-        "grid": grid,
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
-        "inputs": first.inputs,
-        "units": first.units,
-        "outputs": first.outputs,
-        "frequency": first.frequency,
+        "first": first,
         "charts": charts,
         "drawn": len(drawn),
     }
