@@ -22,7 +22,7 @@ import pushbelt
 from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
-from pushbelt.drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
+from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.merit import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
@@ -97,20 +97,15 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
 # Cycle
 
 
-def test_cycle_is_wltc_class_3b() -> None:
-    cycle = wltc_class_3b()
-    assert 3.6 * cycle.speed.sum() == pytest.approx(83758.6)  # the regulation's check sum
-    assert (cycle.duration, cycle.distance, 3.6 * cycle.speed.max()) == pytest.approx((1800.0, 23266.0, 131.3), rel=4e-5)
-    assert all(cycle.at(start) == 0.0 for start, _ in PARTS.values())
-
-
-def test_cycle_is_nedc() -> None:
-    """The break points give the table of the package `wltp`, which begins with the end of the first second."""
-    cycle = nedc()
-    assert cycle.distance == pytest.approx(4052.0 + 6955.0, rel=1e-3)  # UN Regulation No. 83
-    assert (cycle.duration, 3.6 * cycle.speed.max()) == pytest.approx((1180.0, 120.0))
+def test_cycles_are_those_of_the_regulations() -> None:
+    """The break points of the NEDC give the table of the package `wltp`, which begins with the end of the first second."""
+    wltc, nedc = (CYCLES[name][1]() for name in ("wltc", "nedc"))
+    assert 3.6 * wltc.speed.sum() == pytest.approx(83758.6)  # the regulation's check sum
+    assert (wltc.duration, wltc.distance, 3.6 * wltc.speed.max()) == pytest.approx((1800.0, 23266.0, 131.3), rel=4e-5)
+    assert all(wltc.at(start) == 0.0 for start, _ in PARTS.values())
+    assert (nedc.duration, nedc.distance, 3.6 * nedc.speed.max()) == pytest.approx((1180.0, 4052.0 + 6955.0, 120.0), rel=1e-3)
     table = np.array(importlib.import_module("wltp.cycles.nedc").cycle_data()["cycle"])
-    assert [3.6 * cycle.at(1.0 + second) for second in range(len(table))] == pytest.approx(table, abs=1e-3)
+    assert [3.6 * nedc.at(1.0 + second) for second in range(len(table))] == pytest.approx(table, abs=1e-3)
 
 
 def test_section_starts_at_zero_and_at_standstill() -> None:
@@ -227,18 +222,12 @@ def test_slip_controller_finds_its_set_point() -> None:
 
 
 def test_slip_controller_does_not_wind_up() -> None:
-    control = SlipControl(FRICTION, MAP, 0.2)
+    """Neither at its limit, nor while a shift requires a larger force, so that the slip contains no information on friction."""
+    control, feed_forward = SlipControl(FRICTION, MAP, 0.2), FRICTION.clamping_force(MEASURED, 1.0 / 0.9)
     for _ in range(3000):
         low = control.force(changed(slip=0.0), STEP)
-    feed_forward = FRICTION.clamping_force(MEASURED, 1.0 / 0.9)
     assert low == pytest.approx(feed_forward)  # beyond 0.9 the map has no steady state
-    slipping = changed(slip=0.03)
-    forces = [control.force(slipping, STEP) for _ in range(30)]
-    assert max(forces) > feed_forward
-
-
-def test_slip_controller_rests_while_it_is_overruled() -> None:
-    """A shift requires a larger force than the strategy, so the slip then contains no information on friction."""
+    assert max(control.force(changed(slip=0.03), STEP) for _ in range(30)) > feed_forward
     control = SlipControl(FRICTION, MAP, 0.2)
     assert len({control.force(changed(slip=0.02), STEP, overruled=True) for _ in range(300)}) == 1
     assert len({control.force(changed(slip=0.02), STEP) for _ in range(3)}) == 3

@@ -33,11 +33,6 @@ RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
-@pytest.fixture
-def belt(coarse: Variator) -> Variator:
-    return coarse
-
-
 @pytest.fixture(scope="module")
 def grid(coarse: Variator) -> LinearGrid:
     """Two ratios, two torques of which one is beyond capacity, two frictions."""
@@ -47,8 +42,8 @@ def grid(coarse: Variator) -> LinearGrid:
 # Models
 
 
-def test_a_model_is_about_the_requested_point(belt: Variator) -> None:
-    model = belt.linearize(0.7, 60.0, speed=150.0, force=9e3)
+def test_a_model_is_about_the_requested_point(coarse: Variator) -> None:
+    model = coarse.linearize(0.7, 60.0, speed=150.0, force=9e3)
     assert model.values[RATIO] == pytest.approx(0.7, abs=1e-7)
     assert model.values["primary.speed"] == pytest.approx(150.0, rel=1e-9)
     assert model.held["primary.torque"] == pytest.approx(60.0, rel=2e-3)
@@ -62,9 +57,9 @@ def test_a_model_is_about_the_requested_point(belt: Variator) -> None:
     assert np.all(np.diff(np.abs(model.poles)) > -1e-9) and len(model.states) == len(model.poles)
 
 
-def test_small_steps_of_the_variator_follow_it(fmu: Path, belt: Variator) -> None:
+def test_small_steps_of_the_variator_follow_it(fmu: Path, coarse: Variator) -> None:
     """The run is independent of the model: 20 N more on P, within 2 % of the linear response."""
-    model = belt.linearize(0.7, 60.0, speed=150.0, force=9e3, frequency=20.0)
+    model = coarse.linearize(0.7, 60.0, speed=150.0, force=9e3, frequency=20.0)
     start = {**COARSE, "initial.ratio": 0.7, "initial.primarySpeed": 150.0, "solver.tolerance": 1e-6, **model.held}
     times = 0.02 * np.arange(1, 16)
 
@@ -87,8 +82,8 @@ def test_loads_are_those_that_act(fmu: Path) -> None:
     assert model.held["secondary.speedSetpoint"] == pytest.approx(model.values["secondary.speed"], rel=1e-6)
 
 
-def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, belt: Variator) -> None:
-    model = belt.linearize(1.0, 40.0, force=9e3)
+def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: Variator) -> None:
+    model = coarse.linearize(1.0, 40.0, force=9e3)
     start = {**COARSE, "initial.primarySpeed": 200.0, **model.held}
     with Variator("bench168", start, fmu=fmu) as variator:
         variator.step(0.01)
@@ -128,11 +123,11 @@ def test_the_fmu_itself_flags_it(fmu: Path) -> None:
     assert model.given["primary.torque"] == 400.0 and model.held["primary.torque"] < 200.0
 
 
-def test_refusals_in_python_name_the_point(belt: Variator) -> None:
+def test_refusals_in_python_name_the_point(coarse: Variator) -> None:
     with pytest.raises(LinearPointError, match="at ratio 1, 40 N·m.*no mode is slower than 0.01 Hz|out of range"):
-        belt.linearize(1.0, 40.0, force=9e3, frequency=1e-3)
+        coarse.linearize(1.0, 40.0, force=9e3, frequency=1e-3)
     # The variator can still be used.
-    assert belt.linearize(1.0, 40.0, force=9e3).values[RATIO] == pytest.approx(1.0)
+    assert coarse.linearize(1.0, 40.0, force=9e3).values[RATIO] == pytest.approx(1.0)
 
 
 def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -156,16 +151,16 @@ def test_a_grid_has_models_and_reasons(grid: LinearGrid) -> None:
     assert grid[0, 0, 0].values["torqueUtilisation"] > 1.1 * grid[0, 0, 1].values["torqueUtilisation"]
 
 
-def test_axes_are_what_has_more_than_one_number(belt: Variator) -> None:
+def test_axes_are_what_has_more_than_one_number(coarse: Variator) -> None:
     count = []
-    grid = belt.linear_grid([1.0], [40.0], speed=[100.0, 200.0], force=[9e3], after_each=lambda: count.append(1))
+    grid = coarse.linear_grid([1.0], [40.0], speed=[100.0, 200.0], force=[9e3], after_each=lambda: count.append(1))
     assert grid.shape == (1, 1, 2, 1) and list(grid.axes) == ["ratio", "torque", "speed", "force"]
     assert len(count) == 2
     assert grid[0, 0, 1, 0].values["primary.speed"] == pytest.approx(200.0)
     with pytest.raises(ValueError, match="the grid has no torque"):
-        belt.linear_grid([1.0], [])
+        coarse.linear_grid([1.0], [])
     with pytest.raises(pushbelt.StartValueError, match="similar names: friction.pulley"):
-        belt.linear_grid([1.0], [40.0], changes={"friction.pully": [0.08]})
+        coarse.linear_grid([1.0], [40.0], changes={"friction.pully": [0.08]})
 
 
 @pytest.fixture(scope="module")

@@ -23,11 +23,6 @@ ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
 
 
-@pytest.fixture
-def belt(coarse: Variator) -> Variator:
-    return coarse
-
-
 @pytest.fixture(scope="module")
 def grid(coarse: Variator) -> LinearGrid:
     return coarse.linear_grid([0.7, 0.8, 1.5], [30.0, 700.0], force=11e3, states="physical", sample_time=0.004)
@@ -106,8 +101,8 @@ def test_what_has_no_physical_coordinates_is_refused() -> None:
         physical(replace(model, c=nearly))
 
 
-def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
-    modal, found = belt.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
+def test_the_belt_has_them(coarse: Variator, grid: LinearGrid) -> None:
+    modal, found = coarse.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
     assert found.coordinates == "physical" and len(found.states) == 3
     w, loads = np.array([0.3, 2.0]), ["primary.clampingForce", "secondary.torque"]
     expected = modal.select(["ratio.geometric", "primary.speed"], loads).response(w)
@@ -115,7 +110,7 @@ def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
     assert np.abs(near - expected).max(axis=0) == pytest.approx(0.0, abs=0.02 * np.abs(expected).max())
     assert found.poles[:2] == pytest.approx(modal.poles[:2], rel=1e-5)
     with pytest.raises(ValueError, match="states = 'physic' is not one of modal, physical"):
-        belt.linearize(0.8, 30.0, force=11e3, states="physic")
+        coarse.linearize(0.8, 30.0, force=11e3, states="physic")
 
 
 def test_more_modes_are_searched_until_they_are_enough() -> None:
@@ -167,17 +162,6 @@ def test_a_sampled_model_stays_sampled() -> None:
     assert model.select(["slip"]).to_control().dt == 0.05
 
 
-def test_different_sample_times_do_not_mix(tmp_path: Path) -> None:
-    one = physical(invented([-0.3, -4.0, -90.0]))
-    models = np.array([one, one.sampled(0.05)], dtype=object)
-    grid = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
-    with pytest.raises(ArgumentError, match="sample times"):
-        grid.interpolate(ratio=1.5)
-    with pytest.raises(ArgumentError, match="sample times"):
-        grid.save(tmp_path / "models.npz")
-    assert [system.dt for system in grid.to_control()] == [0, 0.05]
-
-
 def test_poles_at_zero_integrate() -> None:
     """A double pole at zero, whose eigenvectors are no base: x₂ = b₂ t, x₁ = b₁ t + b₂ t²/2."""
     model = replace(invented([-1.0, -2.0]), a=np.array([[0.0, 1.0], [0.0, 0.0]]), poles=np.zeros(2, dtype=complex))
@@ -201,7 +185,7 @@ def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> Non
         assert found.held == pytest.approx(grid[k, 0].held)
 
 
-def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variator) -> None:
+def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, coarse: Variator) -> None:
     """The elements of A by themselves do not have this property."""
     found, ends = grid.interpolate(ratio=0.75, torque=30.0), (grid[0, 0], grid[1, 0])
     for k in range(2):
@@ -210,7 +194,7 @@ def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variat
     elements = 0.5 * ends[0].a + 0.5 * ends[1].a
     assert abs(np.sort(np.linalg.eigvals(elements).real)[-2] - found.poles[1].real) > 0.5
     # About 0.75 this coarse mesh has two steady states.
-    near, there = grid.interpolate(ratio=0.77, torque=30.0), belt.linearize(0.77, 30.0, force=11e3)
+    near, there = grid.interpolate(ratio=0.77, torque=30.0), coarse.linearize(0.77, 30.0, force=11e3)
     assert near.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
 
 
@@ -228,11 +212,18 @@ def test_a_point_that_cannot_be_interpolated_is_named(grid: LinearGrid, point: d
         grid.interpolate(**point)
 
 
-def test_modal_models_are_not_interpolated() -> None:
-    models = np.array([invented([-0.3, -2.0]), invented([-0.4, -1.0])], dtype=object)
-    modal = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
-    with pytest.raises(ValueError, match="make the grid with states='physical'"):
-        modal.interpolate(ratio=1.5)
+@pytest.mark.parametrize("sampled", [True, False])
+def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> None:
+    """With and without a sample time, and in modal coordinates, which have no mean."""
+    one = physical(invented([-0.3, -4.0, -90.0]))
+    models = np.array([one, one.sampled(0.05)] if sampled else [invented([-0.3, -2.0]), invented([-0.4, -1.0])], dtype=object)
+    grid = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
+    with pytest.raises(ArgumentError, match="sample times" if sampled else "physical"):
+        grid.interpolate(ratio=1.5)
+    if sampled:
+        with pytest.raises(ArgumentError, match="sample times"):
+            grid.save(tmp_path / "models.npz")
+        assert [system.dt for system in grid.to_control()] == [0, 0.05]
 
 
 def test_files_contain_coordinates_and_discrete_matrices(
@@ -257,7 +248,7 @@ def test_files_contain_coordinates_and_discrete_matrices(
     assert "sample_time = 0.0 s is not a number above 0" in capsys.readouterr().err
 
 
-def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_few_modes_are_a_reason(coarse: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
-        belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
+        coarse.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
