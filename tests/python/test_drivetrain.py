@@ -28,7 +28,7 @@ from pushbelt.drive.merit import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit
-from pushbelt.drive.vehicle import demo_car
+from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force, torque_capacity
 from pushbelt.fmu.geometry import Array
@@ -135,6 +135,27 @@ def test_brake_holds_without_ringing() -> None:
         speed -= STEP / CAR.mass * CAR.brake_force(5000.0, speed, STEP)
         assert speed >= 0.0
     assert speed < 1e-6
+
+
+def test_locked_engine_follows_the_pulley() -> None:
+    """Engine torque minus the torque that accelerates its inertia reaches the pulley."""
+    powertrain, pulley = Powertrain(CAR), 110.0
+    powertrain.speed = 112.0
+    for _ in range(200):
+        pulley += 20.0 * STEP
+        clutch = powertrain.advance(40.0, pulley, STEP)
+    assert powertrain.locked and powertrain.speed == pytest.approx(pulley, abs=1.0)
+    assert clutch == pytest.approx(40.0 - 20.0 * CAR.engine_inertia, abs=1.5)
+
+
+def test_driver_follows_a_ramp() -> None:
+    cycle = Cycle(np.array([0.0, 2.0, 22.0, 40.0]), np.array([0.0, 0.0, 20.0, 20.0]))
+    driver, speed, errors = Driver(CAR, cycle), 0.0, []
+    for time in STEP * np.arange(4000):
+        speed = max(speed + STEP * (driver.demand(time, speed, STEP).force - CAR.road_load(speed)) / CAR.mass, 0.0)
+        errors.append(speed - cycle.at(time))
+    assert np.abs(errors).max() < 0.5 and abs(errors[-1]) < 0.02
+    assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
 
 
 # Hydraulics
@@ -446,8 +467,6 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     run = driven(archive, table, strategy, 20.0, snapshots=(19.0,))
     root_mean_square, largest = report.speed_error(run)
     assert root_mean_square < 0.6 and largest < 2.0 and report.ratio_error(run) < 0.1
-    # The clutch has locked, and engine and primary pulley turn together.
-    assert run["clutch.locked"][-1] and run["engine.speed"][-100:] == pytest.approx(run["primary.speed"][-100:], rel=0.01)
     assert run["macroSlip"].sum() == run.interventions == 0
     assert run["ratio.geometric"][-1] < 1.1
     energies = run.energies()

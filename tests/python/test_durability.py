@@ -77,7 +77,9 @@ def test_damage_is_that_of_the_formula(tmp_path: Path) -> None:
     hours, kilometres = found.life(found.total)
     assert kilometres == pytest.approx(0.12 / found.total)
     assert hours == pytest.approx(10.0 / 3600.0 / found.total)
-    assert found.share(np.ones(101, dtype=bool), "primary pulley") == pytest.approx(1.0)
+    assert found.share(part="primary pulley") == pytest.approx(1.0)
+    faster = computed(tmp_path / "b.csv", run() | {"ring.speed": np.linspace(5.0, 15.0, 101)})
+    assert faster.turns.sum() == pytest.approx(100.0 / LENGTH), "by the trapezoidal rule"
 
 
 def test_stress_below_the_limit_does_no_damage(tmp_path: Path) -> None:

@@ -183,6 +183,9 @@ def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> Non
             expected = getattr(grid[k, 0], name)
             assert np.abs(getattr(found, name) - expected).max() < 1e-8 * np.abs(expected).max()
         assert found.held == pytest.approx(grid[k, 0].held)
+    # Half way in the logarithm of the ratio.
+    force, (low, high) = "primary.clampingForce", (grid[k, 0].held for k in (1, 2))
+    assert grid.interpolate(ratio=1.2**0.5, torque=30.0).held[force] == pytest.approx(0.5 * (low[force] + high[force]))
 
 
 def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, coarse: Variator) -> None:

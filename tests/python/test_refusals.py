@@ -19,7 +19,8 @@ REFUSED = {
         ("--set belt.colour=1", "belt.colour"), ("--strength 2e9", "strength of the steel: 2e+09 MPa"),
         ("--limit 2.1GPa", "limit of the steel: 2100 MPa"), ("--stress-safety 0.1", "safety of the steel: 0.1"),
         ("--safety 0.1", "safety of the load case: 0.1"), ("--rpm 0", "speed of the load case: 0 rad/s"),
-        ("--torque nan", "torque of the load case: nan N.m"),
+        ("--torque nan", "torque of the load case: nan N.m"), ("--element-mass 60", "is 0.06 kg"), ("--young 400", "is 4e+11 Pa"),
+        ("--wedge-angle 45", "is 0.785398 rad"),
     ],
     "durability": [
         ("--strength 2e9", "strength of the steel: 2e+09 MPa"), ("--limit 6e8", "limit of the steel: 6e+08 MPa"),
