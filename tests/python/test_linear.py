@@ -237,23 +237,23 @@ def test_lists_and_ranges_are_read() -> None:
 
 
 def test_a_grid_is_written_with_its_report(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: Any
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By `pushbelt linearize`, as it is installed: enumerations by name, one torque beyond capacity."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.chdir(tmp_path)
-    words = ["initial.ratio=0.6,1.2,2", "primary.torque=30,500", "secondary.clampingForce=9000", *WORDS]
-    assert cli.main(["linearize", *words, "--variator", "belt155", "--frequency", "20"]) == 0
+    words = ["initial.ratio=0.6,2", "primary.torque=30,500", "secondary.clampingForce=9000", *WORDS, "--time", "0.5"]
+    assert cli.main(["linearize", *words, "--variator", "belt155", "--states", "physical", "--sample-time", "0.01"]) == 0
     said = capsys.readouterr()
-    assert "no linear model at 3 of 6 points" in said.err and said.err.count("500 N·m") == 3
+    assert "no linear model at 2 of 4 points" in said.err and said.err.count("500 N·m") == 2
     folder = tmp_path / "pushbelt-linearize"
-    assert {path.name for path in folder.iterdir()} == {"models.npz", "models.mat", "models.json", "report.html"}
+    assert {path.name for path in folder.iterdir()} == {*linearize.FILES, "report.html"}
     found = load_linear(folder / "models.npz")
-    assert found.shape == (3, 2) and list(found.axes) == ["ratio", "torque"]
-    assert found[1, 0].values[RATIO] == pytest.approx(1.2) and found[1, 0].frequency == 20.0
+    assert found.shape == (2, 2) and list(found.axes) == ["ratio", "torque"]
+    assert found[1, 0].values[RATIO] == pytest.approx(2.0) and (found[1, 0].coordinates, found[1, 0].sample_time) == ("physical", 0.01)
     text = reports.stands_alone(folder / "report.html")
     assert reports.figures(text) == 3 * (4 + 8)
-    assert "ratio 1.2, torque 30" in text and "500 N·m" in text
+    assert "ratio 2, torque 30" in text and "500 N·m" in text
     reports.look_at(folder / "report.html")
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -16,7 +15,6 @@ from pushbelt.linear import physical as linear_physical
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
-from pushbelt.linearize import __main__ as linearize
 from pushbelt.variator import Variator
 
 ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
@@ -229,26 +227,19 @@ def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> N
         assert [system.dt for system in grid.to_control()] == [0, 0.05]
 
 
-def test_files_contain_coordinates_and_discrete_matrices(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["initial.ratio=0.9,1.3", "primary.torque=25", "secondary.clampingForce=9500", *WORDS, "--time", "0.5"]
-    options = ["--states", "physical", "--sample-time", "0.01", "--fmu", str(fmu), "--output", str(tmp_path)]
-    assert linearize.main([*words, *options]) == 0
-    grid = load_linear(tmp_path / "models.npz")
-    model = grid[1, 0]
-    assert (model.coordinates, model.sample_time, model.units[LOG_RATIO]) == ("physical", 0.01, "1")
-    assert grid.interpolate(ratio=1.1).poles.real.max() < 1.0
+def test_files_contain_coordinates_and_discrete_matrices(grid: LinearGrid, tmp_path: Path) -> None:
+    for kind in ("npz", "mat", "json"):
+        grid.save(tmp_path / f"models.{kind}")
+    back, model = load_linear(tmp_path / "models.npz"), grid[1, 0]
+    assert (back[1, 0].coordinates, back[1, 0].sample_time, back[1, 0].units[LOG_RATIO]) == ("physical", 0.004, "1")
     with np.load(tmp_path / "models.npz") as file:
         assert np.array_equal(file["Ad"][1, 0], model.ad) and np.array_equal(file["Dd"][1, 0], model.d)
     cell = loadmat(tmp_path / "models.mat")["models"][1, 0]
-    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.01
+    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.004
     text = (tmp_path / "models.json").read_text(encoding="utf-8")
     assert '"coordinates": "physical"' in text and '"Cd"' in text
-    table = grid.to_dataframe()
-    assert table["held primary.torque"].tolist() == pytest.approx([25.0, 25.0], rel=1e-2) and len(table) == 2
-    assert linearize.main([*words, *options, "--sample-time", "0"]) == 1
-    assert "sample_time = 0.0 s is not a number above 0" in capsys.readouterr().err
+    table = back.to_dataframe()
+    assert table["held primary.torque"][0] == pytest.approx(30.0, rel=1e-2) and len(table) == 6 and "700" in table["reason"][1]
 
 
 def test_too_few_modes_are_a_reason(coarse: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
