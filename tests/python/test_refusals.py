@@ -28,8 +28,8 @@ REFUSED = {
         ("--slope nan", "slope of the steel: nan"), ("--safety 0.1", "safety of the steel: 0.1"),
     ],
     "linearize": [
-        ("initial.ratio", "initial.ratio"), ("initial.ratio=one", "initial.ratio = 'one'"), ("initial.ratio=nan", "initial.ratio = nan"),
-        ("initial.ratio=1 initial.ratio=2", "initial.ratio appears twice"), ("initial.ratio=1:2:0", "initial.ratio=1:2:0"),
+        ("initial.ratio", "initial.ratio"), ("initial.ratio=one", "initial.ratio = 'one'"), ("initial.ratio=nan", "ratio = nan"),
+        ("initial.ratio=1 initial.ratio=2", "initial.ratio appears twice"), ("initial.ratio=1:2:0", "initial.ratio = '1:2:0'"),
         ("secondary.torque=-1,-2", "secondary.torque"), ("ring.model=ALE0,ALE9", "ring.model = 'ALE9'"), ("initial.ratoi=1", "initial.ratio"),
         ("initial.primarySpeed=0", "0 rad/s"), ("--frequency 0", "out of range"), ("--safety 0.1", "--safety 0.1"),
         ("--safety 1.3 secondary.clampingForce=9000", "secondary.clampingForce"), (f"--outputs sleep {' '.join(WORDS)}", "sleep"),

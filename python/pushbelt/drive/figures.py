@@ -10,13 +10,12 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.report.belt_view import SPEEDS, Motion, over_time
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
-from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-RPM = 30.0 / np.pi
 LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED), strict=True))
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""

@@ -8,18 +8,13 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import Maps
-from pushbelt.maps.panels import SLIPS, TICKS, Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import QUANTITIES, TICKS, Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.style import BLUE, ORANGE, RPM
 
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 """Points in the maps, by the numbers of the table `state`. Those beyond the capacity are behind the border."""
-QUANTITIES = (
-    Quantity("Thrust ratio", "thrustRatio"),
-    Quantity("Slip", "slip", 100.0, "%", SLIPS),
-    Quantity("Efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 88, 90, 92, 94, 95, 96, 97, 98)),
-    Quantity("Torque loss at the primary shaft", "torqueLoss", unit="N·m"),
-)
+SHOWN = (*QUANTITIES, Quantity("torque loss at the primary shaft", "torqueLoss", unit="N·m"))
 
 
 def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
@@ -36,7 +31,7 @@ def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
                 title = f"{1e-3 * maps.axes['force'][place[0]]:g} kN, {RPM * maps.axes['speed'][place[1]]:.0f} rpm"
                 panels.append(_contour(maps, shown, f"{name}: {title}" if name else title, table[place], place, levels))
     columns = len(first.axes["speed"]) if len(named) == 1 else 2
-    return Chart(panels, f"Maps of {shown.name.lower()}", columns=columns, common_legend=True, least_width=240)
+    return Chart(panels, f"Maps of {shown.name}", columns=columns, common_legend=True, least_width=240)
 
 
 def _nearest(maps: Maps, axis: str, value: float) -> int:

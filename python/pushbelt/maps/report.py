@@ -20,7 +20,7 @@ def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) 
         "maps": maps,
         "effort": effort,
         "beside": beside,
-        "contours": [(shown.heading, figures.contours(named, shown)) for shown in figures.QUANTITIES],
+        "contours": [(shown.heading, figures.contours(named, shown)) for shown in figures.SHOWN],
         "lines": figures.lines(maps),
         # Without the numbers after the first comma.
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),

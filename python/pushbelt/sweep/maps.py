@@ -15,7 +15,7 @@ from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.panels import SLIPS, Quantity, levels_of, middle_of
+from pushbelt.maps.panels import QUANTITIES, Quantity, levels_of, middle_of
 from pushbelt.report.style import INK, RED, RPM, STYLE, colour_stops
 
 from .design import Points
@@ -34,13 +34,6 @@ def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
         numbers.index = pandas.MultiIndex.from_product(axes.values(), names=axes)
     found = numbers.to_xarray()
     return found.assign(steady=found.thrustRatio.notnull())
-
-
-QUANTITIES = (
-    Quantity("thrust ratio", "thrustRatio"),
-    Quantity("efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)),
-    Quantity("slip", "slip", 100.0, "%", SLIPS),
-)
 
 
 def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:

@@ -12,7 +12,7 @@ import pandas
 import pyarrow as pa
 import xarray
 
-from pushbelt.maps.panels import Quantity
+from pushbelt.maps.panels import QUANTITIES, Quantity
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import write_html
 from pushbelt.report.style import BLUE, RED, RPM, in_figures
@@ -26,15 +26,9 @@ from .study import AXES, Study
 PICTURE_DPI = 160
 FEW = 12
 """Largest number of failed points that are listed individually."""
-
-
 SHOWN = (
-    Quantity("thrust ratio", "thrustRatio"),
-    Quantity("efficiency", "efficiency", 100.0, "%"),
-    Quantity("slip", "slip", 100.0, "%"),
-    Quantity("losses", "loss.total", unit="W"),
-    Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
-)
+    *QUANTITIES, Quantity("losses", "loss.total", unit="W"), Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
+)  # fmt: skip
 LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}
 """Scale and unit of lengths and angles."""
 LARGE = 1e5
@@ -144,7 +138,7 @@ def _scatter(numbers: pandas.DataFrame, name: str, unit: str) -> Chart:
     slipping = numbers.macroSlip == 1.0
     label = name if unit in ("", "1") else f"{name} ({unit})"
     panels = []
-    for quantity in SHOWN[:3]:
+    for quantity in QUANTITIES:
         y = quantity.scale * numbers[quantity.column]
         kinds = (("steady", y.notna() & ~slipping, BLUE), ("slips through", y.notna() & slipping, RED))
         series = [
