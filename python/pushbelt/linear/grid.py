@@ -201,20 +201,18 @@ def _mat(grid: LinearGrid, path: Path) -> None:
     first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
     for k, (place, model) in enumerate(np.ndenumerate(grid.models)):
-        cells.flat[k] = {"reason": grid.reasons[place]} if model is None else _structure(model)
+        cells.flat[k] = {"reason": grid.reasons[place]}
+        if model is not None:
+            texts = {name: np.array(getattr(model, name), dtype=object) for name in ("states", "remarks")}
+            sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
+            about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency}
+            cells.flat[k] |= {**_arrays(model), **texts, **sampled, **about, "reason": ""}
     points = np.empty(len(grid.axes), dtype=object)
     points[:] = list(grid.axes.values())
     units = [first.units[name] for name in (*first.inputs, *first.outputs)]
     names = {"inputs": first.inputs, "outputs": first.outputs, "units": units, "axes": grid.axes}
     texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
     savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
-
-
-def _structure(model: LinearModel) -> dict[str, Any]:
-    texts = {"states": np.array(model.states, dtype=object), "remarks": np.array(model.remarks, dtype=object)}
-    sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
-    about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency, "reason": ""}
-    return {**_arrays(model), **texts, **sampled, **about}
 
 
 def _json(grid: LinearGrid, path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
 from pushbelt.variator import Variator
@@ -25,10 +25,6 @@ SAME = 0.01
 """Largest relative difference between a specified and a required load."""
 SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
 """Smallest magnitude of a load in this comparison, N and N·m."""
-
-
-class PointError(PushbeltError, ValueError):
-    """The specified points cannot be read."""
 
 
 class Asked(NamedTuple):
@@ -55,20 +51,20 @@ def read(settings: Sequence[str], safety: float | None = None) -> Asked:
     for setting in settings:
         name, _, text = setting.partition("=")
         if not (name and text):
-            raise PointError(f"`{setting}` is not of the form NAME=VALUE")
+            raise ArgumentError(f"`{setting}` is not of the form NAME=VALUE")
         if name in found:
-            raise PointError(f"{name} appears twice")
+            raise ArgumentError(f"{name} appears twice")
         found[name] = _values(name, text)
         if name in REACTIONS and len(found[name]) > 1:
-            raise PointError(f"{name} follows from the point: give at most one value, which is compared with the result")
+            raise ArgumentError(f"{name} follows from the point: give at most one value, which is compared with the result")
     points = {name: found.pop(name) for name in AXES if name in found}
     loads = {name: found.pop(name)[0] for name in REACTIONS if name in found}
     parameters = {name: words[0] for name, words in found.items() if len(words) == 1}
     changes = {name: words for name, words in found.items() if len(words) > 1}
     if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
-        raise PointError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
+        raise ArgumentError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
     if safety is not None and "secondary.clampingForce" in points:
-        raise PointError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
+        raise ArgumentError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
     return Asked(points, loads, parameters, changes, safety)
 
 
@@ -82,7 +78,7 @@ def _values(name: str, text: str) -> list[Any]:
             return [read(value) for value in np.linspace(float(parts[0]), float(parts[1]), int(parts[2])).tolist()]
     except ValueError:
         pass
-    raise PointError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of 2 to 1000")
+    raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of 2 to 1000")
 
 
 def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:

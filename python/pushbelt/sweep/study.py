@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from typing import Any
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu import capacity, starts, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
@@ -18,10 +18,6 @@ from pushbelt.study.tasks import Tasks, ascending, spread
 from . import point
 from .design import Design, DesignError, Points
 from .point import Point, start_values
-
-class WrongUnitError(PushbeltError, ValueError):
-    """Forces or torques of all points look like a wrong unit."""
-
 
 CHUNK = 8
 """Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
@@ -128,20 +124,19 @@ MOST = 2000
 """Largest number of points that are checked for wrong units, evenly spaced in the study."""
 
 
-def excessive_speed(values: Mapping[str, float]) -> str | None:
-    """Reason why the speed of a point is not realistic; None if it is."""
-    return capacity.excessive_speed(values, values["initial.ratio"], values["initial.primarySpeed"])
-
-
 def warnings_of(study: Study) -> Iterator[str]:
     """Warnings about forces and torques in a wrong unit and about excessive belt speeds, before anything is solved. Raises
-    WrongUnitError if no point carries its torque, and a wrong unit explains it at all of them."""
+    ArgumentError if no point carries its torque, and a wrong unit explains it at all of them."""
     points = study.grid.points()
     values = [study.start_values(point) for point in points[:: -(-len(points) // MOST)]]
+
+    def excessive_speed(one: Mapping[str, float]) -> str | None:
+        return capacity.excessive_speed(one, one["initial.ratio"], one["initial.primarySpeed"])
+
     for slips in (capacity.slip_of_units, excessive_speed):
         found = [text for one in values if (text := slips(one))]
         if slips is capacity.slip_of_units and len(found) == len(values):
-            raise WrongUnitError(found[0])
+            raise ArgumentError(found[0])
         if found:
             yield found[0] if len(found) == 1 else f"{found[0]} (and {len(found) - 1} more of {len(values)} points)"
 
