@@ -62,16 +62,6 @@ def test_grid_numbers_its_points() -> None:
     assert points[1] == at(0.5, 0.5, 0.1, 100.0, 1e4)
 
 
-def test_a_point_sets_its_utilisation() -> None:
-    """2 μ r_P F_S/cosβ; r_P of the laboratory variator is 57 mm at ratio 1."""
-    values = start_values(PARAMETERS, at(1.0, -0.5, 0.08, 150.0, 1e4))
-    radius = -values["primary.torque"] * math.cos(math.radians(11.0)) / (2.0 * 0.08 * 1e4 * 0.5)
-    assert radius == pytest.approx((0.703 - 2.0 * 0.168) / (2.0 * math.pi) - 1e-3)
-    assert values["friction.pulley"] == 0.08
-    assert values["secondary.speedSetpoint"] == 150.0
-    assert start_values(PARAMETERS, at(2.0, 1.0, 0.08, 150.0, 1e4))["secondary.speedSetpoint"] == 75.0
-
-
 def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
     copy = Path(shutil.copy(study.fmu, tmp_path / "copy.fmu"))
     assert Study(copy, dict(reversed(PARAMETERS.items())), GRID).identity == study.identity

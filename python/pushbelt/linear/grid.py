@@ -16,7 +16,7 @@ from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from . import interpolation
-from .model import Array, LinearModel, units_of_states
+from .model import LOG_RATIO, Array, LinearModel
 
 if TYPE_CHECKING:
     import pandas
@@ -141,7 +141,7 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
         given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
         values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | units_of_states(found["states"][place]),
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | {LOG_RATIO: "1"},
         frequency=float(found["frequency"]),
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),

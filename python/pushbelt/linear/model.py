@@ -53,7 +53,7 @@ class LinearModel:
     values: Mapping[str, float]
     """Outputs at the point."""
     units: Mapping[str, str]
-    """Units of inputs and outputs."""
+    """Units of inputs and outputs, and of ln i."""
     frequency: float
     """Frequency, Hz, below which modes are states."""
     slip: float
@@ -89,7 +89,7 @@ class LinearModel:
             poles=poles[:, 0] + 1j * poles[:, 1],
             held={one["name"]: one["held"] for one in loads},
             values={one["name"]: one["value"] for one in readings},
-            units={one["name"]: one["unit"] for one in (*loads, *readings)} | units_of_states(states),
+            units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
             frequency=document["frequency"]["value"],
             slip=document["slip"],
             macro_slip=bool(document["macroSlip"]),
@@ -191,10 +191,6 @@ class LinearModel:
         plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
         matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)
         return ss(*matrices, **plain)
-
-
-def units_of_states(states: Iterable[str]) -> dict[str, str]:
-    return {LOG_RATIO: "1"} if LOG_RATIO in states else {}
 
 
 def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[np.complex128]:

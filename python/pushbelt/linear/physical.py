@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PushbeltError
-from .model import LOG_RATIO, Array, LinearModel, units_of_states
+from .model import LOG_RATIO, Array, LinearModel
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
@@ -77,10 +77,7 @@ def physical(model: LinearModel) -> LinearModel:
         b[n] -= (a[n, n] + natural) * direct / natural
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
-    units = {**model.units, **units_of_states(names)}
-    return replace(
-        model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
-    )
+    return replace(model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), coordinates="physical")
 
 
 def sorted_poles(a: Array) -> NDArray[np.complex128]:
