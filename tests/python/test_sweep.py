@@ -30,7 +30,7 @@ from pushbelt.study.run import Effort, chunks
 from pushbelt.study.store import Store
 from pushbelt.study.worker import Solver
 from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
-from pushbelt.sweep.point import Row, solve, start_values
+from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, rpm, variator
 
