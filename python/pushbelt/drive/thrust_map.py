@@ -141,12 +141,7 @@ class ThrustMap:
         below = int(np.flatnonzero(axes["excess"] == 0.0)[0])
         near = slice(max(below - 1, 0), below + 2)
         quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
-        clearance = _clearance_of(float(np.median(quotients[quotients > 0.0])))
+        # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
+        share = clip(float(np.median(quotients[quotients > 0.0])), OTHER_FORCE / FORCE, 0.98)
+        clearance = (share * FORCE - OTHER_FORCE) / (1.0 - share)
         return cls(axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance)
-
-
-def _clearance_of(quotient: float) -> float:
-    """F_c, N, from the quotient of the shift rates at `OTHER_FORCE` and at the map's force."""
-    # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
-    share = clip(quotient, OTHER_FORCE / FORCE, 0.98)
-    return (share * FORCE - OTHER_FORCE) / (1.0 - share)
