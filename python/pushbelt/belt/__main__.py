@@ -60,11 +60,6 @@ def parser() -> argparse.ArgumentParser:
     return found
 
 
-def dimensions(options: argparse.Namespace) -> Dimensions:
-    given = {one.name: getattr(options, one.name) for one in dataclasses.fields(Dimensions)}
-    return Dimensions(**{name: value for name, value in given.items() if value is not None})
-
-
 class Load(NamedTuple):
     """A load case: torque (N·m), primary speed (rad/s), safety factor of the clamping force."""
 
@@ -109,7 +104,8 @@ def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, s
 def main(arguments: Sequence[str] | None = None) -> int:
     """Writes the set and prints its values and checks. Returns 3 if a check of the load case fails."""
     options = parser().parse_args(arguments)
-    belt = Belt(dimensions(options))
+    given = {one.name: getattr(options, one.name) for one in dataclasses.fields(Dimensions)}
+    belt = Belt(Dimensions(**{name: value for name, value in given.items() if value is not None}))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         raise BeltError(
             f"ratio {options.ratio:g} is out of reach: the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm allow "

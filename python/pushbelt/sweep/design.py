@@ -152,7 +152,8 @@ def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = N
     a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
     try:
         sheet = sheets.read(path, _known(variables), reading)
-        names = [name for name in sheet.taken if _settable(variables, name)]
+        settable = {UTILISATION, *(name for name, variable in variables.items() if variable.causality in SETTABLE)}
+        names = [name for name in sheet.taken if name in settable]
         sheet.check()
         if not names:
             raise TableError("no column is a parameter or an input of the FMU", path)
@@ -174,10 +175,6 @@ def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = N
         *(f"{fault}: the row is left out" for fault in sheet.left_out),
     ]
     return Design("list", tuple(names), rows), remarks
-
-
-def _settable(variables: Mapping[str, Any], name: str) -> bool:
-    return name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)
 
 
 def _known(variables: Mapping[str, Any]) -> dict[str, Column]:

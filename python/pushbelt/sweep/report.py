@@ -40,10 +40,11 @@ MOST_COLUMNS = 12
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     """Writes the report, and for a grid its maps as image files; returns the path of the report."""
     path = folder / "report.html"
-    if isinstance(study.grid, Design):
-        write_html("sweep/design.html.j2", _of_design(study, table, effort), path)
-        return path
     results = maps.data_set(study.grid, table)
+    context = _common(study, table, effort) | {"checks": checks.evaluate(results) if results.steady.any() else []}
+    if isinstance(study.grid, Design):
+        write_html("sweep/design.html.j2", context | _of_design(study, table), path)
+        return path
     pictures = folder / "maps"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.png"):
@@ -51,7 +52,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     for name, figure in maps.sheets(results).items():
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
         plt.close(figure)
-    write_html("sweep/sweep.html.j2", _of_grid(study, table, results, effort), path)
+    write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
     return path
 
 
@@ -75,15 +76,13 @@ def _common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
     }
 
 
-def _of_grid(study: Study, table: pa.Table, results: xarray.Dataset, effort: Effort) -> dict[str, Any]:
+def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
     grid, steady = study.grid, results.steady
     middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
     return {
-        **_common(study, table, effort),
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
         "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "macroSlip")},
         "failed": checks.names_of(results, ~steady)[:FEW],
-        "checks": checks.evaluate(results) if steady.any() else [],
         "cut": {
             "picture": figures.cuts(middle),
             "friction": float(middle.friction),
@@ -101,7 +100,7 @@ def _shown(variable: Any, value: float) -> str:
     return f"{value:g}"
 
 
-def _of_design(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
+def _of_design(study: Study, table: pa.Table) -> dict[str, Any]:
     names = list(study.grid.columns)
     rows = table.to_pandas()
     numbers = rows.drop(columns=["remarks", "reason"]).astype(float)
@@ -110,11 +109,8 @@ def _of_design(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
     correlations = numbers[[*names, *columns]].corr("spearman", min_periods=3).loc[names, columns]
     strongest = correlations.abs().max(axis=1).fillna(0.0).sort_values(ascending=False, kind="stable").index
     failed = rows[rows.reason.notna()]
-    given = _common(study, table, effort)
-    units = {name: metadata["unit"] for name, metadata in given["columns"]}
+    units = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
     return {
-        **given,
-        "checks": checks.evaluate(maps.data_set(study.grid, table)),
         "design": study.grid,
         "failed": [
             {"point": row.point, "values": [row[name] for name in names], "reason": row.reason}
