@@ -206,6 +206,7 @@ def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
     table = pq.read_table(tmp_path / "results.parquet")
     assert table["primary.torque"].to_pylist() == [20.0, 40.0]
     assert table["ratio.geometric"].to_pylist() == pytest.approx([0.5, 2.0], rel=1e-3)
+    assert table["utilisation"].to_pylist() == pytest.approx(table["torqueUtilisation"].to_pylist(), rel=0.05)
 
 
 def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
