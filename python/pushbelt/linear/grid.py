@@ -16,7 +16,7 @@ from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from . import interpolation
-from .model import LOG_RATIO, Array, LinearModel
+from .model import Array, LinearModel
 
 if TYPE_CHECKING:
     import pandas
@@ -126,30 +126,21 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
 
 
 def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
-    inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
-    n = int(found["order"][place])
-    remarks = str(found["remarks"][place])
-    return LinearModel(
-        a=found["A"][place][:n, :n],
-        b=found["B"][place][:n],
-        c=found["C"][place][:, :n],
-        d=found["D"][place],
-        inputs=inputs,
-        outputs=outputs,
-        states=tuple(found["states"][place][:n].tolist()),
-        poles=found["poles"][place][:n],
-        held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
-        given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
-        values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | {LOG_RATIO: "1"},
-        frequency=float(found["frequency"]),
-        slip=float(found["slip"][place]),
-        macro_slip=bool(found["macroSlip"][place] == 1.0),
-        remarks=tuple(remarks.split("\n")) if remarks else (),
+    n, remarks, poles = int(found["order"][place]), str(found["remarks"][place]), found["poles"][place]
+    inputs, outputs, units = (found[name].tolist() for name in ("inputs", "outputs", "units"))
+    loads = zip(inputs, units[: len(inputs)], found["given"][place].tolist(), found["held"][place].tolist(), strict=True)
+    readings = zip(outputs, units[len(inputs) :], found["values"][place].tolist(), strict=True)
+    return LinearModel.of({
+        "A": found["A"][place][:n, :n], "B": found["B"][place][:n], "C": found["C"][place][:, :n], "D": found["D"][place],
+        "inputs": [dict(zip(("name", "unit", "given", "held"), one, strict=True)) for one in loads],
+        "outputs": [dict(zip(("name", "unit", "value"), one, strict=True)) for one in readings],
+        "states": found["states"][place][:n].tolist(), "poles": np.column_stack([poles.real, poles.imag])[:n],
+        "frequency": {"value": float(found["frequency"])}, "slip": float(found["slip"][place]),
+        "macroSlip": found["macroSlip"][place] == 1.0, "remarks": remarks.split("\n") if remarks else (),
         # Files of earlier versions have no coordinates.
-        coordinates=str(found.get("coordinates", "modal")),
-        sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
-    )
+        "coordinates": str(found.get("coordinates", "modal")),
+        "sampleTime": float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
+    })  # fmt: skip
 
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
