@@ -52,7 +52,8 @@ def _of(name: str, low: float, high: float, option: str, default: Any = MISSING,
     `shown` gives the default."""
     unit = {"MM": "m", "M": "m", "N": "", "G": "kg", "GPA": "Pa", "KG/M3": "kg/m3", "DEG": "rad"}[option]
     text = f"{name} [default: {shown}]" if shown else name
-    return field(default=default, metadata={"name": "the " + name.split(":")[0], "low": low, "high": high, "unit": unit, "option": option, "help": text})
+    about = {"name": "the " + name.split(":")[0], "low": low, "high": high, "unit": unit, "option": option, "help": text}
+    return field(default=default, metadata=about)
 
 
 @dataclass(frozen=True)

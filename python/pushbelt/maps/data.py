@@ -210,15 +210,12 @@ class Maps:
             file.format_version = np.int32(VERSION)
             for name, text in self._about().items():
                 setattr(file, name, text.encode())
-            for name, axis in AXES.items():
+            for name in AXES:
                 file.createDimension(name, len(self.axes[name]))
-                variable = file.createVariable(name, "d", (name,))
-                variable[:] = self.axes[name]
-                variable.units, variable.long_name = axis.unit.encode(), axis.description.encode()
-            for name, quantity in TABLES.items():
-                variable = file.createVariable(name, "d", quantity.axes)
-                variable[:] = self.tables[name]
-                variable.units, variable.long_name = quantity.unit.encode(), quantity.description.encode()
+            for name, about in {**AXES, **TABLES}.items():
+                variable = file.createVariable(name, "d", (name,) if name in AXES else TABLES[name].axes)
+                variable[:] = self.axes[name] if name in AXES else self.tables[name]
+                variable.units, variable.long_name = about.unit.encode(), about.description.encode()
                 if name == "state":
                     variable.flag_values = np.arange(len(STATES), dtype=float)
                     variable.flag_meanings = " ".join(STATES).encode()
