@@ -65,7 +65,10 @@ def physical(model: LinearModel) -> LinearModel:
         share, natural = _pair(rows / scale[:, None], a, n)
         rows = np.vstack([rows, share @ a / natural])
         scale = np.append(scale, 1.0)
-    condition = _condition(rows / scale[:, None])
+    # With columns of unit length, because the length of a mode is arbitrary.
+    scaled = rows / scale[:, None]
+    lengths = np.linalg.norm(scaled, axis=0)
+    condition = float(np.linalg.cond(scaled / np.where(lengths > 0.0, lengths, 1.0)))
     if not condition < WORST:
         raise NotPhysicalError(
             f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}"
@@ -102,14 +105,10 @@ def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array
 
 def _rows(model: LinearModel, c: Array, names: Sequence[str]) -> tuple[Array, Array]:
     """Rows of C for the coordinates, and the magnitude of each coordinate: the speed, or 1 for ln i."""
-    rows, scale = [], []
-    for name in names:
-        output = RATIO if name == LOG_RATIO else name
-        value = model.values[output]
-        row = c[model.outputs.index(output)]
-        rows.append(row / value if name == LOG_RATIO else row)
-        scale.append(1.0 if name == LOG_RATIO else max(abs(value), 1.0))
-    return np.array(rows), np.array(scale)
+    outputs, logs = [RATIO if name == LOG_RATIO else name for name in names], np.array([name == LOG_RATIO for name in names])
+    rows = c[[model.outputs.index(output) for output in outputs]]
+    values = np.array([model.values[output] for output in outputs])
+    return rows / np.where(logs, values, 1.0)[:, None], np.where(logs, 1.0, np.maximum(np.abs(values), 1.0))
 
 
 def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
@@ -118,12 +117,6 @@ def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
     share = np.zeros_like(rows[0])
     share[n - 1 :] = (normal @ rows)[n - 1 :]
     return share, float(np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :])))
-
-
-def _condition(rows: Array) -> float:
-    """Condition number with columns of unit length, because the length of a mode is arbitrary."""
-    lengths = np.linalg.norm(rows, axis=0)
-    return float(np.linalg.cond(rows / np.where(lengths > 0.0, lengths, 1.0)))
 
 
 def with_enough_modes(linearise: Callable[[float], LinearModel], frequency: float) -> LinearModel:
