@@ -36,8 +36,7 @@ UNITS = {
 """How the values of options are read, by their units."""
 LOADS = {"torque": (-2000.0, 2000.0, " N.m"), "speed": (1.0, 2000.0, " rad/s"), "safety": (*SAFETY_RANGE, "")}
 """Range of each value of a load case."""
-MARGIN = 0.02
-"""Distance of the outer ratios from the end stops, relative."""
+MARGIN = 0.02  # Distance of the outer ratios from the end stops, relative
 
 
 def parser() -> argparse.ArgumentParser:

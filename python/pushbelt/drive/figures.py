@@ -52,8 +52,7 @@ def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
     return over_time(moments, columns, run.snapshots, parameters)
 
 
-LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})
-"""Looks of the fixed safety factor and of slip control."""
+LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
 
 
 def savings(fixed: Run, slip: Run) -> Chart:

@@ -18,8 +18,7 @@ from ..errors import ArgumentError
 from .model import Array, LinearModel
 from .physical import sorted_poles
 
-FASTER = 10.0
-"""Ratio of the fastest pole and the next one above which the fastest is interpolated by itself."""
+FASTER = 10.0  # Ratio of the fastest pole and the next one above which the fastest is interpolated by itself
 
 Weighted = Sequence[tuple[LinearModel, float]]
 

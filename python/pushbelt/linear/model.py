@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     import control
 
 Array = NDArray[np.float64]
-LOG_RATIO = "ln(ratio.geometric)"
-"""Name of the state ln i."""
+LOG_RATIO = "ln(ratio.geometric)"  # Name of the state ln i
 
 
 class LinearPointError(PushbeltError, RuntimeError):

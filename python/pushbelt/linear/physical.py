@@ -24,12 +24,9 @@ from .model import LOG_RATIO, Array, LinearModel
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
 RATIO = "ratio.geometric"
-FORCES = ("primary.clampingForce", "secondary.clampingForce")
-"""Inputs without one of which the ratio is held."""
-WORST = 1e6
-"""Condition number of the transform above which it is refused."""
-MOST_HERTZ = 1600.0
-"""Frequency up to which modes are searched for the coordinates, Hz."""
+FORCES = ("primary.clampingForce", "secondary.clampingForce")  # Inputs without one of which the ratio is held
+WORST = 1e6  # Condition number of the transform above which it is refused
+MOST_HERTZ = 1600.0  # Frequency up to which modes are searched for the coordinates, Hz
 
 
 class NotPhysicalError(PushbeltError, ValueError):

@@ -17,10 +17,8 @@ from .grid import LinearGrid
 from .physical import NotPhysicalError, with_enough_modes
 from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints, over
 
-FREQUENCY = 50.0
-"""Default frequency, Hz, below which modes are states of a linear model."""
-STATES = ("modal", "physical")
-"""Kinds of states of a linear model."""
+FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
+STATES = ("modal", "physical")  # Kinds of states of a linear model
 
 
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:

@@ -24,8 +24,7 @@ from pushbelt.variator import Variator
 
 from . import points
 
-OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
-"""Default outputs of the figures."""
+OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
 
 

@@ -21,8 +21,7 @@ AXES = {
 """Names of the FMU's variables, and of the corresponding axes of a grid."""
 REACTIONS = ("primary.clampingForce", "secondary.torque")
 """Loads that hold a point. A specified value is compared with the required one."""
-SAME = 0.01
-"""Largest relative difference between a specified and a required load."""
+SAME = 0.01  # Largest relative difference between a specified and a required load
 SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
 """Smallest magnitude of a load in this comparison, N and N·m."""
 

@@ -17,13 +17,11 @@ from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, 
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 DASHES = ("", "dash", "dot")
-LOWEST = 0.01
-"""Lowest frequency of the Bode plots, Hz."""
+LOWEST = 0.01  # Lowest frequency of the Bode plots, Hz
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
 
-MOST_DASHED = 4
-"""Largest number of values of the axis with colours, if another one has dashes."""
+MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
 
 
 class Drawn(NamedTuple):

@@ -22,8 +22,7 @@ from .data import AXES, Maps
 from .lines import collect
 from .plan import COARSE, SHORT, Plan
 
-GIVEN = ("force", "speed", "ratio", "utilisation")
-"""Axes with an option."""
+GIVEN = ("force", "speed", "ratio", "utilisation")  # Axes with an option
 
 
 def parser() -> argparse.ArgumentParser:

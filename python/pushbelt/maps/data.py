@@ -20,12 +20,10 @@ import numpy as np
 from ..errors import PushbeltError
 from ..fmu.geometry import Array
 
-VERSION = 1
-"""Version of the files' content."""
+VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
 """Meaning of the numbers of the table `state`. The first two are steady states."""
-ROUTE = ("force", "speed", "ratio")
-"""Axes of a line."""
+ROUTE = ("force", "speed", "ratio")  # Axes of a line
 
 
 class MapError(PushbeltError, ValueError):
@@ -86,10 +84,8 @@ TABLES: Mapping[str, Quantity] = {
     "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
     "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
 }
-TEXTS = ("source", "parameters", "reasons")
-"""Parts of a data set that are no numbers."""
-LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")
-"""Losses of the belt."""
+TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
+LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")  # Losses of the belt
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,8 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
 from pushbelt.report.style import RPM
 
-OWN = ("maps.nc", "maps.npz", "maps.json")
-"""Files that `Maps.read` reads."""
-MATLAB_NAME = 31
-"""Longest name that all versions of MATLAB accept."""
+OWN = ("maps.nc", "maps.npz", "maps.json")  # Files that `Maps.read` reads
+MATLAB_NAME = 31  # Longest name that all versions of MATLAB accept
 LOOKUP = ("ratio", "utilisation", "speed", "force")
 """Order of the dimensions of tables over points for lookup blocks: `tbl(ratio, utilisation, speed, force)`."""
 COMBI = ("thrustRatio", "slip", "torqueLoss", "beltTorqueLoss", "efficiency", "bearingLoad", "valid")

@@ -15,10 +15,8 @@ from ..report.style import COLOUR_SCALE, INK, MUTED, RED, mixed
 
 TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
 _LEVELS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
-ROWS = 61
-"""Number of values over the utilisation in a map with a border."""
-MOST_TICKS = 9
-"""Largest number of ticks of a colour bar."""
+ROWS = 61  # Number of values over the utilisation in a map with a border
+MOST_TICKS = 9  # Largest number of ticks of a colour bar
 COVER = "#f1f4f7"
 """Colour of what is beyond the capacity."""
 MARKS = {
@@ -37,8 +35,7 @@ class Quantity:
     column: str
     scale: float = 1.0
     unit: str = ""
-    levels: Sequence[float] | None = None
-    """Levels of the colours; by default they are evenly spaced."""
+    levels: Sequence[float] | None = None  # Levels of the colours; by default they are evenly spaced
 
     @property
     def heading(self) -> str:
@@ -80,8 +77,7 @@ class Border:
     """Least and greatest utilisation that is carried, shape (2, ratios), NaN where unknown. The colours end there."""
 
     utilisation: Array
-    values: Array | None = None
-    """Values of the map at the border, where known."""
+    values: Array | None = None  # Values of the map at the border, where known
 
 
 def panel(

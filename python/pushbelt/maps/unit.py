@@ -22,8 +22,7 @@ from ..whole_file import copy_archive
 from .data import AXES, TABLES, MapError, Maps
 
 NAME = "PushbeltMap.fmu"
-TABLES_FILE = "resources/maps.json"
-"""The tables in the archive."""
+TABLES_FILE = "resources/maps.json"  # The tables in the archive
 FORMAT, VERSION = "pushbelt map unit", 1
 USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
 """Tables of the FMU."""
@@ -41,8 +40,7 @@ VARIABLES = (
     ),
 )
 """Parameters of the variator that the FMU has as variables."""
-DIGITS = 9
-"""Significant digits of the tables."""
+DIGITS = 9  # Significant digits of the tables
 TOKENS = re.compile(r'\b(guid|instantiationToken)="\{([0-9a-f-]{36})\}"')
 _START = 0x6C62272E07BB014262B821756295C58D
 _PRIME = 0x0000000001000000000000000000013B

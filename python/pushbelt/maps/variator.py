@@ -29,16 +29,12 @@ from . import unit as map_unit
 from .data import MapError, Maps
 from .plan import stops
 
-SLIP_SPEED = 0.1
-"""Regularisation speed of the slip, m/s."""
-FADING_SPEED = 2.0
-"""Speed below which drag and belt loss fade, rad/s."""
-LEAST_FORCE = 1.0
-"""Smallest force in a quotient of forces, N."""
+SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
+FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
+LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
 RATIOS, UTILISATIONS, SHARES, EXCESSES, RADII = 65, 97, 257, 97, 257
 """Numbers of places of the refined tables and of the table of radii, as in the FMU."""
-ITERATIONS = 3
-"""Newton iterations for the sliding speed."""
+ITERATIONS = 3  # Newton iterations for the sliding speed
 
 Tables = Mapping[str, Any]
 

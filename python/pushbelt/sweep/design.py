@@ -37,8 +37,7 @@ AXIS_OF = {
 """Short names of columns, by which a point is defined."""
 OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Columns that may have the names of a rig's table, such as F_S. Its secondary torque has no sign, so it is not among them."""
-MOST_POINTS = 1_000_000
-"""Largest number of points of a design."""
+MOST_POINTS = 1_000_000  # Largest number of points of a design
 
 
 class DesignError(PushbeltError, ValueError):

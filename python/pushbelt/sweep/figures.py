@@ -11,8 +11,7 @@ from pushbelt.report.style import RPM
 
 from .maps import carried
 
-ACROSS = 4
-"""Largest number of maps per row."""
+ACROSS = 4  # Largest number of maps per row
 
 
 def maps(results: xarray.Dataset) -> dict[str, Chart]:

@@ -24,17 +24,13 @@ from .results import METADATA, schema
 from .study import AXES, Study
 
 PICTURE_DPI = 160
-FEW = 12
-"""Largest number of failed points that are listed individually."""
+FEW = 12  # Largest number of failed points that are listed individually
 SHOWN = (
     *QUANTITIES, Quantity("losses", "loss.total", unit="W"), Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
 )  # fmt: skip
-LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}
-"""Scale and unit of lengths and angles."""
-LARGE = 1e5
-"""Stiffnesses in N and other values above this are shown in SI units."""
-MOST_COLUMNS = 12
-"""Largest number of columns with figures: those of the largest correlations."""
+LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}  # Scale and unit of lengths and angles
+LARGE = 1e5  # Stiffnesses in N and other values above this are shown in SI units
+MOST_COLUMNS = 12  # Largest number of columns with figures: those of the largest correlations
 
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:

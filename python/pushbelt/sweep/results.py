@@ -19,8 +19,7 @@ from .design import Design
 from .point import SHORT_STEP
 from .study import AXES, Study
 
-METADATA = b"pushbelt.study"
-"""Key of the study's description (JSON) in the metadata of the results."""
+METADATA = b"pushbelt.study"  # Key of the study's description (JSON) in the metadata of the results
 
 
 def schema(study: Study) -> pa.Schema:

@@ -82,8 +82,7 @@ class Grid(Points):
         return tuple(itertools.product(*(getattr(self, name) for name in AXES)))
 
 
-DEFAULT = Grid()
-"""2288 points."""
+DEFAULT = Grid()  # 2288 points
 SHORT = Grid(
     friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
 )
@@ -120,8 +119,7 @@ class Study(Tasks):
         return start_values(self.parameters, {**point, **checked(self.variables, known)})
 
 
-MOST = 2000
-"""Largest number of points that are checked for wrong units, evenly spaced in the study."""
+MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
 
 
 def warnings_of(study: Study) -> Iterator[str]:
