@@ -16,7 +16,7 @@ from pushbelt.drive import simulate
 from pushbelt.drive.control import Friction, Measured, RatioControl, SlipControl
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
-from pushbelt.drive.transmission import PressureCircuit, PressureControl
+from pushbelt.drive.transmission import PressureCircuit
 from pushbelt.drive.vehicle import Powertrain, demo_car
 from pushbelt.fmu.data import torque_capacity
 
@@ -69,10 +69,8 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
     ratio, speed, slip, radius = belt.at
     friction = Friction(PARAMETERS["friction.pulley"], PARAMETERS["geometry.wedgeAngle"])
     clamping = SlipControl(friction, table, CAR.engine_inertia)
-    circuits = PressureCircuit(2e6), PressureCircuit(2e6)
+    circuits = [PressureCircuit(2e6, wanted_lag=lag) for _ in range(2)]
     shifting = RatioControl(friction, table, circuits[0].limits)
-    pressure = PressureControl(circuits[0].lag)
-    pressure.gain = circuits[0].lag / lag
     engine = Powertrain(CAR)
     engine.speed, engine.torque, engine.locked = speed, torque, True
     measured = Measured(speed, ratio, slip, False, radius, torque)
@@ -93,7 +91,7 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
             base = np.array([wanted[0], clamping.force(measured, 0.0)])
             for circuit, force in zip(circuits, (base[0], FORCE), strict=True):
                 circuit.pressure = force / circuit.area
-        forces = [c.area * c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
+        forces = [c.area * c.advance(c.demand(w), STEP) for c, w in zip(circuits, wanted, strict=True)]
         change = np.array(forces) - (base[0], FORCE) if steered else np.full(2, 0.01 if k == 10 else 0.0)
         belt.advance(np.array([*change, clutch - torque]))
         if abs(logs[-1]) > 0.003:
@@ -118,7 +116,7 @@ def main() -> None:
                 continue
             found = [
                 growth(Belt(model), table, torque, steered, lag)
-                for steered, lag in ((False, 0.05), (True, 0.05), (True, PressureControl.WANTED_LAG))
+                for steered, lag in ((False, 0.05), (True, 0.05), (True, PressureCircuit.wanted_lag))
             ]
             cells = f"{ratio:g}", f"{utilisation:g}", f"{speed:.0f}", *(f"{rate:+.1f}" for rate in found)
             print("| " + " | ".join(cells) + " |", flush=True)

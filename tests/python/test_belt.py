@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import pushbelt
+from pushbelt import cli
 from pushbelt.belt import Belt, BeltError, Dimensions
 from pushbelt.belt.__main__ import OUT_OF_LIMITS, main
 from pushbelt.fmu import data
@@ -38,8 +39,7 @@ def test_formulas_give_the_published_sets(name: str, dimensions: Dimensions, tol
 
 
 def test_what_is_given_is_met_exactly() -> None:
-    published = data.parameter_set("belt155")
-    entries = Belt(BELT155).entries
+    published, entries = data.parameter_set("belt155"), Belt(BELT155).entries
     for key in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "belt.massPerLength"):
         assert entries[key].value == pytest.approx(published[key], rel=1e-4 if "belt" in key else 2e-5)
         assert entries[key].origin == "geometry"
@@ -61,18 +61,13 @@ def test_elements_fill_the_pitch_line() -> None:
     assert loose.element_thickness == pytest.approx((line - 5e-4) / 460)
 
 
-def test_more_layers_are_stiffer_and_heavier() -> None:
-    nine, twelve = (Belt(Dimensions(0.03, n, 0.7, 0.17)).entries for n in (9, 12))
-    for name in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "ring.lateralBendingStiffness"):
-        assert twelve[name].value / nine[name].value == pytest.approx(12 / 9)
-
-
 def test_reach_is_where_a_stop_is_met() -> None:
+    """The ratio of the FMU, that of the pitch radii: at the largest one the primary radius is the least."""
     belt = Belt(BENCH)
-    primary, secondary = belt.pitch_radii(belt.reach)
-    assert primary == pytest.approx(0.03) or secondary == pytest.approx(0.082)
-    assert primary >= 0.03 - 1e-9 and secondary <= 0.082 + 1e-9
-    assert belt.pitch_radii(1 / belt.reach) == pytest.approx((secondary, primary))
+    values = {name: entry.value for name, entry in belt.entries.items()}
+    assert data.pitch_radius(values, belt.reach) == pytest.approx(0.03)
+    assert data.pitch_radius(values, 1 / belt.reach) == pytest.approx(belt.reach * 0.03)
+    assert belt.reach * 0.03 < 0.082
 
 
 @pytest.mark.parametrize(
@@ -113,26 +108,10 @@ def test_command_prints_checks_and_marks(fmu: Path, tmp_path: Path, capsys: pyte
     options = ["--fmu", str(fmu), "--output", str(tmp_path), *WIDE]
     assert main(options) == 0
     shown = capsys.readouterr().out
-    assert all(part in shown for part in ("* contact.stiffness", "  geometry.beltLength", "0.396 to 2.526")) and shown.count("passes") == 3
+    assert all(part in shown for part in ("* contact.stiffness", "  geometry.beltLength", "0.386 to 2.591")) and shown.count("passes") == 3
     assert main([*options, "--limit", "300"]) == OUT_OF_LIMITS
     assert "FAILS" in capsys.readouterr().out
     assert (tmp_path / "belt.json").is_file()
-
-
-@pytest.mark.parametrize(
-    ("option", "why"),
-    [
-        (["--length", "700"], "length of the belt is 700 m"), (["--ratio", "3.2"], "0.396 to 2.526"), (["--ratio", "nan"], "0.396 to 2.526"),
-        (["--set", "belt.colour=1"], "belt.colour"), (["--strength", "2e9"], "strength of the steel: 2e+09 MPa"),
-        (["--limit", "2.1GPa"], "limit of the steel: 2100 MPa"), (["--stress-safety", "0.1"], "safety of the steel: 0.1"),
-        (["--safety", "0.1"], "safety of the load case: 0.1"), (["--rpm", "0"], "speed of the load case: 0 rad/s"),
-        (["--torque", "nan"], "torque of the load case: nan N.m"),
-    ],
-)  # fmt: skip
-def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], why: str) -> None:
-    assert main(["--fmu", str(fmu), "--output", str(tmp_path), *WIDE, *option]) == 1
-    assert why in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
 
 
 def test_units_may_follow_a_length(fmu: Path, tmp_path: Path, wide: Path) -> None:
@@ -151,25 +130,13 @@ def test_layers_alone_are_a_warning(fmu: Path, wide: Path) -> None:
         assert ["ring.layers" in str(warning.message) for warning in found] == [True] * count
 
 
-def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
-    from pushbelt.linearize.__main__ import main as linearize
-    from pushbelt.sweep.__main__ import main as sweep
-
-    common = ["--fmu", str(fmu), "--variator", str(wide)]
-    grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
-    point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200"]
-    assert sweep([*common, "--output", str(tmp_path / "sweep"), *grid]) == 0
-    assert linearize([*common, "--output", str(tmp_path / "linearize"), *point, "--safety", "1.3"]) == 0
-
-
 @pytest.mark.slow
-def test_set_runs_in_the_long_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
-    from pushbelt.demo.__main__ import main as demo
-    from pushbelt.drive.__main__ import main as drive
-    from pushbelt.durability.__main__ import main as durability
-
-    common = ["--fmu", str(fmu), "--variator", str(wide)]
-    assert demo([*common, "--output", str(tmp_path / "demo"), "--short"]) == 0
-    cycle = ["--short", "--cycle", "nedc", "--until", "60"]
-    assert drive([*common, "--output", str(tmp_path / "drive"), *cycle]) == 0
-    assert durability([*common, "--output", str(tmp_path / "durability"), str(tmp_path / "drive")]) == 0
+def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
+    grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
+    point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200", "--safety", "1.3"]
+    words = {
+        "sweep": grid, "linearize": point, "demo": ["--short"], "drive": ["--short", "--cycle", "nedc", "--until", "60"],
+        "durability": [str(tmp_path / "drive")],
+    }  # fmt: skip
+    for name, more in words.items():
+        assert cli.main([name, "--fmu", str(fmu), "--variator", str(wide), "--output", str(tmp_path / name), *more]) == 0

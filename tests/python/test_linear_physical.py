@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import WORDS
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -16,16 +15,10 @@ from pushbelt.linear import physical as linear_physical
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
-from pushbelt.linearize import __main__ as linearize
 from pushbelt.variator import Variator
 
 ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
-
-
-@pytest.fixture
-def belt(coarse: Variator) -> Variator:
-    return coarse
 
 
 @pytest.fixture(scope="module")
@@ -106,8 +99,8 @@ def test_what_has_no_physical_coordinates_is_refused() -> None:
         physical(replace(model, c=nearly))
 
 
-def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
-    modal, found = belt.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
+def test_the_belt_has_them(coarse: Variator, grid: LinearGrid) -> None:
+    modal, found = coarse.linearize(0.8, 30.0, force=11e3, frequency=120.0), grid[1, 0]
     assert found.coordinates == "physical" and len(found.states) == 3
     w, loads = np.array([0.3, 2.0]), ["primary.clampingForce", "secondary.torque"]
     expected = modal.select(["ratio.geometric", "primary.speed"], loads).response(w)
@@ -115,7 +108,7 @@ def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
     assert np.abs(near - expected).max(axis=0) == pytest.approx(0.0, abs=0.02 * np.abs(expected).max())
     assert found.poles[:2] == pytest.approx(modal.poles[:2], rel=1e-5)
     with pytest.raises(ValueError, match="states = 'physic' is not one of modal, physical"):
-        belt.linearize(0.8, 30.0, force=11e3, states="physic")
+        coarse.linearize(0.8, 30.0, force=11e3, states="physic")
 
 
 def test_more_modes_are_searched_until_they_are_enough() -> None:
@@ -167,17 +160,6 @@ def test_a_sampled_model_stays_sampled() -> None:
     assert model.select(["slip"]).to_control().dt == 0.05
 
 
-def test_different_sample_times_do_not_mix(tmp_path: Path) -> None:
-    one = physical(invented([-0.3, -4.0, -90.0]))
-    models = np.array([one, one.sampled(0.05)], dtype=object)
-    grid = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
-    with pytest.raises(ArgumentError, match="sample times"):
-        grid.interpolate(ratio=1.5)
-    with pytest.raises(ArgumentError, match="sample times"):
-        grid.save(tmp_path / "models.npz")
-    assert [system.dt for system in grid.to_control()] == [0, 0.05]
-
-
 def test_poles_at_zero_integrate() -> None:
     """A double pole at zero, whose eigenvectors are no base: x₂ = b₂ t, x₁ = b₁ t + b₂ t²/2."""
     model = replace(invented([-1.0, -2.0]), a=np.array([[0.0, 1.0], [0.0, 0.0]]), poles=np.zeros(2, dtype=complex))
@@ -199,9 +181,12 @@ def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> Non
             expected = getattr(grid[k, 0], name)
             assert np.abs(getattr(found, name) - expected).max() < 1e-8 * np.abs(expected).max()
         assert found.held == pytest.approx(grid[k, 0].held)
+    # Half way in the logarithm of the ratio.
+    force, (low, high) = "primary.clampingForce", (grid[k, 0].held for k in (1, 2))
+    assert grid.interpolate(ratio=1.2**0.5, torque=30.0).held[force] == pytest.approx(0.5 * (low[force] + high[force]))
 
 
-def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variator) -> None:
+def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, coarse: Variator) -> None:
     """The elements of A by themselves do not have this property."""
     found, ends = grid.interpolate(ratio=0.75, torque=30.0), (grid[0, 0], grid[1, 0])
     for k in range(2):
@@ -210,7 +195,7 @@ def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variat
     elements = 0.5 * ends[0].a + 0.5 * ends[1].a
     assert abs(np.sort(np.linalg.eigvals(elements).real)[-2] - found.poles[1].real) > 0.5
     # About 0.75 this coarse mesh has two steady states.
-    near, there = grid.interpolate(ratio=0.77, torque=30.0), belt.linearize(0.77, 30.0, force=11e3)
+    near, there = grid.interpolate(ratio=0.77, torque=30.0), coarse.linearize(0.77, 30.0, force=11e3)
     assert near.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
 
 
@@ -228,36 +213,36 @@ def test_a_point_that_cannot_be_interpolated_is_named(grid: LinearGrid, point: d
         grid.interpolate(**point)
 
 
-def test_modal_models_are_not_interpolated() -> None:
-    models = np.array([invented([-0.3, -2.0]), invented([-0.4, -1.0])], dtype=object)
-    modal = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
-    with pytest.raises(ValueError, match="make the grid with states='physical'"):
-        modal.interpolate(ratio=1.5)
+@pytest.mark.parametrize("sampled", [True, False])
+def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> None:
+    """With and without a sample time, and in modal coordinates, which have no mean."""
+    one = physical(invented([-0.3, -4.0, -90.0]))
+    models = np.array([one, one.sampled(0.05)] if sampled else [invented([-0.3, -2.0]), invented([-0.4, -1.0])], dtype=object)
+    grid = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
+    with pytest.raises(ArgumentError, match="sample times" if sampled else "physical"):
+        grid.interpolate(ratio=1.5)
+    if sampled:
+        with pytest.raises(ArgumentError, match="sample times"):
+            grid.save(tmp_path / "models.npz")
+        assert [system.dt for system in grid.to_control()] == [0, 0.05]
 
 
-def test_files_contain_coordinates_and_discrete_matrices(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["initial.ratio=0.9,1.3", "primary.torque=25", "secondary.clampingForce=9500", *WORDS, "--time", "0.5"]
-    options = ["--states", "physical", "--sample-time", "0.01", "--fmu", str(fmu), "--output", str(tmp_path)]
-    assert linearize.main([*words, *options]) == 0
-    grid = load_linear(tmp_path / "models.npz")
-    model = grid[1, 0]
-    assert (model.coordinates, model.sample_time, model.units[LOG_RATIO]) == ("physical", 0.01, "1")
-    assert grid.interpolate(ratio=1.1).poles.real.max() < 1.0
+def test_files_contain_coordinates_and_discrete_matrices(grid: LinearGrid, tmp_path: Path) -> None:
+    for kind in ("npz", "mat", "json"):
+        grid.save(tmp_path / f"models.{kind}")
+    back, model = load_linear(tmp_path / "models.npz"), grid[1, 0]
+    assert (back[1, 0].coordinates, back[1, 0].sample_time, back[1, 0].units[LOG_RATIO]) == ("physical", 0.004, "1")
     with np.load(tmp_path / "models.npz") as file:
         assert np.array_equal(file["Ad"][1, 0], model.ad) and np.array_equal(file["Dd"][1, 0], model.d)
     cell = loadmat(tmp_path / "models.mat")["models"][1, 0]
-    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.01
+    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.004
     text = (tmp_path / "models.json").read_text(encoding="utf-8")
     assert '"coordinates": "physical"' in text and '"Cd"' in text
-    table = grid.to_dataframe()
-    assert table["held primary.torque"].tolist() == pytest.approx([25.0, 25.0], rel=1e-2) and len(table) == 2
-    assert linearize.main([*words, *options, "--sample-time", "0"]) == 1
-    assert "sample_time = 0.0 s is not a number above 0" in capsys.readouterr().err
+    table = back.to_dataframe()
+    assert table["held primary.torque"][0] == pytest.approx(30.0, rel=1e-2) and len(table) == 6 and "700" in table["reason"][1]
 
 
-def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_few_modes_are_a_reason(coarse: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
-        belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
+        coarse.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)

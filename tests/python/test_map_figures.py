@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sample_maps
+from test_charts import decoded
 
 from pushbelt.maps import figures
 from pushbelt.maps.panels import Border, Quantity, levels_of, middle_of, panel
@@ -45,29 +46,20 @@ def test_the_capacity_is_the_border_of_the_colours() -> None:
     """The colours reach it, even between two points, and an area hides what is beyond."""
     values = slip()
     values[1, 6] = np.nan
-    found = drawn(
-        values, Border(CAPACITY, np.array([[-3.0, -3.0, np.nan], [2.0, 2.0, np.nan]])), np.linspace(-3.0, 2.0, 11)
-    )
+    border = Border(CAPACITY, np.array([[-3.0, -3.0, np.nan], [2.0, 2.0, np.nan]]))
+    found = drawn(values, border, np.linspace(-3.0, 2.0, 11))
     (field,) = (one for one in found["data"] if one["type"] == "contour")
-    rows, z = (charts_array(field[name]) for name in ("y", "z"))
+    rows, z = (decoded(field[name]) for name in ("y", "z"))
     at = lambda k, u: float(np.interp(u, rows, z[:, k] / 2.0 - 3.0))  # noqa: E731
     assert at(0, 0.8) == pytest.approx(2.0, abs=1e-6), "the known value at the capacity"
     assert at(0, 0.45) == pytest.approx(0.45**3, abs=1e-6), "a solved point"
     assert at(1, -0.7) == pytest.approx(-3.0, abs=1e-6)
     assert rows.max() <= 0.9 + 0.15 + 1e-6, "at most one step beyond the points"
-    assert np.isnan(z[np.abs(rows) < 0.05, 1]).all() and np.isfinite(z[np.abs(rows) < 0.05, 0]).all(), (
-        "a gap inside remains"
-    )
-    lower, upper = (charts_array(one["y"]) for one in found["data"] if one["name"] == "capacity")
+    assert np.isnan(z[np.abs(rows) < 0.05, 1]).all() and np.isfinite(z[np.abs(rows) < 0.05, 0]).all(), "a gap inside remains"
+    lower, upper = (decoded(one["y"]) for one in found["data"] if one["name"] == "capacity")
     assert lower[:2] == pytest.approx([-0.95, -0.7]) and np.isnan(lower[2]) and upper == pytest.approx(CAPACITY[1])
     areas = [one for one in found["data"] if "fillcolor" in one]
     assert len(areas) == 2 and all(one["name"] == "" for one in areas), "the legend can't hide them"
-
-
-def charts_array(values: object) -> np.ndarray:
-    from test_charts import decoded
-
-    return decoded(values)
 
 
 def test_the_border_of_a_study_is_between_the_last_point_that_holds_and_the_next_one() -> None:
@@ -81,7 +73,7 @@ def test_the_border_of_a_study_is_between_the_last_point_that_holds_and_the_next
 def test_maps_end_at_their_own_capacity() -> None:
     maps = sample_maps.default_maps()
     maps.tables["valid"][...] = 1.0
-    quantity = next(one for one in figures.QUANTITIES if one.column == "slip")
+    quantity = next(one for one in figures.SHOWN if one.column == "slip")
     assert quantity.heading == "Slip (%)"
     (f, s), panels = (0, 0), figures.contours([("", maps)], quantity).panels
     lines = [one.y for one in panels[0].series if one.name == "capacity"]

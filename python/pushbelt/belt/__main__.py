@@ -7,75 +7,104 @@ The other programs read the set by `--variator FILE`.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 import math
 import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_set, add_variator, material, program, quantity
-from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.data import SAFETY_RANGE, parameter_set
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
-from pushbelt.steel import Material
+from pushbelt.points import SteadyStateError
+from pushbelt.steel import Material, check_ranges
+from pushbelt.variator import Variator
 
-from .checks import Load, Stress, stresses
 from .geometry import Belt, BeltError, Dimensions
 
 OUT_OF_LIMITS = 3
 """Exit code if the set is written, but the ring's stress is beyond its limits, or a load case has no steady state."""
+UNITS = {
+    "MM": quantity("length", "mm", "30, 30mm or 0.03m"), "M": quantity("length", "m", "0.7 or 700mm"), "N": int,
+    "G": quantity("mass", "g", "1.9 or 1.9g"), "GPA": quantity("stress", "GPa", "186 or 186GPa"),
+    "DEG": quantity("angle", "deg", "11 or 11deg"), "KG/M3": float,
+}  # fmt: skip
+"""How the values of options are read, by their units."""
+LOADS = {"torque": (-2000.0, 2000.0, " N.m"), "speed": (1.0, 2000.0, " rad/s"), "safety": (*SAFETY_RANGE, "")}
+"""Range of each value of a load case."""
+MARGIN = 0.02  # Distance of the outer ratios from the end stops, relative
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("belt", __doc__, "NAME.json", fmu="the FMU that checks the set")
-    mm = {"type": quantity("length", "mm", "30, 30mm or 0.03m"), "metavar": "MM"}
-    m = {"type": quantity("length", "m", "0.7 or 700mm"), "metavar": "M"}
     found.add_argument("--name", default="belt", help="name of the set and of its file [default: belt]")
-    belt = found.add_argument_group("the belt")
-    belt.add_argument("--width", required=True, **mm, help="width of the elements, such as 24 or 30")
-    belt.add_argument("--layers", type=int, required=True, metavar="N", help="layers of each of the two ring sets")
-    belt.add_argument("--length", required=True, **m, help="length of the unstretched ring at its centre line")
-    belt.add_argument("--center-distance", required=True, **m, help="distance of the pulley axes")
-    belt.add_argument("--element-thickness", **mm, help="thickness of an element [default: 1.5]")
-    belt.add_argument("--elements", type=int, metavar="N", help="number of elements [default: as many as fit]")
-    belt.add_argument("--play", **mm, help="end play [default: 0.2, or what number and thickness leave]")
-    belt.add_argument("--element-mass", type=float, metavar="G", help="mass of an element, g [default: from its size]")
-    belt.add_argument("--element-height", **mm, help="height of an element [default: 12]")
-    belt.add_argument("--layer-thickness", **mm, help="thickness of a layer [default: 0.185]")
-    belt.add_argument("--layer-width", **mm, help="width of a layer [default: (width − 6)/2]")
-    belt.add_argument("--pitch-offset", **mm, help="rocking edge to ring centre line [default: 0.17 and half the layers]")
-    belt.add_argument("--young", type=float, metavar="GPA", help="Young's modulus of the ring, GPa [default: 186]")
-    belt.add_argument("--density", type=float, metavar="KG/M3", help="density of the ring [default: 8000]")
-    pulleys = found.add_argument_group("the pulleys")
-    pulleys.add_argument("--wedge-angle", type=float, metavar="DEG", help="half wedge angle, degrees [default: 11]")
-    pulleys.add_argument("--min-radius", **m, help="smallest pitch radius [default: 30mm]")
-    pulleys.add_argument("--max-radius", **m, help="largest pitch radius [default: pulleys 4 mm apart]")
+    belt, pulleys = found.add_argument_group("the belt"), found.add_argument_group("the pulleys")
+    for one in dataclasses.fields(Dimensions):
+        group = pulleys if one.name in ("wedge_angle", "min_radius", "max_radius") else belt
+        required, unit = one.default is dataclasses.MISSING, one.metadata["option"]
+        word = f"--{one.name.replace('_', '-')}"
+        group.add_argument(word, required=required, type=UNITS[unit], metavar=unit, help=one.metadata["help"])
     pulleys.add_argument("--ratio", type=float, metavar="I", help="ratio r_S/r_P that the variator must reach, above 1")
     add_variator(found, "bench168", "--base")
     add_set(found)
-    load = Load()
     case = found.add_argument_group("load case and strength of the ring")
-    case.add_argument("--torque", type=float, default=load.torque, metavar="NM", help="primary torque [default: 100]")
+    case.add_argument("--torque", type=float, default=100.0, metavar="NM", help="primary torque [default: 100]")
     case.add_argument("--rpm", type=float, default=2000.0, help="primary speed [default: 2000]")
-    case.add_argument("--safety", type=float, default=load.safety, help="of the clamping force [default: 1.3]")
+    case.add_argument("--safety", type=float, default=1.3, help="of the clamping force [default: 1.3]")
     add_material(case)
     return found
 
 
-def dimensions(options: argparse.Namespace) -> Dimensions:
-    """Dimensions of the command line."""
-    scales = {"element_mass": 1e-3, "young": 1e9, "wedge_angle": math.pi / 180.0}
-    given = {name: getattr(options, name) for name in Dimensions.__dataclass_fields__}
-    return Dimensions(**{name: value * scales.get(name, 1) for name, value in given.items() if value is not None})
+class Load(NamedTuple):
+    """A load case: torque (N·m), primary speed (rad/s), safety factor of the clamping force."""
+
+    torque: float
+    speed: float
+    safety: float
+
+
+class Stress(NamedTuple):
+    """Stress of the ring in a steady state, Pa; or the reason for a missing one."""
+
+    ratio: float
+    force: float  # Secondary clamping force, N
+    largest: float = math.nan
+    equivalent: float = math.nan  # Largest amplitude without mean stress that does the damage of a pulley's cycle
+    reason: str | None = None
+
+    def passes(self, steel: Material) -> bool:
+        """Whether the stress is within the strength and the fatigue limit with the safety factor."""
+        return self.largest <= steel.strength / steel.safety and self.equivalent <= steel.allowed
+
+
+def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, steel: Material) -> list[Stress]:
+    """Stress of the ring near both ends of the ratio's range and at ratio 1."""
+    ends = reach * (1.0 - MARGIN)
+    ratios = (1.0 / ends, 1.0, ends) if ends > 1.0 + MARGIN else (1.0,)
+    found = []
+    with Variator(dict(values), fmu=fmu) as variator:
+        for ratio in ratios:
+            force = variator.least_force(ratio, load.torque, load.safety)
+            try:
+                state = variator.steady(ratio, load.torque, speed=load.speed, force=force)
+            except SteadyStateError as error:
+                found.append(Stress(ratio, force, reason=str(error)))
+                continue
+            cycles = ([state[f"ring.{what}.{pulley}"] for what in ("stressAmplitude", "stressMean")] for pulley in ("primary", "secondary"))
+            found.append(Stress(ratio, force, state["ring.stressMax"], max(steel.equivalent(*one) for one in cycles)))
+    return found
 
 
 @console.program("belt", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Writes the set and prints its values and checks. Returns 3 if a check of the load case fails."""
     options = parser().parse_args(arguments)
-    belt = Belt(dimensions(options))
+    given = {one.name: getattr(options, one.name) for one in dataclasses.fields(Dimensions)}
+    belt = Belt(Dimensions(**{name: value for name, value in given.items() if value is not None}))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         raise BeltError(
             f"ratio {options.ratio:g} is out of reach: the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm allow "
@@ -88,6 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         entry["unit"] = variables[name].unit or "1" if name in variables else "1"
     values = checked(variables, {name: entry["value"] for name, entry in document["parameters"].items()}, {"parameter"})
     load = Load(options.torque, options.rpm * math.pi / 30.0, options.safety)
+    check_ranges(load, "the load case", LOADS)
     steel = material(options)
     found = stresses(options.fmu, values, belt.reach, load, steel)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.data import BELT_LENGTH
-from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
+from pushbelt.fmu.geometry import TwoPulleyCurve
+from pushbelt.maps.plan import stops
 
 SETS = 2  # Ring sets of a belt
 WIDTH = 0.024  # Width of the elements to which the engineering values of stiffness and film apply, m
@@ -46,9 +47,13 @@ def _require(true: bool, text: str) -> None:
         raise BeltError(text)
 
 
-def _of(name: str, low: float, high: float, unit: str = "m", **default: Any) -> Any:
-    """A dimension with its range. A value outside is most likely in another unit."""
-    return field(metadata={"name": name, "low": low, "high": high, "unit": unit}, **default)
+def _of(name: str, low: float, high: float, option: str, default: Any = MISSING, shown: str = "") -> Any:
+    """A dimension with its range in SI, outside of which it is most likely in another unit. `option` is the unit of its option, in which
+    `shown` gives the default."""
+    unit = {"MM": "m", "M": "m", "N": "", "G": "kg", "GPA": "Pa", "KG/M3": "kg/m3", "DEG": "rad"}[option]
+    text = f"{name} [default: {shown}]" if shown else name
+    about = {"name": "the " + name.split(":")[0], "low": low, "high": high, "unit": unit, "option": option, "help": text}
+    return field(default=default, metadata=about)
 
 
 @dataclass(frozen=True)
@@ -59,23 +64,23 @@ class Dimensions:
     rocking edge. The end play is the length of the pitch line less that of the stacked elements.
     """
 
-    width: float = _of("the width of the elements", 0.01, 0.1)
-    layers: int = _of("the number of layers of each ring set", 1, 30, "")
-    length: float = _of("the length of the belt", *BELT_LENGTH)
-    center_distance: float = _of("the center distance", 0.05, 2.0)
-    element_thickness: float | None = _of("the thickness of an element", 0.0005, 0.01, default=None)
-    layer_thickness: float = _of("the thickness of a layer", 0.00005, 0.001, default=0.000185)
-    layer_width: float | None = _of("the width of a layer", 0.001, 0.05, default=None)
-    element_mass: float | None = _of("the mass of an element", 0.0001, 0.05, "kg", default=None)
-    element_height: float = _of("the height of an element", 0.004, 0.04, default=HEIGHT)
-    elements: int | None = _of("the number of elements", 50, 5000, "", default=None)
-    play: float | None = _of("the end play", 0.0, MOST_PLAY, default=None)
-    pitch_offset: float | None = _of("the pitch offset", 0.0, 0.01, default=None)
-    young: float = _of("Young's modulus of the ring", 1e11, 3e11, "Pa", default=1.86e11)
-    density: float = _of("the density of the ring", 6000.0, 10000.0, "kg/m3", default=8000.0)
-    wedge_angle: float = _of("the half wedge angle", 0.08, 0.35, "rad", default=math.radians(11.0))
-    min_radius: float = _of("the smallest pitch radius", 0.01, 0.5, default=MIN_RADIUS)
-    max_radius: float | None = _of("the largest pitch radius", 0.02, 1.0, default=None)
+    width: float = _of("width of the elements", 0.01, 0.1, "MM")
+    layers: int = _of("number of layers of each ring set", 1, 30, "N")
+    length: float = _of("length of the belt: of the unstretched ring at its centre line", *BELT_LENGTH, "M")
+    center_distance: float = _of("center distance: between the pulley axes", 0.05, 2.0, "M")
+    element_thickness: float | None = _of("thickness of an element", 0.0005, 0.01, "MM", None, "1.5")
+    elements: int | None = _of("number of elements", 50, 5000, "N", None, "as many as fit")
+    play: float | None = _of("end play", 0.0, MOST_PLAY, "MM", None, "0.2, or what number and thickness leave")
+    element_mass: float | None = _of("mass of an element", 0.0001, 0.05, "G", None, "from its size")
+    element_height: float = _of("height of an element", 0.004, 0.04, "MM", HEIGHT, "12")
+    layer_thickness: float = _of("thickness of a layer", 0.00005, 0.001, "MM", 0.000185, "0.185")
+    layer_width: float | None = _of("width of a layer", 0.001, 0.05, "MM", None, "(width − 6)/2")
+    pitch_offset: float | None = _of("pitch offset: rocking edge to ring centre line", 0.0, 0.01, "MM", None, "0.17 and half the layers")
+    young: float = _of("Young's modulus of the ring", 1e11, 3e11, "GPA", 1.86e11, "186")
+    density: float = _of("density of the ring", 6000.0, 10000.0, "KG/M3", 8000.0, "8000")
+    wedge_angle: float = _of("half wedge angle", 0.08, 0.35, "DEG", math.radians(11.0), "11")
+    min_radius: float = _of("smallest pitch radius", 0.01, 0.5, "M", MIN_RADIUS, "30mm")
+    max_radius: float | None = _of("largest pitch radius", 0.02, 1.0, "M", None, "pulleys 4 mm apart")
 
     def __post_init__(self) -> None:
         for one in fields(self):
@@ -101,8 +106,6 @@ def _chosen(value: float, given: bool, note: str = "") -> Entry:
 
 
 class Belt:
-    """Parameters of a belt with given dimensions."""
-
     def __init__(self, dimensions: Dimensions) -> None:
         """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
         self.dimensions = d = dimensions
@@ -133,31 +136,14 @@ class Belt:
         _require(low < high, f"the smallest pitch radius, {low:g} mm, is not below the largest, {high:g} mm")
         text = f"pulleys with a pitch radius of {high:g} mm touch each other at a center distance of {1e3 * d.center_distance:g} mm"
         _require(2.0 * self.max_radius < d.center_distance, text)
-        one = 1e3 * self.pitch_radii(1.0)[0]
+        one = 1e3 * (TwoPulleyCurve(d.center_distance, d.length, 0.0).primary_radius - self.pitch_offset)
         text = f"at ratio 1 the pitch radius is {one:.1f} mm, not within the stops at {low:g} and {high:g} mm: no ratio can be reached"
         _require(low <= one <= high, text)
-
-    def pitch_radii(self, ratio: float) -> tuple[float, float]:
-        """Pitch radii on the primary and the secondary pulley at a geometric ratio, m. ValueError if no belt closes there."""
-        d = self.dimensions
-        curve = TwoPulleyCurve(d.center_distance, d.length, theta_of(ratio))
-        return curve.primary_radius - self.pitch_offset, curve.secondary_radius - self.pitch_offset
 
     @cached_property
     def reach(self) -> float:
         """Largest ratio between the stops; the smallest is its reciprocal, as both pulleys are alike."""
-        low, high = 0.0, math.log(100.0)
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._within(math.exp(middle)) else (low, middle)
-        return math.exp(low)
-
-    def _within(self, ratio: float) -> bool:
-        try:
-            primary, secondary = self.pitch_radii(ratio)
-        except ValueError:
-            return False
-        return primary >= self.dimensions.min_radius and secondary <= self.max_radius
+        return stops({name: entry.value for name, entry in self.entries.items()})[1]
 
     # Parameters of the FMU
 

@@ -26,7 +26,6 @@ def default_cycle() -> str:
 
 @console.program("drive", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Simulates, writes the report and prints its path."""
     parser = program("drive", __doc__, "report.html and the results")
     add_short(parser, "30 s of the cycle and 10 s of close-up")
     text = "which cycle [default: wltc, or nedc without the package wltp that contains the WLTC]"

@@ -18,8 +18,6 @@ from .thrust_map import ThrustMap
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured values at a control step."""
-
     primary_speed: float  # rad/s
     ratio: float  # Geometric ratio r_S/r_P
     slip: float  # 1

@@ -10,13 +10,12 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.intervals import intervals
 from pushbelt.report.belt_view import SPEEDS, Motion, over_time
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
-from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-RPM = 30.0 / np.pi
 LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED), strict=True))
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
@@ -25,8 +24,6 @@ GROUP = "drive"  # Group name of charts and belt that share a cursor
 
 
 def drive(run: Run, group: str = "") -> Chart:
-    """Speed, ratio, engine, pressures, slip and loss over time."""
-
     def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
         return Series(name, run.time, values, colour, width=width)
 
@@ -50,14 +47,12 @@ def drive(run: Run, group: str = "") -> Chart:
 
 
 def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
-    """The belt during a run."""
     moments = np.array(sorted(run.snapshots))
     columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
     return over_time(moments, columns, run.snapshots, parameters)
 
 
-LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})
-"""Looks of the fixed safety factor and of slip control."""
+LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
 
 
 def savings(fixed: Run, slip: Run) -> Chart:
@@ -77,7 +72,6 @@ def savings(fixed: Run, slip: Run) -> Chart:
 
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
-    """Distribution of the engine's work."""
     losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
     colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
     energies = [run.energies() for run in (slip, fixed)]

@@ -35,8 +35,6 @@ class Pump:
 
 
 class Merit(NamedTuple):
-    """Figures of merit of a run."""
-
     supplied: float  # Energy that the shafts carry into the variator, at the primary in drive and at the secondary in overrun, J
     lost: float  # Energy lost in the variator, J
     pump: float  # Energy that the pump takes from the engine, J

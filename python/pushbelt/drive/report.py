@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -61,17 +60,11 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
 
 
 def write_html(results: Results, path: Path) -> None:
-    """Writes the report."""
-    page.write_html("drive/drive.html.j2", context(results), path)
-
-
-def context(results: Results) -> dict[str, Any]:
-    """Values for the template."""
     parameters = parameter_set(results.plan.variator)
     fixed, slip, close_up, *slippery = results.runs
     motion, title = figures.belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
     belt = belt_view(motion, parameters, title, group=figures.GROUP, start=0.5 * sum(results.plan.cycle))
-    return {
+    context = {
         "version": results.version,
         "plan": results.plan,
         "car": demo_car(),
@@ -100,3 +93,4 @@ def context(results: Results) -> dict[str, Any]:
             "map": figures.operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
+    page.write_html("drive/drive.html.j2", context, path)

@@ -31,8 +31,6 @@ def moments(start: float, stop: float) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Plan:
-    """The runs of a report."""
-
     cycle: tuple[float, float]  # Section of the cycle for both clamping strategies, s
     close_up: tuple[float, float]  # Section that is repeated on the FMU's default mesh, s
     ring: str = "ALE"  # Ring model of the runs on the coarse mesh
@@ -45,7 +43,6 @@ class Plan:
 
     @property
     def title(self) -> str:
-        """Title of the cycle."""
         return CYCLES[self.trace][0]
 
     def setups(self) -> tuple[Setup, ...]:
@@ -68,8 +65,6 @@ SHORT = {"wltc": Plan((10.0, 40.0), (10.0, 20.0)), "nedc": Plan((10.0, 40.0), (1
 
 @dataclass(frozen=True)
 class Results:
-    """Results for the report."""
-
     plan: Plan
     version: str
     units: Mapping[str, str]  # Units of the columns of the runs by name

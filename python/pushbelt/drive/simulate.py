@@ -60,8 +60,6 @@ VARIATOR = "bench168"  # Parameter set of the drives
 
 @dataclass(frozen=True)
 class Setup:
-    """Configuration of a run."""
-
     name: str
     strategy: str  # `safety` for the fixed safety factor or `slip` for slip control
     cycle: Cycle
@@ -80,8 +78,6 @@ class Setup:
 
 @dataclass(frozen=True)
 class Run:
-    """Results of a run."""
-
     setup: Setup
     time: Array  # Time in the whole cycle, s, shape (n,)
     columns: Mapping[str, Array]  # Recorded signals by name, each of shape (n,), in SI units
@@ -114,7 +110,6 @@ class Run:
 
     @property
     def variator_loss(self) -> float:
-        """J."""
         return self.energies()["variator"]
 
 
@@ -201,5 +196,4 @@ def at_rest() -> dict[str, float]:
 
 
 def _input_values(driving: Mapping[str, float], clamping: Mapping[str, float]) -> tuple[float, ...]:
-    """Values of `INPUTS`."""
     return driving["clutch.torque"], driving["secondary.torque"], clamping["primary.pressure"], clamping["secondary.pressure"]

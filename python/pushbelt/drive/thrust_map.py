@@ -111,7 +111,6 @@ class ThrustMap:
         return self._at(self._plain.thrust, ratio, utilisation)
 
     def slip(self, ratio: float, utilisation: float) -> float:
-        """Slip in the steady state."""
         return self._at(self._plain.slips, ratio, utilisation)
 
     def _at(self, table: Sequence[Sequence[float]], ratio: float, utilisation: float) -> float:
@@ -131,28 +130,18 @@ class ThrustMap:
             raise ValueError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
 
         def at(name: str, force: float) -> Array:
-            (f, a), (s, b) = _within(axes["force"], force), _within(axes["speed"] ** 2, SPEED**2)
-            low, high = ((1.0 - b) * maps[name][k, s[0]] + b * maps[name][k, s[1]] for k in f)
-            return (1.0 - a) * low + a * high
+            table = maps[name]
+            for axis, value in ((axes["force"], force), (axes["speed"] ** 2, SPEED**2)):
+                place = float(np.interp(value, axis, np.arange(len(axis))))
+                low, high = table[math.floor(place)], table[math.ceil(place)]
+                table = low + place % 1.0 * (high - low)
+            return table
 
         rates = at("shiftRate", FORCE) / FORCE
         below = int(np.flatnonzero(axes["excess"] == 0.0)[0])
         near = slice(max(below - 1, 0), below + 2)
         quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
-        clearance = _clearance_of(float(np.median(quotients[quotients > 0.0])))
+        # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
+        share = clip(float(np.median(quotients[quotients > 0.0])), OTHER_FORCE / FORCE, 0.98)
+        clearance = (share * FORCE - OTHER_FORCE) / (1.0 - share)
         return cls(axes["ratio"], axes["utilisation"], at("thrustRatio", FORCE), at("slip", FORCE), axes["excess"], rates, clearance)
-
-
-def _clearance_of(quotient: float) -> float:
-    """F_c, N, from the quotient of the shift rates at `OTHER_FORCE` and at the map's force."""
-    # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
-    share = clip(quotient, OTHER_FORCE / FORCE, 0.98)
-    return (share * FORCE - OTHER_FORCE) / (1.0 - share)
-
-
-def _within(axis: Array, at: float) -> tuple[tuple[int, int], float]:
-    """Indices of the neighbours on an ascending axis, and the share of the upper one; constant beyond it."""
-    upper = int(np.clip(np.searchsorted(axis, at), 1, max(len(axis) - 1, 1)))
-    if len(axis) == 1:
-        return (0, 0), 0.0
-    return (upper - 1, upper), float(np.clip((at - axis[upper - 1]) / (axis[upper] - axis[upper - 1]), 0.0, 1.0))

@@ -20,12 +20,14 @@ class PressureCircuit:
 
         dp/dt = clip((p_demand − p)/τ, −rate, rate),   p_min ≤ p_demand ≤ p_max,   F = A p
 
-    Values are typical; they are not from a source.
+    Pressure feedback changes the time constant τ to τ_c: the valve's demand is F + (τ/τ_c)(F* − F). Values are typical; they are not
+    from a source.
     """
 
     pressure: float  # Pa
     area: float = 0.01  # m²
-    lag: float = 0.05  # s
+    lag: float = 0.05  # τ, s
+    wanted_lag: float = 0.0125  # τ_c, s
     lowest: float = 2e5  # Pa
     highest: float = 6e6  # Pa
     rate: float = 4e7  # Pa/s
@@ -40,6 +42,10 @@ class PressureCircuit:
     def limits(self) -> tuple[float, float]:
         """Least and largest clamping force, N."""
         return self.area * self.lowest, self.area * self.highest
+
+    def demand(self, wanted: float) -> float:
+        """Demand on the valve for a demanded clamping force, N."""
+        return self.force + max(self.lag / self.wanted_lag, 1.0) * (wanted - self.force)
 
     def advance(self, demand: float, step: float) -> float:
         """Advances by a communication step towards a demanded clamping force, N; returns the mean pressure over the step, Pa."""
@@ -56,22 +62,6 @@ class PressureCircuit:
         return impulse / step
 
 
-class PressureControl:
-    """Pressure feedback of one circuit: the valve's demand exceeds the set point in proportion to the pressure error.
-
-    The circuit is a first-order lag with time constant τ. F_v = F + (τ/τ_c)(F* − F) changes it to τ_c, within the valve's limits.
-    """
-
-    WANTED_LAG = 0.0125  # τ_c, s
-
-    def __init__(self, lag: float) -> None:
-        self.gain = max(lag / self.WANTED_LAG, 1.0)
-
-    def demand(self, wanted: float, force: float) -> float:
-        """Demand on the valve for a demanded and a measured clamping force, N."""
-        return force + self.gain * (wanted - force)
-
-
 def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
     """Target ratio at which the engine runs at its set-point speed. Its rate is limited to 120 % per second."""
     wanted = engine_speed / max(secondary_speed, 1.0)
@@ -79,30 +69,21 @@ def ratio_target(engine_speed: float, secondary_speed: float, before: float, ste
     return before * math.exp(change)
 
 
-def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> SafetyFactor | SlipControl:
-    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control; the engine's inertia in kg·m².
-
-    Raises ValueError for any other name.
-    """
-    strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, flywheel)}
-    if name not in strategies:
-        raise ValueError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
-    return strategies[name]()
-
-
 class TransmissionControl:
     """Computes the target ratio from the demanded power, the clamping forces by strategy and ratio control, and the pressures.
 
-    `scale` multiplies the secondary force that the strategy demands.
+    `strategy` is `safety` for the fixed safety factor, or `slip` for slip control; `scale` multiplies its secondary force.
     """
 
     POWER_RISE, POWER_FALL = 0.3, 1.5  # Time constants with which the ratio follows the demanded power, s
 
     def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale
-        self.clamping = strategy_of(strategy, friction, thrust_map, car.engine_inertia)
+        strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, car.engine_inertia)}
+        if strategy not in strategies:
+            raise ValueError(f"{strategy!r} is not a clamping strategy: use {' or '.join(strategies)}")
+        self.clamping: SafetyFactor | SlipControl = strategies[strategy]()
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
-        self.pressure = PressureControl(self.primary.lag)
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
         self._overruled = False
         self._target, self._power = RATIO_LIMITS[1], 0.0
@@ -122,5 +103,5 @@ class TransmissionControl:
         primary, secondary = self.shifting.forces(self._target, measured, needed, step)
         self._overruled = secondary > needed
         for name, circuit, wanted in (("primary", self.primary, primary), ("secondary", self.secondary, secondary)):
-            self._pressures[f"{name}.pressure"] = circuit.advance(self.pressure.demand(wanted, circuit.force), step)
+            self._pressures[f"{name}.pressure"] = circuit.advance(circuit.demand(wanted), step)
         return self.signals

@@ -84,7 +84,6 @@ class Car:
 
 
 def demo_car() -> Car:
-    """The published demo car."""
     names = {
         "drag_area": "dragArea", "rolling_resistance": "rollingResistance", "wheel_radius": "wheelRadius", "final_drive": "finalDrive",
         "engine_inertia": "engineInertia", "max_torque": "engineMaxTorque", "max_power": "engineMaxPower",

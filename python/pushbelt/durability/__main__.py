@@ -22,7 +22,6 @@ DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")  # Runs over the whole 
 
 @console.program("durability", "durability")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Computes the damage, writes the report and prints its path."""
     parser = program("durability", __doc__, "report.html, durability.json and .csv", "the FMU, for its variables; it does not run", needed=False)
     parser.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="table of outputs, or folder of a drive")
     add_variator(parser, None)

@@ -61,16 +61,12 @@ def cycles(table: Table) -> dict[str, Cycles]:
 
 
 class Class(NamedTuple):
-    """Part of a run."""
-
     kind: str
     name: str
     rows: Array  # Which rows belong to it.
 
 
 class Damage:
-    """Damage of a run."""
-
     def __init__(self, table: Table, material: Material, parameters: Mapping[str, float], parts: Mapping[str, Cycles]) -> None:
         """`parameters` of the variator by name, with geometry.beltLength; `parts`: cycles of a revolution by name."""
         self.table, self.material, self.parameters, self.parts = table, material, parameters, parts
@@ -94,8 +90,8 @@ class Damage:
         # Shares are of the damage with the limit; without any such damage of the curve that continues below it.
         self.limited = self.total > 0.0
 
-    def share(self, rows: Array | slice, part: str | None = None) -> float:
-        """Share of the damage of some rows, of one part or of all."""
+    def share(self, rows: Array | slice = slice(None), part: str | None = None) -> float:
+        """Share of the damage of some rows or all, of one part or of all."""
         found = self.rows[self.limited]
         whole = sum(one.sum() for one in found.values())
         chosen = sum(one[rows].sum() for name, one in found.items() if part in (None, name))
@@ -146,7 +142,6 @@ class Damage:
 
 
 def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
-    """Rows of each band of a column."""
     most = float(values.max(initial=0.0))
     ends = [(low * most, high * most, f"{low * most:.3g} to {min(high, 1.0) * most:.3g} {unit}") for low, high in BANDS]
     return [(name, (values >= low) & (values < high)) for low, high, name in ends if most > 0.0]

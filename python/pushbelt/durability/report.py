@@ -17,7 +17,7 @@ from pushbelt._version import __version__
 from pushbelt.report import page
 
 from . import figures
-from .damage import CLAMPING, Class, Damage
+from .damage import CLAMPING, Damage
 
 UNITS = {
     "duration": "s", "distance": "m", "revolutions": "1", "damage": "1", "damageWithoutLimit": "1", "utilisation": "1",
@@ -41,14 +41,13 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
     tables.write(folder / "durability.csv", header, _rows(results, names), digits=7)
-    runs = [_shown(f"run-{key}", result) for key, result in enumerate(results, start=1)]
-    context = {"runs": runs, "material": results[0].material, "document": document}
-    page.write_html("durability/durability.html.j2", context, folder / "report.html", short=short)
+    estimates = [clamping(result) for result in results]
+    context = {"runs": list(zip(results, estimates, strict=True)), "material": results[0].material, "document": document}
+    page.write_html("durability/durability.html.j2", context | {"figures": figures, "life": _life}, folder / "report.html", short=short)
     return folder / "report.html"
 
 
 def summary(result: Damage) -> str:
-    """One line about a run."""
     used = f"largest equivalent amplitude {100.0 * result.utilisation:.0f} % of the fatigue limit"
     if result.total == 0.0:
         return f"damage 0, {used}; without the limit {_life(result, result.total_without_limit)}"
@@ -82,7 +81,7 @@ def _entry(result: Damage) -> dict[str, Any]:
         "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
         "lifeHours": hours, "lifeKilometres": kilometres,
         "sharesWithLimit": result.limited,
-        "shares": {name: result.share(slice(None), name) for name in parts}
+        "shares": {name: result.share(part=name) for name in parts}
         | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
         "clampingEstimate": [
             dict(zip(("factor", "damage", "damageWithoutLimit", "utilisation"), one, strict=True)) for one in clamping(result)
@@ -104,29 +103,3 @@ def _rows(results: Sequence[Damage], names: Sequence[str]) -> Iterator[list[Any]
         parts = [result.equivalent.get(name, np.full(len(result.turns), np.nan)) for name in names]
         rows = np.column_stack([result.table["time"], np.cumsum(result.turns), *sums, *parts])
         yield from ([result.table.name, *row] for row in rows.tolist())
-
-
-def _shown(key: str, result: Damage) -> dict[str, Any]:
-    """Values of a run for the template."""
-    estimate, turns = clamping(result), result.turns.sum() or 1.0
-    by: dict[str, list[Class]] = {"ratio": [], "torque": []}
-    for one in result.classes():
-        by.setdefault(one.kind, []).append(one)
-    return {
-        "key": key,
-        "result": result,
-        "life": _life(result, result.total),
-        "life_without": _life(result, result.total_without_limit),
-        "parts": [(name, result.share(slice(None), name)) for name in result.parts],
-        "classes": [
-            (kind, name, float(result.turns[rows].sum() / turns), *(result.share(rows, part) for part in (None, *result.parts)))
-            for kind, name, rows in result.classes()
-        ],
-        "grid": [(one.name, [result.share(one.rows & other.rows) for other in by["ratio"]]) for one in by["torque"]],
-        "ratios": [one.name for one in by["ratio"]],
-        "estimate": estimate,
-        "over_time": figures.over_time(result),
-        "haigh": figures.haigh(result),
-        "map": figures.ratio_torque(result),
-        "clamping": figures.clamping(estimate) if estimate else None,
-    }

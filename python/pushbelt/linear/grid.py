@@ -16,7 +16,7 @@ from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from . import interpolation
-from .model import Array, LinearModel, units_of_states
+from .model import Array, LinearModel
 
 if TYPE_CHECKING:
     import pandas
@@ -46,11 +46,11 @@ class LinearGrid:
 
     def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
         """Points with a model: values by axis, and the model."""
-        return ((self.point(place), self.models[place]) for place in np.ndindex(self.shape) if self.models[place] is not None)
+        return ((self.point(place), model) for place, model in np.ndenumerate(self.models) if model is not None)
 
     def refused(self) -> Iterator[tuple[dict[str, float], str]]:
         """Points without a model: values by axis, and the reason."""
-        return ((self.point(place), self.reasons[place]) for place in np.ndindex(self.shape) if self.models[place] is None)
+        return ((self.point(place), self.reasons[place]) for place, model in np.ndenumerate(self.models) if model is None)
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
         """Values by axis at a point."""
@@ -79,9 +79,9 @@ class LinearGrid:
     def to_dataframe(self) -> pandas.DataFrame:
         """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
         rows = []
-        for place in np.ndindex(self.shape):
+        for place, model in np.ndenumerate(self.models):
             row: dict[str, Any] = dict(self.point(place))
-            if (model := self.models[place]) is not None:
+            if model is not None:
                 row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
             rows.append(row | {"reason": self.reasons[place]})
         return dataframe(rows)
@@ -99,10 +99,10 @@ class LinearGrid:
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
             raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
-        models = [model for model in self.models.flat if model is not None]
-        if not models:
+        kinds = {(model.coordinates, model.sample_time) for _, model in self.points()}
+        if not kinds:
             raise ArgumentError(f"{path} was not written: there is no linear model at any point")
-        if len(kinds := {(model.coordinates, model.sample_time) for model in models}) > 1:
+        if len(kinds) > 1:
             raise ArgumentError(f"{path} was not written: coordinates or sample times differ: {', '.join(map(str, kinds))}")
         writers[path.suffix](self, path)
 
@@ -116,10 +116,9 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
         with np.load(path, allow_pickle=False) as file:
             found = dict(file)
         axes = {str(name): found[f"axis.{name}"] for name in found["axes"]}
-        shape = found["order"].shape
-        models = np.full(shape, None, dtype=object)
-        for place in np.ndindex(shape):
-            if found["order"][place]:
+        models = np.full(found["order"].shape, None, dtype=object)
+        for place, order in np.ndenumerate(found["order"]):
+            if order:
                 models[place] = _model(found, place)
     except (KeyError, ValueError, EOFError) as error:
         raise InputFileError(f"{os.fspath(path)} does not contain linear models: {error}") from error
@@ -127,38 +126,27 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
 
 
 def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
-    inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
-    n = int(found["order"][place])
-    remarks = str(found["remarks"][place])
-    return LinearModel(
-        a=found["A"][place][:n, :n],
-        b=found["B"][place][:n],
-        c=found["C"][place][:, :n],
-        d=found["D"][place],
-        inputs=inputs,
-        outputs=outputs,
-        states=tuple(found["states"][place][:n].tolist()),
-        poles=found["poles"][place][:n],
-        held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
-        given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
-        values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | units_of_states(found["states"][place]),
-        frequency=float(found["frequency"]),
-        slip=float(found["slip"][place]),
-        macro_slip=bool(found["macroSlip"][place] == 1.0),
-        remarks=tuple(remarks.split("\n")) if remarks else (),
+    n, remarks, poles = int(found["order"][place]), str(found["remarks"][place]), found["poles"][place]
+    inputs, outputs, units = (found[name].tolist() for name in ("inputs", "outputs", "units"))
+    loads = zip(inputs, units[: len(inputs)], found["given"][place].tolist(), found["held"][place].tolist(), strict=True)
+    readings = zip(outputs, units[len(inputs) :], found["values"][place].tolist(), strict=True)
+    return LinearModel.of({
+        "A": found["A"][place][:n, :n], "B": found["B"][place][:n], "C": found["C"][place][:, :n], "D": found["D"][place],
+        "inputs": [dict(zip(("name", "unit", "given", "held"), one, strict=True)) for one in loads],
+        "outputs": [dict(zip(("name", "unit", "value"), one, strict=True)) for one in readings],
+        "states": found["states"][place][:n].tolist(), "poles": np.column_stack([poles.real, poles.imag])[:n],
+        "frequency": {"value": float(found["frequency"])}, "slip": float(found["slip"][place]),
+        "macroSlip": found["macroSlip"][place] == 1.0, "remarks": remarks.split("\n") if remarks else (),
         # Files of earlier versions have no coordinates.
-        coordinates=str(found.get("coordinates", "modal")),
-        sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
-    )
+        "coordinates": str(found.get("coordinates", "modal")),
+        "sampleTime": float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
+    })  # fmt: skip
 
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
     """Matrices and values of a model by their names in the files."""
-    discrete = () if model.sample_time is None else model.discrete()
     return {
-        **dict(zip(("Ad", "Bd", "Cd", "Dd"), discrete, strict=False)),
-        **{name: getattr(model, name.lower()) for name in "ABCD"},
+        **model._matrices(),
         "poles": model.poles,
         "held": np.array([model.held[name] for name in model.inputs]),
         "given": np.array([model.given[name] for name in model.inputs]),
@@ -171,67 +159,57 @@ def _arrays(model: LinearModel) -> dict[str, Any]:
 
 def _npz(grid: LinearGrid, path: Path) -> None:
     """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    models = grid.models
-    rows = [None if model is None else _arrays(model) for model in models.flat]
+    rows = [None if model is None else _arrays(model) for model in grid.models.flat]
     found = [row for row in rows if row is not None]
-    arrays = {}
-    for name in found[0]:
+
+    def full(name: str) -> Array:
         shape = np.max([row[name].shape for row in found], axis=0).astype(int)
-        full = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
+        values = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
         for place, row in enumerate(rows):
             if row is not None:
-                full[(place, *map(slice, row[name].shape))] = row[name]
-        arrays[name] = full.reshape(*models.shape, *shape)
-    first = next(model for model in models.flat if model is not None)
+                values[(place, *map(slice, row[name].shape))] = row[name]
+        return values.reshape(*grid.shape, *shape)
+
+    def each(of: Callable[[LinearModel], Any], missing: Any) -> NDArray[Any]:
+        return np.array([missing if model is None else of(model) for model in grid.models.flat]).reshape(grid.shape)
+
+    first = next(model for _, model in grid.points())
     np.savez_compressed(
-        path,
-        about=ABOUT,
-        coordinates=first.coordinates,
-        sampleTime=np.nan if first.sample_time is None else first.sample_time,
-        **arrays,
-        order=np.array([0 if model is None else len(model.a) for model in models.flat]).reshape(models.shape),
-        remarks=np.array(["" if model is None else "\n".join(model.remarks) for model in models.flat]).reshape(models.shape),
-        inputs=np.array(first.inputs),
-        outputs=np.array(first.outputs),
+        path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
+        **{name: full(name) for name in found[0]},
+        order=each(lambda model: len(model.a), 0), remarks=each(lambda model: "\n".join(model.remarks), ""),
+        inputs=np.array(first.inputs), outputs=np.array(first.outputs),
         units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
-        frequency=first.frequency,
-        reasons=grid.reasons.astype(str),
-        axes=np.array(list(grid.axes), dtype=str),
+        frequency=first.frequency, reasons=grid.reasons.astype(str), axes=np.array(list(grid.axes), dtype=str),
         **{f"axis.{name}": values for name, values in grid.axes.items()},
-    )
+    )  # fmt: skip
 
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
     from scipy.io import savemat
 
-    first = next(model for model in grid.models.flat if model is not None)
+    first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
-    for place, (model, reason) in enumerate(zip(grid.models.flat, grid.reasons.flat, strict=True)):
-        cells.flat[place] = {"reason": reason} if model is None else _structure(model)
+    for k, (place, model) in enumerate(np.ndenumerate(grid.models)):
+        cells.flat[k] = {"reason": grid.reasons[place]}
+        if model is not None:
+            texts = {name: np.array(getattr(model, name), dtype=object) for name in ("states", "remarks")}
+            sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
+            about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency}
+            cells.flat[k] |= {**_arrays(model), **texts, **sampled, **about, "reason": ""}
     points = np.empty(len(grid.axes), dtype=object)
     points[:] = list(grid.axes.values())
-    names = {
-        "inputs": first.inputs,
-        "outputs": first.outputs,
-        "units": [first.units[name] for name in (*first.inputs, *first.outputs)],
-        "axes": list(grid.axes),
-    }
+    units = [first.units[name] for name in (*first.inputs, *first.outputs)]
+    names = {"inputs": first.inputs, "outputs": first.outputs, "units": units, "axes": grid.axes}
     texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
     savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
 
 
-def _structure(model: LinearModel) -> dict[str, Any]:
-    texts = {"states": np.array(model.states, dtype=object), "remarks": np.array(model.remarks, dtype=object)}
-    sampled = {} if model.sample_time is None else {"sampleTime": model.sample_time}
-    about = {"coordinates": model.coordinates, "macroSlip": model.macro_slip, "frequency": model.frequency, "reason": ""}
-    return {**_arrays(model), **texts, **sampled, **about}
-
-
 def _json(grid: LinearGrid, path: Path) -> None:
     models = [
-        grid.point(place) | ({"reason": reason} if model is None else model.document())
-        for place, model, reason in zip(np.ndindex(grid.shape), grid.models.flat, grid.reasons.flat, strict=True)
+        grid.point(place) | ({"reason": grid.reasons[place]} if model is None else model.document())
+        for place, model in np.ndenumerate(grid.models)
     ]
     axes = {name: values.tolist() for name, values in grid.axes.items()}
     path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

@@ -18,8 +18,7 @@ from ..errors import ArgumentError
 from .model import Array, LinearModel
 from .physical import sorted_poles
 
-FASTER = 10.0
-"""Ratio of the fastest pole and the next one above which the fastest is interpolated by itself."""
+FASTER = 10.0  # Ratio of the fastest pole and the next one above which the fastest is interpolated by itself
 
 Weighted = Sequence[tuple[LinearModel, float]]
 
@@ -41,17 +40,14 @@ def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple
 def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
     """Neighbours of a value along an axis, with their weights."""
     order = np.argsort(values)
-    ascending = values[order]
-    tolerance = 1e-9 * max(abs(ascending[0]), abs(ascending[-1]))
-    if not ascending[0] - tolerance <= value <= ascending[-1] + tolerance:
-        raise ArgumentError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
-    if len(values) == 1:
-        return [(0, 1.0)]
-    k = int(np.clip(np.searchsorted(ascending, value) - 1, 0, len(values) - 2))
-    low, high, at = ascending[k], ascending[k + 1], float(np.clip(value, ascending[0], ascending[-1]))
-    share = float(np.log(at / low) / np.log(high / low) if name == "ratio" else (at - low) / (high - low))
-    pairs = [(int(order[k]), 1.0 - share), (int(order[k + 1]), share)]
-    return [(place, weight) for place, weight in pairs if weight > 0.0]
+    low, high = values[order[[0, -1]]]
+    tolerance = 1e-9 * max(abs(low), abs(high))
+    if not low - tolerance <= value <= high + tolerance:
+        raise ArgumentError(f"{name} = {value:g} is outside of the grid, {low:g} to {high:g}")
+    at, along = (np.log(value), np.log(values)) if name == "ratio" else (value, values)
+    place = float(np.interp(at, along[order], np.arange(len(values))))
+    weights = {int(place): 1.0 - place % 1.0, int(np.ceil(place)): place % 1.0 or 1.0}
+    return [(int(order[k]), weight) for k, weight in weights.items() if weight > 0.0]
 
 
 def interpolated(models: Weighted) -> LinearModel:

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     import control
 
 Array = NDArray[np.float64]
-LOG_RATIO = "ln(ratio.geometric)"
-"""Name of the state ln i."""
+LOG_RATIO = "ln(ratio.geometric)"  # Name of the state ln i
 
 
 class LinearPointError(PushbeltError, RuntimeError):
@@ -53,7 +52,7 @@ class LinearModel:
     values: Mapping[str, float]
     """Outputs at the point."""
     units: Mapping[str, str]
-    """Units of inputs and outputs."""
+    """Units of inputs and outputs, and of ln i."""
     frequency: float
     """Frequency, Hz, below which modes are states."""
     slip: float
@@ -89,7 +88,7 @@ class LinearModel:
             poles=poles[:, 0] + 1j * poles[:, 1],
             held={one["name"]: one["held"] for one in loads},
             values={one["name"]: one["value"] for one in readings},
-            units={one["name"]: one["unit"] for one in (*loads, *readings)} | units_of_states(states),
+            units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
             frequency=document["frequency"]["value"],
             slip=document["slip"],
             macro_slip=bool(document["macroSlip"]),
@@ -101,24 +100,24 @@ class LinearModel:
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
-        discrete = {} if self.sample_time is None else dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
         return {
             "coordinates": self.coordinates,
             "sampleTime": self.sample_time,
             "frequency": {"unit": "Hz", "value": self.frequency},
-            "inputs": [
-                {"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]}
-                for name in self.inputs
-            ],
+            "inputs": [{"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]} for name in self.inputs],
             "outputs": [{"name": name, "unit": self.units[name], "value": self.values[name]} for name in self.outputs],
             "states": list(self.states),
             "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
             "slip": self.slip,
             "macroSlip": self.macro_slip,
             "remarks": list(self.remarks),
-            **{name: matrix.tolist() for name, matrix in zip("ABCD", (self.a, self.b, self.c, self.d), strict=True)},
-            **{name: matrix.tolist() for name, matrix in discrete.items()},
+            **{name: matrix.tolist() for name, matrix in self._matrices().items()},
         }
+
+    def _matrices(self) -> dict[str, Array]:
+        """The matrices by their names in files; with a sample time also those in discrete time."""
+        found = {name: getattr(self, name.lower()) for name in "ABCD"}
+        return found if self.sample_time is None else found | dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
 
     def sampled(self, sample_time: float) -> LinearModel:
         """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
@@ -145,25 +144,10 @@ class LinearModel:
         grown = expm(times[..., None, None] * whole)
         return grown[..., :n, :n], grown[..., :n, n:]
 
-    @property
-    def ad(self) -> Array:
-        """A in discrete time."""
-        return self.discrete()[0]
-
-    @property
-    def bd(self) -> Array:
-        """B in discrete time."""
-        return self.discrete()[1]
-
-    @property
-    def cd(self) -> Array:
-        """C in discrete time: C."""
-        return self.discrete()[2]
-
-    @property
-    def dd(self) -> Array:
-        """D in discrete time: D."""
-        return self.discrete()[3]
+    ad = property(lambda self: self.discrete()[0], doc="A in discrete time.")
+    bd = property(lambda self: self.discrete()[1], doc="B in discrete time.")
+    cd = property(lambda self: self.discrete()[2], doc="C in discrete time: C.")
+    dd = property(lambda self: self.discrete()[3], doc="D in discrete time: D.")
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""
@@ -206,11 +190,6 @@ class LinearModel:
         plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
         matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)
         return ss(*matrices, **plain)
-
-
-def units_of_states(states: Iterable[str]) -> dict[str, str]:
-    """Units of states that are neither inputs nor outputs."""
-    return {LOG_RATIO: "1"} if LOG_RATIO in states else {}
 
 
 def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[np.complex128]:

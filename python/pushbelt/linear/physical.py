@@ -19,17 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PushbeltError
-from .model import LOG_RATIO, Array, LinearModel, units_of_states
+from .model import LOG_RATIO, Array, LinearModel
 
 COORDINATES = {"primary.speed": "primary.torque", "secondary.speed": "secondary.torque"}
 """Speeds among the coordinates, and the input without which each is held."""
 RATIO = "ratio.geometric"
-FORCES = ("primary.clampingForce", "secondary.clampingForce")
-"""Inputs without one of which the ratio is held."""
-WORST = 1e6
-"""Condition number of the transform above which it is refused."""
-MOST_HERTZ = 1600.0
-"""Frequency up to which modes are searched for the coordinates, Hz."""
+FORCES = ("primary.clampingForce", "secondary.clampingForce")  # Inputs without one of which the ratio is held
+WORST = 1e6  # Condition number of the transform above which it is refused
+MOST_HERTZ = 1600.0  # Frequency up to which modes are searched for the coordinates, Hz
 
 
 class NotPhysicalError(PushbeltError, ValueError):
@@ -65,7 +62,10 @@ def physical(model: LinearModel) -> LinearModel:
         share, natural = _pair(rows / scale[:, None], a, n)
         rows = np.vstack([rows, share @ a / natural])
         scale = np.append(scale, 1.0)
-    condition = _condition(rows / scale[:, None])
+    # With columns of unit length, because the length of a mode is arbitrary.
+    scaled = rows / scale[:, None]
+    lengths = np.linalg.norm(scaled, axis=0)
+    condition = float(np.linalg.cond(scaled / np.where(lengths > 0.0, lengths, 1.0)))
     if not condition < WORST:
         raise NotPhysicalError(
             f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}"
@@ -77,10 +77,7 @@ def physical(model: LinearModel) -> LinearModel:
         b[n] -= (a[n, n] + natural) * direct / natural
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
-    units = {**model.units, **units_of_states(names)}
-    return replace(
-        model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical"
-    )
+    return replace(model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), coordinates="physical")
 
 
 def sorted_poles(a: Array) -> NDArray[np.complex128]:
@@ -105,14 +102,10 @@ def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array
 
 def _rows(model: LinearModel, c: Array, names: Sequence[str]) -> tuple[Array, Array]:
     """Rows of C for the coordinates, and the magnitude of each coordinate: the speed, or 1 for ln i."""
-    rows, scale = [], []
-    for name in names:
-        output = RATIO if name == LOG_RATIO else name
-        value = model.values[output]
-        row = c[model.outputs.index(output)]
-        rows.append(row / value if name == LOG_RATIO else row)
-        scale.append(1.0 if name == LOG_RATIO else max(abs(value), 1.0))
-    return np.array(rows), np.array(scale)
+    outputs, logs = [RATIO if name == LOG_RATIO else name for name in names], np.array([name == LOG_RATIO for name in names])
+    rows = c[[model.outputs.index(output) for output in outputs]]
+    values = np.array([model.values[output] for output in outputs])
+    return rows / np.where(logs, values, 1.0)[:, None], np.where(logs, 1.0, np.maximum(np.abs(values), 1.0))
 
 
 def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
@@ -121,12 +114,6 @@ def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
     share = np.zeros_like(rows[0])
     share[n - 1 :] = (normal @ rows)[n - 1 :]
     return share, float(np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :])))
-
-
-def _condition(rows: Array) -> float:
-    """Condition number with columns of unit length, because the length of a mode is arbitrary."""
-    lengths = np.linalg.norm(rows, axis=0)
-    return float(np.linalg.cond(rows / np.where(lengths > 0.0, lengths, 1.0)))
 
 
 def with_enough_modes(linearise: Callable[[float], LinearModel], frequency: float) -> LinearModel:

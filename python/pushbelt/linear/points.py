@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,15 +17,11 @@ from .grid import LinearGrid
 from .physical import NotPhysicalError, with_enough_modes
 from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoints, over
 
-FREQUENCY = 50.0
-"""Default frequency, Hz, below which modes are states of a linear model."""
-STATES = ("modal", "physical")
-"""Kinds of states of a linear model."""
+FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
+STATES = ("modal", "physical")  # Kinds of states of a linear model
 
 
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
-    """The linear model about the state of an instance."""
-
     def modal(below: float) -> LinearModel:
         return LinearModel.of(solver.linearise(below))
 
@@ -63,7 +60,8 @@ class LinearPoints(WorkingPoints):
         linear model or requires other loads than the specified ones.
         """
         force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
-        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency, states, sample_time)
+        find = partial(model_of, frequency=frequency, states=states, sample_time=sample_time)
+        return self._linearize(self._values, Point(ratio, torque, speed, force), find)
 
     def linear_grid(
         self,
@@ -96,6 +94,7 @@ class LinearPoints(WorkingPoints):
             for name, values in lists.items()
         }
         axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
+        find = partial(model_of, frequency=frequency, states=states, sample_time=sample_time)
 
         def model(**at: Any) -> LinearModel:
             values = {**self._values, **{name: at[name] for name in changes or ()}}
@@ -103,16 +102,13 @@ class LinearPoints(WorkingPoints):
             try:
                 if used is None:
                     used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
-                point = Point(at["ratio"], at["torque"], turning, used)
-                return self._linearize(values, point, frequency, states, sample_time)
+                return self._linearize(values, Point(at["ratio"], at["torque"], turning, used), find)
             finally:
                 after_each()
 
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
-    def _linearize(
-        self, values: Values, point: Point, frequency: float, states: str, sample_time: float | None
-    ) -> LinearModel:
+    def _linearize(self, values: Values, point: Point, find: Callable[[calls.Instance], LinearModel]) -> LinearModel:
         """The linear model at a point with these start values: about the steady state under the loads that hold it."""
         state = self._steady(values, point)
         slower = point.speed / state["primary.speed"]
@@ -128,7 +124,7 @@ class LinearPoints(WorkingPoints):
 
         def read(solver: calls.Instance) -> LinearModel:
             try:
-                return model_of(solver, frequency, states, sample_time)
+                return find(solver)
             except (UnitError, NotPhysicalError) as error:
                 raise LinearPointError(f"no linear model {point}: {error}") from error
 

@@ -24,13 +24,11 @@ from pushbelt.variator import Variator
 
 from . import points
 
-OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
-"""Default outputs of the figures."""
+OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("linearize", __doc__, "the files and report.html")
     found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
     add_variator(found, None)
@@ -50,31 +48,23 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("linearize", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Computes the models, writes the files and prints their paths."""
     options = parser().parse_intermixed_args(arguments)
     provenance.begin("linearize", arguments)
     asked = points.read(options.settings, options.safety)
-    with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
-        grid = find(variator, asked, options)
-    return write(grid, asked, options)
-
-
-def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
-    """The models, with a progress bar."""
     # Imported here, so that the help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
-    axes = asked.axes(variator)
     given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
-    size = math.prod(len(values) for values in (*axes.values(), *asked.changes.values()) if isinstance(values, list))
-    with progress_bar(size, "working points") as bar:
-        grid = variator.linear_grid(
-            **axes, safety=asked.safety or 1.0, changes=asked.changes, after_each=lambda: bar.update(1), **given
-        )
-    return points.without_other_loads(grid, asked.loads)
+    with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
+        axes = asked.axes(variator)
+        size = math.prod(len(values) for values in (*axes.values(), *asked.changes.values()) if isinstance(values, list))
+        with progress_bar(size, "working points") as bar:
+            each = {"changes": asked.changes, "after_each": lambda: bar.update(1)}
+            grid = variator.linear_grid(**axes, safety=asked.safety or 1.0, **each, **given)
+    return write(points.without_other_loads(grid, asked.loads), options)
 
 
-def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) -> int:
+def write(grid: LinearGrid, options: argparse.Namespace) -> int:
     """Writes the models and prints the reasons for missing ones."""
     from . import report
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
-from pushbelt.linear.model import LinearModel
 from pushbelt.variator import Variator
 
 AXES = {
@@ -24,28 +21,18 @@ AXES = {
 """Names of the FMU's variables, and of the corresponding axes of a grid."""
 REACTIONS = ("primary.clampingForce", "secondary.torque")
 """Loads that hold a point. A specified value is compared with the required one."""
-SAME = 0.01
-"""Largest relative difference between a specified and a required load."""
+SAME = 0.01  # Largest relative difference between a specified and a required load
 SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
 """Smallest magnitude of a load in this comparison, N and N·m."""
 
 
-class PointError(PushbeltError, ValueError):
-    """The specified points cannot be read."""
-
-
-@dataclass(frozen=True)
-class Asked:
+class Asked(NamedTuple):
     """The specified points and parameters."""
 
-    points: Mapping[str, list[float]]
-    """Specified values of `AXES`."""
-    loads: Mapping[str, float]
-    """Specified values of `REACTIONS`."""
-    parameters: Mapping[str, str]
-    """Parameters with one value."""
-    changes: Mapping[str, list[str]]
-    """Parameters with several values."""
+    points: Mapping[str, list[float]]  # Values of `AXES`
+    loads: Mapping[str, float]  # Values of `REACTIONS`
+    parameters: Mapping[str, str]  # Parameters with one value
+    changes: Mapping[str, list[str]]  # Parameters with several values
     safety: float | None
 
     def axes(self, variator: Variator) -> dict[str, Any]:
@@ -59,63 +46,50 @@ class Asked:
 
 def read(settings: Sequence[str], safety: float | None = None) -> Asked:
     """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[Any]] = {}
     for setting in settings:
         name, _, text = setting.partition("=")
         if not (name and text):
-            raise PointError(f"`{setting}` is not of the form NAME=VALUE")
+            raise ArgumentError(f"`{setting}` is not of the form NAME=VALUE")
         if name in found:
-            raise PointError(f"{name} appears twice")
-        found[name] = _words(name, text)
+            raise ArgumentError(f"{name} appears twice")
+        found[name] = _values(name, text)
         if name in REACTIONS and len(found[name]) > 1:
-            raise PointError(f"{name} follows from the point: give at most one value, which is compared with the result")
-    points = {name: [_number(name, word) for word in found.pop(name)] for name in AXES if name in found}
-    loads = {name: _number(name, found.pop(name)[0]) for name in REACTIONS if name in found}
+            raise ArgumentError(f"{name} follows from the point: give at most one value, which is compared with the result")
+    points = {name: found.pop(name) for name in AXES if name in found}
+    loads = {name: found.pop(name)[0] for name in REACTIONS if name in found}
     parameters = {name: words[0] for name, words in found.items() if len(words) == 1}
     changes = {name: words for name, words in found.items() if len(words) > 1}
     if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
-        raise PointError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
+        raise ArgumentError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
     if safety is not None and "secondary.clampingForce" in points:
-        raise PointError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
+        raise ArgumentError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
     return Asked(points, loads, parameters, changes, safety)
 
 
-def _words(name: str, text: str) -> list[str]:
-    parts = text.split(":")
-    if len(parts) != 3:
-        return [word.strip() for word in text.split(",")]
-    first, last = (_number(name, word) for word in parts[:2])
-    if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= 1000:
-        raise PointError(f"{name}={text}: the last number is the count of values, 2 to 1000")
-    return [repr(float(value)) for value in np.linspace(first, last, int(parts[2]))]
-
-
-def _number(name: str, word: str) -> float:
+def _values(name: str, text: str) -> list[Any]:
+    """Numbers of a point, and texts of a parameter."""
+    read, parts = (float if name in (*AXES, *REACTIONS) else lambda word: str(word).strip()), text.split(":")
     try:
-        value = float(word)
+        if len(parts) != 3:
+            return [read(word) for word in text.split(",")]
+        if 2 <= int(parts[2]) <= 1000:
+            return [read(value) for value in np.linspace(float(parts[0]), float(parts[1]), int(parts[2])).tolist()]
     except ValueError:
-        raise PointError(f"{name} = {word!r} is not a number") from None
-    if not math.isfinite(value):
-        raise PointError(f"{name} = {word} is not finite")
-    return value
+        pass
+    raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of 2 to 1000")
 
 
 def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
     """The grid without the points that require other loads than the specified ones."""
     models, reasons = grid.models.copy(), grid.reasons.copy()
-    for place in np.ndindex(grid.shape):
-        if models[place] is not None and (why := _other_loads(models[place], loads)):
+    for place, model in np.ndenumerate(grid.models):
+        held = {} if model is None else {name: (model.held.get(name, given), given) for name, given in loads.items()}
+        if why := [
+            f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
+            for name, (held, given) in held.items()
+            if not abs(held - given) <= SAME * max(abs(held), abs(given), SMALL[name])
+        ]:
             at = ", ".join(f"{name} {value:g}" for name, value in grid.point(place).items())
-            models[place], reasons[place] = None, f"no linear model at {at}: {why}"
+            models[place], reasons[place] = None, f"no linear model at {at}: {'; '.join(why)}"
     return LinearGrid(grid.axes, models, reasons)
-
-
-def _other_loads(model: LinearModel, loads: Mapping[str, float]) -> str:
-    found = []
-    for name, given in loads.items():
-        held = model.held.get(name, given)
-        if abs(held - given) > SAME * max(abs(held), abs(given), SMALL[name]):
-            found.append(
-                f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
-            )
-    return "; ".join(found)

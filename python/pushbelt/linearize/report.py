@@ -17,13 +17,11 @@ from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET, 
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 DASHES = ("", "dash", "dot")
-LOWEST = 0.01
-"""Lowest frequency of the Bode plots, Hz."""
+LOWEST = 0.01  # Lowest frequency of the Bode plots, Hz
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
 
-MOST_DASHED = 4
-"""Largest number of values of the axis with colours, if another one has dashes."""
+MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
 
 
 class Drawn(NamedTuple):
@@ -35,7 +33,6 @@ class Drawn(NamedTuple):
     model: LinearModel
 
     def line(self, x: Array, y: Array) -> Series:
-        """A response of the model."""
         return Series(self.name, x, y, self.colour, dash=self.dash)
 
 
@@ -48,13 +45,9 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     charts = [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs]
     path = folder / "report.html"
     context = {
-        "grid": grid,
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
-        "inputs": first.inputs,
-        "units": first.units,
-        "outputs": first.outputs,
-        "frequency": first.frequency,
+        "first": first,
         "charts": charts,
         "drawn": len(drawn),
     }

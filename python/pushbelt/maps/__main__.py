@@ -18,36 +18,30 @@ from pushbelt.cli.options import add_short, add_study, numbers, program
 from pushbelt.errors import ArgumentError
 from pushbelt.study.tasks import variator
 
-from .data import Maps
+from .data import AXES, Maps
 from .lines import collect
 from .plan import COARSE, SHORT, Plan
 
-AXES = {
-    "force": "secondary clamping forces, N",
-    "speed": "primary speeds, rad/s",
-    "ratio": "geometric ratios [default: evenly between the end stops]",
-    "utilisation": "torque utilisations, negative where the secondary pulley drives",
-}
+GIVEN = ("force", "speed", "ratio", "utilisation")  # Axes with an option
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("maps", __doc__, "maps, report and finished lines")
     add_short(found, "12 lines instead of 84")
     add_study(found)
-    for name, text in AXES.items():
-        found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=f"{text}; comma-separated")
-    found.add_argument("--ratios", type=int, metavar="N", help="number of ratios between the end stops")
+    for name in GIVEN:
+        text = f"{AXES[name].description}, {AXES[name].unit}; comma-separated numbers"
+        found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
+    found.add_argument("--ratios", type=int, metavar="N", help="number of ratios, evenly between the end stops [default: 7]")
     found.add_argument("--beside", type=Path, metavar="MAPS", help="maps of another variator, maps.nc, for the report")
     return found
 
 
 @console.program("maps", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Solves the maps, writes files and report, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("maps", arguments)
-    given = {name: getattr(options, name) for name in (*AXES, "ratios") if getattr(options, name) is not None}
+    given = {name: getattr(options, name) for name in (*GIVEN, "ratios") if getattr(options, name) is not None}
     if given.get("ratios", 2) < 2:
         raise ArgumentError("at least two ratios are needed")
     grid = replace(SHORT if options.short else COARSE, **given)

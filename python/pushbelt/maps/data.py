@@ -20,12 +20,10 @@ import numpy as np
 from ..errors import PushbeltError
 from ..fmu.geometry import Array
 
-VERSION = 1
-"""Version of the files' content."""
+VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
 """Meaning of the numbers of the table `state`. The first two are steady states."""
-ROUTE = ("force", "speed", "ratio")
-"""Axes of a line."""
+ROUTE = ("force", "speed", "ratio")  # Axes of a line
 
 
 class MapError(PushbeltError, ValueError):
@@ -86,10 +84,8 @@ TABLES: Mapping[str, Quantity] = {
     "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
     "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
 }
-TEXTS = ("source", "parameters", "reasons")
-"""Parts of a data set that are no numbers."""
-LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")
-"""Losses of the belt."""
+TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
+LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")  # Losses of the belt
 
 
 @dataclass(frozen=True)
@@ -210,15 +206,12 @@ class Maps:
             file.format_version = np.int32(VERSION)
             for name, text in self._about().items():
                 setattr(file, name, text.encode())
-            for name, axis in AXES.items():
+            for name in AXES:
                 file.createDimension(name, len(self.axes[name]))
-                variable = file.createVariable(name, "d", (name,))
-                variable[:] = self.axes[name]
-                variable.units, variable.long_name = axis.unit.encode(), axis.description.encode()
-            for name, quantity in TABLES.items():
-                variable = file.createVariable(name, "d", quantity.axes)
-                variable[:] = self.tables[name]
-                variable.units, variable.long_name = quantity.unit.encode(), quantity.description.encode()
+            for name, about in {**AXES, **TABLES}.items():
+                variable = file.createVariable(name, "d", (name,) if name in AXES else TABLES[name].axes)
+                variable[:] = self.axes[name] if name in AXES else self.tables[name]
+                variable.units, variable.long_name = about.unit.encode(), about.description.encode()
                 if name == "state":
                     variable.flag_values = np.arange(len(STATES), dtype=float)
                     variable.flag_meanings = " ".join(STATES).encode()

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
-from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import Maps
-from pushbelt.maps.panels import SLIPS, TICKS, Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import QUANTITIES, TICKS, Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.style import BLUE, ORANGE, RPM
 
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 """Points in the maps, by the numbers of the table `state`. Those beyond the capacity are behind the border."""
-QUANTITIES = (
-    Quantity("Thrust ratio", "thrustRatio"),
-    Quantity("Slip", "slip", 100.0, "%", SLIPS),
-    Quantity("Efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 88, 90, 92, 94, 95, 96, 97, 98)),
-    Quantity("Torque loss at the primary shaft", "torqueLoss", unit="N·m"),
-)
+SHOWN = (*QUANTITIES, Quantity("torque loss at the primary shaft", "torqueLoss", unit="N·m"))
 
 
 def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
@@ -28,28 +23,18 @@ def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
     levels = levels_of(np.concatenate([one.ravel() for one in values]), shown.levels)
     panels = []
     first = named[0][1]
-    for f, force in enumerate(first.axes["force"]):
-        for s, speed in enumerate(first.axes["speed"]):
-            for (name, maps), table in zip(named, values, strict=True):
-                at = _nearest(maps, "force", force), _nearest(maps, "speed", speed)
-                place = (f, s) if maps is first else at
-                title = f"{1e-3 * maps.axes['force'][place[0]]:g} kN, {RPM * maps.axes['speed'][place[1]]:.0f} rpm"
-                panels.append(_contour(maps, shown, f"{name}: {title}" if name else title, table[place], place, levels))
+    for force, speed in itertools.product(first.axes["force"], first.axes["speed"]):
+        for (name, maps), table in zip(named, values, strict=True):
+            wanted = {"force": force, "speed": speed}
+            # The nearest force and speed of its axes.
+            place = tuple(int(np.abs(np.log(maps.axes[axis] / value)).argmin()) for axis, value in wanted.items())
+            title = f"{1e-3 * maps.axes['force'][place[0]]:g} kN, {RPM * maps.axes['speed'][place[1]]:.0f} rpm"
+            kinds = {kind: maps["state"][place] == number for number, kind in KINDS.items()}
+            known = 100.0 * maps["capacitySlip"][place].T if shown.column == "slip" else None
+            axes, border = (maps.axes["ratio"], maps.axes["utilisation"]), Border(maps["capacity"][place].T, known)
+            panels.append(panel(f"{name}: {title}" if name else title, shown, axes, table[place], levels, kinds, border))
     columns = len(first.axes["speed"]) if len(named) == 1 else 2
-    return Chart(panels, f"Maps of {shown.name.lower()}", columns=columns, common_legend=True, least_width=240)
-
-
-def _nearest(maps: Maps, axis: str, value: float) -> int:
-    return int(np.argmin(np.abs(np.log(maps.axes[axis] / value))))
-
-
-def _contour(maps: Maps, shown: Quantity, title: str, values: Array, place: tuple[int, int], levels: Array) -> Panel:
-    """One map; `values` over ratio × utilisation."""
-    state = maps["state"][place]
-    kinds = {name: state == number for number, name in KINDS.items()}
-    at = 100.0 * maps["capacitySlip"][place].T if shown.column == "slip" else None
-    axes = maps.axes["ratio"], maps.axes["utilisation"]
-    return panel(title, shown, axes, values, levels, kinds, Border(maps["capacity"][place].T, at))
+    return Chart(panels, f"Maps of {shown.name}", columns=columns, common_legend=True, least_width=240)
 
 
 def lines(maps: Maps) -> Chart:

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas
+from scipy.io import savemat
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
 from pushbelt.report.style import RPM
 
-OWN = ("maps.nc", "maps.npz", "maps.json")
-"""Files that `Maps.read` reads."""
-MATLAB_NAME = 31
-"""Longest name that all versions of MATLAB accept."""
+OWN = ("maps.nc", "maps.npz", "maps.json")  # Files that `Maps.read` reads
+MATLAB_NAME = 31  # Longest name that all versions of MATLAB accept
 LOOKUP = ("ratio", "utilisation", "speed", "force")
 """Order of the dimensions of tables over points for lookup blocks: `tbl(ratio, utilisation, speed, force)`."""
 COMBI = ("thrustRatio", "slip", "torqueLoss", "beltTorqueLoss", "efficiency", "bearingLoad", "valid")
 """Quantities of the Modelica tables."""
 
+
 def _matlab(maps: Maps, path: Path) -> None:
     """MAT v5: breakpoints `bp_…` and tables `tbl_…`, as the n-D lookup blocks of Simulink take them."""
-    from scipy.io import savemat
-
     arrays: dict[str, object] = {f"bp_{name}": maps.axes[name] for name in AXES}
     rows = []
     for name, quantity in TABLES.items():
@@ -60,12 +59,6 @@ def _combitable_text(maps: Maps, path: Path) -> None:
             file.writelines(" ".join(repr(float(value)) for value in row) + "\n" for row in matrix)
 
 
-def _combitable_matlab(maps: Maps, path: Path) -> None:
-    from scipy.io import savemat
-
-    savemat(path, combitables(maps), format="4")
-
-
 def _points(maps: Maps) -> pandas.DataFrame:
     """A row for each point: the axes, and all tables over points."""
     names = [name for name, quantity in TABLES.items() if quantity.axes == POINT]
@@ -95,9 +88,10 @@ def _torque_loss(maps: Maps, path: Path) -> None:
     pandas.DataFrame(columns).to_csv(path, index=False, float_format="%.9g", lineterminator="\r\n")
 
 
-WRITERS = {
-    "maps.mat": _matlab, "maps_combitable.txt": _combitable_text, "maps_combitable.mat": _combitable_matlab, "maps.csv": _csv,
-    "torque_loss.csv": _torque_loss,
+WRITERS: Mapping[str, Callable[[Maps, Path], object]] = {
+    "maps.mat": _matlab, "maps_combitable.txt": _combitable_text,
+    "maps_combitable.mat": lambda maps, path: savemat(path, combitables(maps), format="4"),
+    "maps.csv": _csv, "torque_loss.csv": _torque_loss,
 }  # fmt: skip
 
 

@@ -43,7 +43,10 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
     tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
     tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
-    tables["shiftGain"] = _gains(tables["shiftRate"], axes["excess"])
+    # The slope over the two intervals about excess 0; over one at the border of the axis.
+    zero = int(np.flatnonzero(axes["excess"] == 0.0)[0])
+    ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]
+    tables["shiftGain"] = np.diff(tables["shiftRate"][..., ends])[..., 0] / (np.diff(axes["excess"][ends])[0] or 1.0)
     tables |= with_shafts(plan.full, axes, tables)
     description = plan.description
     source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
@@ -75,40 +78,25 @@ def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: 
 
 def filled(values: Array) -> Array:
     """Values with gaps (NaN) filled with the nearest value along the last axis."""
+    there = np.isfinite(values)
+    if not there.any(axis=-1).all():
+        raise ArgumentError("a line has no steady state")
     places = np.arange(values.shape[-1])
-    result = values.copy()
-    for place in np.ndindex(values.shape[:-1]):
-        there = places[np.isfinite(values[place])]
-        if there.size == 0:
-            raise ArgumentError("a line has no steady state")
-        nearest = there[np.argmin(np.abs(places[:, None] - there[None, :]), axis=1)]
-        result[place] = values[place][nearest]
-    return result
+    away = np.where(there[..., None, :], np.abs(places[:, None] - places), values.shape[-1])
+    return np.take_along_axis(values, away.argmin(axis=-1), axis=-1)
 
 
 def monotone(rates: Array, excesses: Array) -> Array:
     """Shift rates with 0 inserted at excess 0, made to grow with the excess; missing ones (NaN) are those of the nearest excess."""
     zero = int(np.flatnonzero(excesses == 0.0)[0])
-    full = np.insert(rates, zero, 0.0, axis=-1)
-    full = filled(full)
+    full = filled(np.insert(rates, zero, 0.0, axis=-1))
     scale = 1e-6 * np.max(np.abs(full), axis=-1, keepdims=True) * np.abs(excesses)
     above = np.maximum.accumulate(np.maximum(full, scale)[..., zero:], axis=-1)
     below = np.maximum.accumulate(np.maximum(-full, scale)[..., zero::-1], axis=-1)[..., ::-1]
     return np.concatenate([-below[..., :-1], above], axis=-1)
 
 
-def _gains(rates: Array, excesses: Array) -> Array:
-    """Slope over the two intervals about excess 0; over one at the border of the axis."""
-    zero = int(np.flatnonzero(excesses == 0.0)[0])
-    low, high = max(zero - 1, 0), min(zero + 1, len(excesses) - 1)
-    if low == high:
-        return np.zeros(rates.shape[:-1])
-    return (rates[..., high] - rates[..., low]) / (excesses[high] - excesses[low])
-
-
-def with_shafts(
-    parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]
-) -> dict[str, Array]:
+def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> dict[str, Array]:
     """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
     force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
     per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
@@ -125,9 +113,8 @@ def with_shafts(
     power_in, power_out = into * turning["primary"], out * turning["secondary"]
     forward = (power_in > 0.0) & (power_out > 0.0)
     backward = (power_in < 0.0) & (power_out < 0.0)
-    one = np.ones_like(power_in)
-    efficiency = np.where(forward, power_out / np.where(forward, power_in, one), 0.0)
-    efficiency = np.where(backward, power_in / np.where(backward, power_out, one), efficiency)
+    efficiency = np.divide(power_out, power_in, out=np.zeros_like(power_in), where=forward)
+    np.divide(power_in, power_out, out=efficiency, where=backward)
     return {
         "primaryTorque": torque,
         "lossShafts": sum(drag[pulley] * turning[pulley] for pulley in turning),

@@ -15,12 +15,8 @@ from ..report.style import COLOUR_SCALE, INK, MUTED, RED, mixed
 
 TICKS = tuple((tick, f"{tick:g}") for tick in (0.4, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5))
 _LEVELS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
-SLIPS = (*(-level for level in reversed(_LEVELS)), 0.0, *_LEVELS)
-"""Levels of the slip, %."""
-ROWS = 61
-"""Number of values over the utilisation in a map with a border."""
-MOST_TICKS = 9
-"""Largest number of ticks of a colour bar."""
+ROWS = 61  # Number of values over the utilisation in a map with a border
+MOST_TICKS = 9  # Largest number of ticks of a colour bar
 COVER = "#f1f4f7"
 """Colour of what is beyond the capacity."""
 MARKS = {
@@ -39,14 +35,21 @@ class Quantity:
     column: str
     scale: float = 1.0
     unit: str = ""
-    levels: Sequence[float] | None = None
-    """Levels of the colours; by default they are evenly spaced."""
+    levels: Sequence[float] | None = None  # Levels of the colours; by default they are evenly spaced
 
     @property
     def heading(self) -> str:
         """Name with the unit, if it has one."""
         text = f"{self.name} ({self.unit})" if self.unit else self.name
         return text[0].upper() + text[1:]
+
+
+QUANTITIES = (
+    Quantity("thrust ratio", "thrustRatio"),
+    Quantity("efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)),
+    Quantity("slip", "slip", 100.0, "%", (*(-level for level in reversed(_LEVELS)), 0.0, *_LEVELS)),
+)
+"""What all maps show."""
 
 
 def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
@@ -74,8 +77,7 @@ class Border:
     """Least and greatest utilisation that is carried, shape (2, ratios), NaN where unknown. The colours end there."""
 
     utilisation: Array
-    values: Array | None = None
-    """Values of the map at the border, where known."""
+    values: Array | None = None  # Values of the map at the border, where known
 
 
 def panel(

@@ -54,10 +54,8 @@ class Grid:
             raise ArgumentError("the values of slip_share must begin with -1, contain 0 and end with 1")
 
 
-COARSE = Grid()
-"""84 lines with 13 points each."""
-SHORT = Grid(force=(6000.0, 15000.0), speed=(100.0, 300.0), ratios=3)
-"""12 lines."""
+COARSE = Grid()  # 84 lines with 13 points each
+SHORT = Grid(force=(6000.0, 15000.0), speed=(100.0, 300.0), ratios=3)  # 12 lines
 
 
 def stops(parameters: Mapping[str, float]) -> tuple[float, float]:

@@ -16,15 +16,13 @@ from typing import Any
 import numpy as np
 
 from ..fmu.files import RESOURCES, found
-from ..fmu.geometry import Array
 from ..fmu.start_values import DESCRIPTION, checked, write_copy
 from ..fmu.untrusted import described
 from ..whole_file import copy_archive
 from .data import AXES, TABLES, MapError, Maps
 
 NAME = "PushbeltMap.fmu"
-TABLES_FILE = "resources/maps.json"
-"""The tables in the archive."""
+TABLES_FILE = "resources/maps.json"  # The tables in the archive
 FORMAT, VERSION = "pushbelt map unit", 1
 USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
 """Tables of the FMU."""
@@ -33,8 +31,16 @@ GEOMETRY = (
     *("belt.pitchOffset", "friction.fall", "friction.fallSpeed"),
 )
 """Parameters of the variator that the tables contain."""
-DIGITS = 9
-"""Significant digits of the tables."""
+VARIABLES = (
+    "friction.pulley",
+    *(
+        f"{side}.{name}"
+        for side in ("primary", "secondary")
+        for name in ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
+    ),
+)
+"""Parameters of the variator that the FMU has as variables."""
+DIGITS = 9  # Significant digits of the tables
 TOKENS = re.compile(r'\b(guid|instantiationToken)="\{([0-9a-f-]{36})\}"')
 _START = 0x6C62272E07BB014262B821756295C58D
 _PRIME = 0x0000000001000000000000000000013B
@@ -56,34 +62,22 @@ def tables_of(maps: Maps) -> bytes:
     tables = {name: maps[name] for name in USED}
     # The equations rely on a traction that rises, which holds but for the noise of the solver.
     tables["traction"] = np.maximum.accumulate(tables["traction"], axis=-1)
+    rounded = np.vectorize(lambda value: float(f"{value:.{DIGITS}g}"))
     document = {
         "format": FORMAT,
         "version": VERSION,
         "source": dict(maps.source),
         "maps": maps.identity,
         "parameters": {name: maps.parameters[name] for name in GEOMETRY},
-        "startValues": _start_values(maps),
+        "startValues": {name: maps.parameters[name] for name in VARIABLES},
         "axes": {name: {"unit": AXES[name].unit, "values": maps.axes[name].tolist()} for name in AXES},
         "tables": {
-            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": _rounded(values)}
+            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()}
             for name, values in tables.items()
         },
     }
     # Only the numbers of tables are nested lists, so the file is compact without being one line.
     return (json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n").encode()
-
-
-def _start_values(maps: Maps) -> dict[str, float]:
-    """Parameters of the variator that the FMU has as variables."""
-    pulley = ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
-    names = ["friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in pulley)]
-    return {name: maps.parameters[name] for name in names}
-
-
-def _rounded(values: Array) -> Any:
-    if values.ndim == 0:
-        return float(f"{float(values):.{DIGITS}g}")
-    return [_rounded(value) for value in values]
 
 
 def hash_of(content: bytes) -> int:

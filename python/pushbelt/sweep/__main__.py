@@ -20,12 +20,11 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables.options import add_reading, reading
 
-from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
+from .design import AXIS_OF, DesignError, Varied, crossed, listed, varied
 from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warnings_of
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("sweep", __doc__, "report, maps, results and finished points")
     add_short(found, f"{len(SHORT)} points instead of {len(DEFAULT)}")
     add_study(found)
@@ -33,13 +32,8 @@ def parser() -> argparse.ArgumentParser:
         text = f"{axis.description}, {axis.unit}; comma-separated numbers"
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
     design = found.add_argument_group("designs of any parameters and inputs, in SI units, instead of the default grid")
-    design.add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="NAME=VALUES",
-        help="a parameter or an input: A,B,C, or LOW:HIGH:N, or with --samples LOW:HIGH; can be repeated. All lists are combined",
-    )
+    text = "a parameter or an input: A,B,C, or LOW:HIGH:N, or with --samples LOW:HIGH; can be repeated. All lists are combined"
+    design.add_argument("--vary", action="append", default=[], metavar="NAME=VALUES", help=text)
     design.add_argument("--samples", type=int, metavar="N", help="points of a Latin hypercube over the ranges")
     design.add_argument("--seed", type=int, default=0, metavar="N", help="of the Latin hypercube [default: 0]")
     design.add_argument("--points", type=Path, metavar="FILE", help="list of points, text or .xlsx; names and units in the header")
@@ -53,7 +47,6 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("sweep", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("sweep", arguments)
     if options.slurm is None and options.print_job:
@@ -78,35 +71,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _study(options: argparse.Namespace) -> Study:
-    designed = options.vary or options.points or options.samples
-    if designed and (options.measure or options.short):
-        raise DesignError("--vary, --samples and --points exclude --short and --measure")
+    """A grid, or the design of --vary, --samples and --points. Axes given by their options are columns of it."""
     axes = {name: getattr(options, name) for name in AXES if getattr(options, name) is not None}
-    if designed:
-        design = _design(options, [Varied(AXIS_OF.get(name, name), values) for name, values in axes.items()])
-        return Study(options.fmu, variator(options.variator, options.ring, dict(options.set), design.columns), design)
-    grid = MEASURED if options.measure else SHORT if options.short else DEFAULT
-    return Study(options.fmu, variator(options.variator, options.ring, dict(options.set)), replace(grid, **axes))
-
-
-def _design(options: argparse.Namespace, axes: list[Varied]) -> Design:
-    """The design of --vary, --samples and --points. Axes given by their options are columns of it."""
-    if not options.points:
-        return crossed([*axes, *map(varied, options.vary)], options.samples, options.seed)
-    if options.vary or options.samples or axes:
+    if (options.vary or options.points or options.samples) and (options.measure or options.short):
+        raise DesignError("--vary, --samples and --points exclude --short and --measure")
+    if options.points and (options.vary or options.samples or axes):
         raise DesignError("--points has all columns: it excludes --vary, --samples and the axes")
-    variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
-    design, remarks = listed(options.points, variables, reading(options))
-    for remark in remarks:
-        print(f"  {options.points}: {remark}")
-    return design
+    if options.points:
+        variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
+        grid, remarks = listed(options.points, variables, reading(options))
+        for remark in remarks:
+            print(f"  {options.points}: {remark}")
+    elif options.vary or options.samples:
+        columns = [Varied(AXIS_OF.get(name, name), values) for name, values in axes.items()]
+        grid = crossed([*columns, *map(varied, options.vary)], options.samples, options.seed)
+    else:
+        grid = replace(MEASURED if options.measure else SHORT if options.short else DEFAULT, **axes)
+    return Study(options.fmu, variator(options.variator, options.ring, dict(options.set), grid.columns), grid)
 
 
 def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line
 
-    from . import design_report, report
+    from . import report
     from .results import table, write_parquet
 
     for warning in warnings_of(study):
@@ -114,8 +102,7 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     rows, effort = from_command_line(study, options, "points", options.chunk or CHUNK, scheduler)
     results = table(study, rows)
     write_parquet(results, options.output / "results.parquet")
-    write = design_report.write if isinstance(study.grid, Design) else report.write
-    path = write(study, results, options.output, effort)
+    path = report.write(study, results, options.output, effort)
     failed = len(results) - results["reason"].null_count
     print(f"{path.resolve()} ({len(results)} points, {failed} without a steady state, {effort})")
     return 0 if failed < len(results) else 1

@@ -37,8 +37,7 @@ AXIS_OF = {
 """Short names of columns, by which a point is defined."""
 OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Columns that may have the names of a rig's table, such as F_S. Its secondary torque has no sign, so it is not among them."""
-MOST_POINTS = 1_000_000
-"""Largest number of points of a design."""
+MOST_POINTS = 1_000_000  # Largest number of points of a design
 
 
 class DesignError(PushbeltError, ValueError):
@@ -54,9 +53,31 @@ class Varied:
     span: tuple[float, float] | None = None
 
 
+class Points:
+    """Points with values of columns: `initial.ratio`, `utilisation`, parameters and inputs of the FMU, in SI units."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def points(self) -> list[Point]:
+        """All points; their places number them."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
+
+    def check(self, variables: Mapping[str, Any]) -> None:
+        """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
+        for number, point in enumerate(self.points(), 1):
+            try:
+                checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
+            except StartValueError as error:
+                raise DesignError(f"point {number} of the design: {error}") from None
+
+
 @dataclass(frozen=True)
-class Design:
-    """Points with values of any columns: `initial.ratio`, `utilisation`, parameters and inputs of the FMU, in SI units."""
+class Design(Points):
+    """Points of any columns."""
 
     kind: str
     """`grid`, `Latin hypercube` or `list`."""
@@ -74,21 +95,6 @@ class Design:
         for line, row in enumerate(self.rows, 1):
             if len(row) != len(self.columns) or not all(map(math.isfinite, row)):
                 raise DesignError(f"point {line} of the design is not complete: {row}")
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def points(self) -> list[Point]:
-        """All points; their places number them."""
-        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
-
-    def check(self, variables: Mapping[str, Any]) -> None:
-        """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
-        for number, point in enumerate(self.points(), 1):
-            try:
-                checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
-            except StartValueError as error:
-                raise DesignError(f"point {number} of the design: {error}") from None
 
 
 # Reading
@@ -145,7 +151,8 @@ def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = N
     a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
     try:
         sheet = sheets.read(path, _known(variables), reading)
-        names = [name for name in sheet.taken if _settable(variables, name)]
+        settable = {UTILISATION, *(name for name, variable in variables.items() if variable.causality in SETTABLE)}
+        names = [name for name in sheet.taken if name in settable]
         sheet.check()
         if not names:
             raise TableError("no column is a parameter or an input of the FMU", path)
@@ -167,10 +174,6 @@ def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = N
         *(f"{fault}: the row is left out" for fault in sheet.left_out),
     ]
     return Design("list", tuple(names), rows), remarks
-
-
-def _settable(variables: Mapping[str, Any], name: str) -> bool:
-    return name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)
 
 
 def _known(variables: Mapping[str, Any]) -> dict[str, Column]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray
 
-from pushbelt.maps.panels import Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import QUANTITIES, Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.style import RPM
 
-from .maps import QUANTITIES, carried
+from .maps import carried
 
-ACROSS = 4
-"""Largest number of maps per row."""
+ACROSS = 4  # Largest number of maps per row
 
 
 def maps(results: xarray.Dataset) -> dict[str, Chart]:

@@ -8,37 +8,32 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 import pyarrow as pa
 import xarray
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.panels import SLIPS, Quantity, levels_of, middle_of
+from pushbelt.maps.panels import QUANTITIES, Quantity, levels_of, middle_of
 from pushbelt.report.style import INK, RED, RPM, STYLE, colour_stops
 
+from .design import Points
 from .study import AXES, Grid
 
 RATIO_TICKS = (0.5, 0.7, 1.0, 1.4, 2.0)
 
 
-def gridded(grid: Grid, table: pa.Table) -> xarray.Dataset:
-    """The numbers of the results over the axes of the grid, NaN where there is no steady state, and the mask `steady`."""
-    numbers = table.drop_columns(["remarks", "reason", *AXES.keys() & set(table.column_names)])
-    values = {
-        name: numbers[name].to_numpy(zero_copy_only=False).astype(float).reshape(grid.shape)
-        for name in numbers.column_names
-    }
-    axes = {name: list(getattr(grid, name)) for name in AXES}
-    found = xarray.Dataset({name: (tuple(AXES), one) for name, one in values.items()}, axes)
+def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
+    """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
+    the mask `steady`."""
+    numbers = table.drop_columns(["remarks", "reason"]).to_pandas().astype(float).set_index("point")
+    if isinstance(grid, Grid):
+        axes = {name: getattr(grid, name) for name in AXES}
+        numbers = numbers.drop(columns=axes.keys() & numbers.keys())
+        numbers.index = pandas.MultiIndex.from_product(axes.values(), names=axes)
+    found = numbers.to_xarray()
     return found.assign(steady=found.thrustRatio.notnull())
-
-
-QUANTITIES = (
-    Quantity("thrust ratio", "thrustRatio"),
-    Quantity("efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)),
-    Quantity("slip", "slip", 100.0, "%", SLIPS),
-)
 
 
 def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
@@ -72,7 +67,6 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
             axes.set(facecolor="#f1f3f5", xmargin=0.0, ymargin=0.0)
         figure.supxlabel("ratio $r_S/r_P$", fontsize=9)
         figure.supylabel("torque utilisation", fontsize=9)
-        shown, shrink = plt.cm.ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
         shown, shrink = plt.cm.ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
         bar = figure.colorbar(shown, ax=panels, shrink=shrink, aspect=32, pad=0.015, ticks=levels)
         bar.ax.set_yticklabels([f"{level:g}" for level in levels])

@@ -14,13 +14,10 @@ from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import UnitError
+from pushbelt.study.tasks import Row
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
-
-Row = dict[str, float | bool | str | None]
-"""A row of the results, by column."""
-
 
 Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,

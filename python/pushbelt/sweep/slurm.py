@@ -7,8 +7,7 @@ from typing import Any
 
 from pushbelt.study.cluster import ClusterError
 
-CLOSING = 120
-"""Time before the end of a job at which its worker closes and passes its points on, s."""
+CLOSING = 120  # Time before the end of a job at which its worker closes and passes its points on, s
 NAMES = {"name": "job_name", "logs": "log_directory", "scratch": "local_directory"}
 REPEATED = {"directive": "job_extra_directives", "prologue": "job_script_prologue"}
 

@@ -6,21 +6,18 @@ import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from typing import Any
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu import capacity, starts, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import point
-from .design import Design, DesignError
+from .design import Design, DesignError, Points
 from .point import Point, start_values
-
-class WrongUnitError(PushbeltError, ValueError):
-    """Forces or torques of all points look like a wrong unit."""
-
 
 CHUNK = 8
 """Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
@@ -51,8 +48,8 @@ def rpm(*speeds: float) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Grid:
-    """All combinations of the values of the axes. Each axis is ascending."""
+class Grid(Points):
+    """All combinations of the values of the axes, the utilisation fastest. Each axis is ascending."""
 
     force: tuple[float, ...] = (12e3,)
     """Secondary clamping force, N, above 0."""
@@ -75,22 +72,17 @@ class Grid:
         """Numbers of values in the order of `AXES`."""
         return tuple(len(getattr(self, name)) for name in AXES)
 
-    def __len__(self) -> int:
-        return math.prod(self.shape)
-
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns of the points."""
         return tuple(axis.column for axis in AXES.values())
 
-    def points(self) -> list[Point]:
-        """All points; their places number them. The utilisation varies fastest."""
-        rows = itertools.product(*(getattr(self, name) for name in AXES))
-        return [dict(zip(self.columns, row, strict=True)) for row in rows]
+    @cached_property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """Values of the columns at all points."""
+        return tuple(itertools.product(*(getattr(self, name) for name in AXES)))
 
 
-DEFAULT = Grid()
-"""2288 points."""
+DEFAULT = Grid()  # 2288 points
 SHORT = Grid(
     friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
 )
@@ -107,11 +99,8 @@ class Study(Tasks):
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
-        if isinstance(self.grid, Design):
-            self.grid.check(self.variables)
-            fixed = {"initial.steady", "initial.equilibrium"}
-        else:
-            fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
+        self.grid.check(self.variables)
+        fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
@@ -123,34 +112,29 @@ class Study(Tasks):
         return {"parameters": dict(self.parameters), "grid": asdict(self.grid)}
 
     def tasks(self) -> list[dict[str, float]]:
-        """Start values of all points."""
         return [self.start_values(point) for point in self.grid.points()]
 
     def start_values(self, point: Point) -> dict[str, float]:
-        """All start values of a point."""
-        if isinstance(self.grid, Design):
-            point = {**point, **checked(self.variables, {name: one for name, one in point.items() if name in self.variables})}
-        return start_values(self.parameters, point)
+        known = {name: value for name, value in point.items() if name in self.variables}
+        return start_values(self.parameters, {**point, **checked(self.variables, known)})
 
 
-MOST = 2000
-"""Largest number of points that are checked for wrong units, evenly spaced in the study."""
-
-
-def excessive_speed(values: Mapping[str, float]) -> str | None:
-    """Reason why the speed of a point is not realistic; None if it is."""
-    return capacity.excessive_speed(values, values["initial.ratio"], values["initial.primarySpeed"])
+MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
 
 
 def warnings_of(study: Study) -> Iterator[str]:
     """Warnings about forces and torques in a wrong unit and about excessive belt speeds, before anything is solved. Raises
-    WrongUnitError if no point carries its torque, and a wrong unit explains it at all of them."""
+    ArgumentError if no point carries its torque, and a wrong unit explains it at all of them."""
     points = study.grid.points()
     values = [study.start_values(point) for point in points[:: -(-len(points) // MOST)]]
+
+    def excessive_speed(one: Mapping[str, float]) -> str | None:
+        return capacity.excessive_speed(one, one["initial.ratio"], one["initial.primarySpeed"])
+
     for slips in (capacity.slip_of_units, excessive_speed):
         found = [text for one in values if (text := slips(one))]
         if slips is capacity.slip_of_units and len(found) == len(values):
-            raise WrongUnitError(found[0])
+            raise ArgumentError(found[0])
         if found:
             yield found[0] if len(found) == 1 else f"{found[0]} (and {len(found) - 1} more of {len(values)} points)"
 

@@ -1,0 +1,57 @@
+"""Words of the command line that the programs refuse: one line names them, and nothing is written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import WORDS
+
+from pushbelt import cli
+
+BASE = {
+    "belt": "--width 30 --layers 12 --element-thickness 1.5 --length 0.70 --center-distance 0.17",
+    "durability": "run.csv", "linearize": "", "maps": "", "sweep": "",
+}  # fmt: skip
+REFUSED = {
+    "belt": [
+        ("--length 700", "length of the belt is 700 m"), ("--ratio 3.2", "0.386 to 2.591"), ("--ratio nan", "0.386 to 2.591"),
+        ("--set belt.colour=1", "belt.colour"), ("--strength 2e9", "strength of the steel: 2e+09 MPa"),
+        ("--limit 2.1GPa", "limit of the steel: 2100 MPa"), ("--stress-safety 0.1", "safety of the steel: 0.1"),
+        ("--safety 0.1", "safety of the load case: 0.1"), ("--rpm 0", "speed of the load case: 0 rad/s"),
+        ("--torque nan", "torque of the load case: nan N.m"), ("--element-mass 60", "is 0.06 kg"), ("--young 400", "is 4e+11 Pa"),
+        ("--wedge-angle 45", "is 0.785398 rad"),
+    ],
+    "durability": [
+        ("--strength 2e9", "strength of the steel: 2e+09 MPa"), ("--limit 6e8", "limit of the steel: 6e+08 MPa"),
+        ("--strength 2e9Pa --limit 2500MPa", "limit of the steel: 2500 MPa"), ("--knee 10", "knee of the steel: 10"),
+        ("--slope nan", "slope of the steel: nan"), ("--safety 0.1", "safety of the steel: 0.1"),
+    ],
+    "linearize": [
+        ("initial.ratio", "initial.ratio"), ("initial.ratio=one", "initial.ratio = 'one'"), ("initial.ratio=nan", "ratio = nan"),
+        ("initial.ratio=1 initial.ratio=2", "initial.ratio appears twice"), ("initial.ratio=1:2:0", "initial.ratio = '1:2:0'"),
+        ("secondary.torque=-1,-2", "secondary.torque"), ("ring.model=ALE0,ALE9", "ring.model = 'ALE9'"), ("initial.ratoi=1", "initial.ratio"),
+        ("initial.primarySpeed=0", "0 rad/s"), ("--frequency 0", "out of range"), ("--safety 0.1", "--safety 0.1"),
+        ("--safety 1.3 secondary.clampingForce=9000", "secondary.clampingForce"), (f"--outputs sleep {' '.join(WORDS)}", "sleep"),
+        ("--variator bench169", "bench169"), (f"--sample-time 0 {' '.join(WORDS)}", "sample_time = 0.0 s"),
+    ],
+    "maps": [("--speed 0", "speed must be positive"), ("--set belt.colour=1", "belt.colour"), ("--ratios 1", "two ratios")],
+    "sweep": [
+        ("--vary belt.play=1e-4:2e-4", "belt.play"), ("--vary belt.play=1e-4 --samples 5", "--samples"),
+        ("--vary belt.play=1e-4 --short", "--short"), ("--samples 5", "--samples"), ("--points points.csv --ratio 1", "--points"),
+        ("--vary belt.play=1e-4 --set belt.play=1e-4", "belt.play"), ("--print-job", "--print-job"), ("--slurm jobs=1 --workers 1", "--slurm"),
+        ("--force 12 --ratio 1 --utilisation 0.3,0.6", "12 kN are 12000 N"), ("--vary primary.torque=20:90:4 --force 9", "9 kN are 9000 N"),
+        ("--vary primary.torque=8000,9000 --force 12e3", "8000 N·mm are 8 N·m"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("program", "words", "named"), [(program, *one) for program, rows in REFUSED.items() for one in rows])
+def test_what_is_refused_is_named(
+    program: str, words: str, named: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "out"
+    assert cli.main([program, "--fmu", str(fmu), "--output", str(output), *BASE[program].split(), *words.split()]) == 1
+    said = capsys.readouterr().err
+    assert named in said and said.count("\n") <= 2 and "Traceback" not in said
+    assert not list(output.rglob("*.*"))
