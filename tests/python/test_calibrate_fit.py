@@ -209,7 +209,7 @@ def solved(fmu: Path, archive: Any) -> Solved:
     found = []
     for ratio, torque in ((2.0, 35.0), (1.5, 45.0), (1.0, 40.0), (0.7, 45.0), (0.55, 30.0)):
         point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-        state = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
+        state = worker.solve(fmu, archive.directory, BASE, point)
         assert state.reason is None
         found.append((ratio, torque, dict(state.values)))
     return found
@@ -272,7 +272,7 @@ def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solve
     speed_ratio, measured = ratio / (1.0 - values["slip"]), (Measured("slip", 0.0, 1.0, True),)
     for guess, most in ((0.0, 3), (values["slip"] + 1e-4, 2), (values["slip"], 2)):
         point = Point(0, "", None, speed_ratio, SPEED, torque, FORCE, None, measured, guess)
-        found = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
+        found = worker.solve(fmu, archive.directory, BASE, point)
         assert found.values == pytest.approx(values, rel=1e-3)
         assert found.solves <= most
 
@@ -283,10 +283,10 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     samples = tuple((0.02 * k, SPEED, 20.0, 17e3, 10e3, 1.2) for k in range(5))
     measured = tuple(Measured("ratio.geometric", 1.2, 0.01, True, f"ratio.geometric@{k}", 0.02 * k) for k in range(1, 5))
     record = Record(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)
-    first = worker.solve_or_say_why(fmu, archive.directory, base, record)
+    first = worker.solve(fmu, archive.directory, base, record)
     assert first.reason is None
     course = [first.values[m.key] for m in measured]
     # The primary force is above equilibrium, so the ratio falls.
     assert all(later < earlier for earlier, later in zip([1.2, *course], course, strict=False))
-    other = worker.solve_or_say_why(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
+    other = worker.solve(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3

@@ -33,7 +33,7 @@ def table(fmu: Path, archive: Any, tmp_path_factory: pytest.TempPathFactory) -> 
     rows = ["i_geo;n_P [rad/s];T_P [Nm];F_S [kN];thrustRatio;slip [%]"]
     for ratio, torque in ((1.8, 40.0), (1.0, 55.0), (0.6, 35.0)):
         point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-        found = worker.solve_or_say_why(fmu, archive.directory, parameter_set(str(fitted)), point)
+        found = worker.solve(fmu, archive.directory, parameter_set(str(fitted)), point)
         assert found.reason is None
         values = found.values["thrustRatio"], 100.0 * found.values["slip"]
         rows.append(";".join(f"{value!r}".replace(".", ",") for value in (ratio, SPEED, torque, FORCE / 1e3, *values)))

@@ -10,8 +10,7 @@ from pushbelt.report import charts
 from pushbelt.report.charts import Chart, Panel
 from pushbelt.calibrate.figures import chart as figures
 from pushbelt.calibrate.figures import reach
-from pushbelt.calibrate.model import Value
-from pushbelt.calibrate.residuals import residuals
+from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.worker import Found
 from pushbelt.tables.points import Measured, Point
 
@@ -25,7 +24,7 @@ def points(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
     rows = [
         Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, (Measured("thrustRatio", m, 0.01, True),)) for k, m in enumerate(measured)
     ]
-    return residuals(rows, [Value(k, row.measured[0]) for k, row in enumerate(rows)], [Found({"thrustRatio": f}) for f in found])
+    return Model(rows, list).rows([Found({"thrustRatio": f}) for f in found])
 
 
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])

@@ -20,7 +20,7 @@ from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
 from . import figures, model
-from .residuals import Score, of, plain, quantities, residuals, score
+from .residuals import Score, of, plain, quantities, score
 
 DEFAULT = "bench168"
 short = partial(plain, digits=4, none="–")
@@ -41,8 +41,7 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
     sets = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
     total = len(sets) * len(rig.points)
     with progress_bar(total, "steady states") as bar, model.opened(fmu, {}, rig.points, workers, bar.update) as opened:
-        states = opened.states(list(sets.values()))
-        rows = {name: residuals(rig.points, opened.values, own) for name, own in zip(sets, states, strict=True)}
+        rows = dict(zip(sets, map(opened.rows, opened.states(list(sets.values()))), strict=True))
     measured = quantities(rows[variator])
     scores = [score(own, quantity, name) for quantity in measured for name, own in rows.items()]
     return HoldOut(rig, described(fmu).version or "", rows, scores)

@@ -1,8 +1,7 @@
-"""Measured values beside the model's, and their scores."""
+"""Scores of residuals: of the rows of `Model.rows`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,31 +9,6 @@ import pandas as pd
 
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
-from pushbelt.tables.points import Point
-
-from .model import Value
-from .worker import Found
-
-COLUMNS = (
-    "line", "name", "time", "ratio", "speed_ratio", "speed", "torque", "force", "primary_force", "quantity", "measured", "sd", "given",
-    "found", "reason",
-)  # fmt: skip
-
-
-def residuals(points: Sequence[Point], values: Sequence[Value], states: Sequence[Found], kept: Sequence[bool] | bool = True) -> pd.DataFrame:
-    """A row for each measured value, SI, in the order of the table: its point, measured value, standard deviation and whether it is given,
-    the model's value or why there is no steady state, and whether the fit contains it. `residual` is model minus measurement, `relative`
-    the same in standard deviations."""
-    pairs = ((points[one.point], one.measured, one.of(states[one.point]), states[one.point].reason) for one in values)
-    rows = [
-        (p.line, p.name, m.time, p.ratio, p.speed_ratio, p.speed, p.torque, p.force, p.primary_force, m.quantity, m.value, m.deviation,
-         m.given, found, reason)
-        for p, m, found, reason in pairs
-    ]  # fmt: skip
-    numbers = ("time", "ratio", "speed_ratio", "primary_force", "measured", "sd", "found")
-    frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(numbers, float)).assign(kept=kept)
-    frame["residual"] = frame["found"] - frame["measured"]
-    return frame.assign(relative=frame["residual"] / frame["sd"])
 
 
 def plain(value: float | None, digits: int = 5, none: str = "") -> str:

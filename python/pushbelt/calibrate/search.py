@@ -13,8 +13,8 @@ from .model import LOST, Model
 from .parameters import Parameter, assign
 from .worker import Found
 
-TOLERANCE = 1e-4, 1e-4
-"""A search ends where its next step is expected to reduce the sum of squares by less than the first value plus this share of it."""
+TOLERANCE = 1e-4
+"""A search ends where its next step is expected to reduce the sum of squares by less than this value plus this share of it."""
 CONFIRMED = 10.0  # The derivatives at the end may expect a reduction of this multiple of the tolerance
 MOST_EVALUATIONS = 40
 MOST_JACOBIANS = 6  # Largest number of times that a search computes all derivatives
@@ -52,7 +52,11 @@ class Search:
 
     def _all_residuals(self, place: Array, states: Sequence[Found]) -> Array:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
-        return np.concatenate([self.model.residuals(states), priors])
+        return np.nan_to_num(np.concatenate([self.model.relative(states), priors]), nan=LOST)
+
+    def carried(self) -> Array:
+        """Which residuals are not those of points without a steady state."""
+        return self.residuals != LOST
 
     def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
@@ -92,13 +96,12 @@ class Search:
         without them."""
         self._robust = robust
         free, every = list(free), sorted({*free, *waiting})
-        reach, jacobians, confirmed = REACH[0], 0, False
-        self.converged = False
+        reach, jacobians, confirmed, self.converged = REACH[0], 0, False, False
         while self.evaluations < MOST_EVALUATIONS:
             total = self._loss(self.residuals)
             step, expected = self._step(free, reach)
             # A lost point is constant, and does not make the search coarse.
-            tolerance = TOLERANCE[0] + TOLERANCE[1] * self._loss(np.where(self.residuals == LOST, 0.0, self.residuals))
+            tolerance = TOLERANCE * (1.0 + self._loss(np.where(self.carried(), self.residuals, 0.0)))
             small = expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0)
             if small or reach < REACH[2] or (confirmed and jacobians >= MOST_JACOBIANS):
                 if robust:
@@ -106,15 +109,14 @@ class Search:
                 if self._moved <= NEAR:
                     self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
                     break
-                self._renew(every)
+                self.slopes, self._moved = self._differences(every, central=True), 0.0
                 jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
                 continue
             better = self._try(step, total, expected)
-            largest = self._length
             if better > 0.75:
-                reach = min(max(reach, 2.0 * largest), REACH[1])
+                reach = min(max(reach, 2.0 * self._length), REACH[1])
             elif better < 0.25:
-                reach = 0.25 * largest if better <= 0.0 else 0.5 * largest
+                reach = (0.25 if better <= 0.0 else 0.5) * self._length
                 if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
                     self.slopes = self._differences(every, central=False)
                     jacobians, reach = jacobians + 1, 0.1
@@ -124,11 +126,7 @@ class Search:
             if self.at_bound(k):
                 self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
         if self._moved > NEAR:
-            self._renew(every)
-
-    def _renew(self, free: Sequence[int]) -> None:
-        """Derivatives by central differences at this place."""
-        self.slopes, self._moved = self._differences(free, central=True), 0.0
+            self.slopes, self._moved = self._differences(every, central=True), 0.0
 
     def _step(self, free: Sequence[int], reach: float) -> tuple[Array, float]:
         """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
