@@ -18,7 +18,7 @@ from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
 from pushbelt.tables import points as tables
-from pushbelt.tables.points import Measured, Point, Record
+from pushbelt.tables.points import Measured, Point
 
 NAMES = tuple("abcdef")
 Law = Callable[[np.ndarray, float], float]
@@ -159,7 +159,7 @@ def test_samples_of_a_record_are_left_out_alone() -> None:
         return [Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in places}) for values, _ in jobs]
 
     samples = tuple(replace(p.measured[0], key=f"{k}", time=float(k)) for k, p in enumerate(opened.points))
-    record = Record(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
+    record = Point(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
     found = fit.fit(Model([record], solve), TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [7]
 
@@ -282,7 +282,7 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     base = {**parameter_set("bench168"), "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
     samples = tuple((0.02 * k, SPEED, 20.0, 17e3, 10e3, 1.2) for k in range(5))
     measured = tuple(Measured("ratio.geometric", 1.2, 0.01, True, f"ratio.geometric@{k}", 0.02 * k) for k in range(1, 5))
-    record = Record(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)
+    record = Point(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)
     first = worker.solve(fmu, archive.directory, base, record)
     assert first.reason is None
     course = [first.values[m.key] for m in measured]

@@ -18,7 +18,6 @@ from pushbelt.sweep.design import listed
 from pushbelt.tables import columns as known
 from pushbelt.tables import numerals, points, units
 from pushbelt.tables.faults import TableError
-from pushbelt.tables.points import Oil
 from pushbelt.tables.sheet import Reading
 
 POUND, FOOT = 4.4482216152605, 0.3048
@@ -391,7 +390,7 @@ def test_pressures_give_forces(tmp_path: Path) -> None:
     speed = 3000 * RPM
     turning = 1e4 + 300.0 + 0.02 * (speed / 2) ** 2
     for oil, force, primary in ((areas, 1e4, 2.4e4), (areas | more, turning, 2.4e4 + 0.01 * speed**2)):
-        rig = points.read(path, oil=Oil(oil))
+        rig = points.read(path, parameters=oil)
         (point,) = rig.points
         assert (point.force, point.measured[0].value) == pytest.approx((force, primary / force))
         assert any("without the centrifugal force" in remark for remark in rig.remarks) == (oil is areas)

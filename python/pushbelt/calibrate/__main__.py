@@ -137,7 +137,7 @@ def once(rig: points.Rig) -> points.Rig:
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
     costs = (
-        SAMPLE_COST * len(point.measured) if isinstance(point, points.Record)
+        SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip

@@ -16,7 +16,7 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.report.side_by_side import tick
 from pushbelt.tables.columns import SAMPLED
-from pushbelt.tables.points import Point, Record
+from pushbelt.tables.points import Point
 
 SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
@@ -59,7 +59,7 @@ def solve(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Po
         _open[directory] = SteadyStates(Archive(directory, fmpy.read_model_description(str(fmu))))
     states = _open[directory]
     try:
-        if isinstance(point, Record):
+        if point.samples:
             return _record(states, parameters, point)
         if point.shifting:
             return _shift(states, parameters, point)
@@ -136,7 +136,7 @@ RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingF
 """Inputs of a recorded shift."""
 
 
-def _record(states: SteadyStates, parameters: Mapping[str, float], record: Record) -> Found:
+def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
     """The ratio at each sample of a recorded shift.
 
     The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
