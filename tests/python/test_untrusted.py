@@ -30,36 +30,27 @@ def with_entry(fmu: Path, to: Path, name: str, content: bytes = b"x", mode: int 
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(to, "w", zipfile.ZIP_DEFLATED) as target:
         target.writestr("modelDescription.xml", source.read("modelDescription.xml"))
         entry = zipfile.ZipInfo("placeholder")
-        entry.filename, entry.compress_type = name, zipfile.ZIP_DEFLATED
-        entry.external_attr = mode << 16
+        entry.filename, entry.compress_type, entry.external_attr = name, zipfile.ZIP_DEFLATED, mode << 16
         target.writestr(entry, content)
     return to
 
 
 @pytest.mark.parametrize(
-    ("name", "mode", "why"),
+    ("name", "mode"),
     [
-        ("../outside.txt", 0, "is outside the folder"),
-        ("resources/../../outside.txt", 0, "is outside the folder"),
-        ("/outside.txt", 0, "is outside the folder"),
-        ("resources//x", 0, "is outside the folder"),
-        ("C:/outside.txt", 0, "a character that is not allowed in a path"),
-        ("..\\outside.txt", 0, "a character that is not allowed in a path"),
-        ("resources/link", stat.S_IFLNK | 0o777, "is a link"),
-        ("modelDescription.xml", 0, "appears twice"),
+        *((name, 0) for name in ("../outside", "resources/../../outside", "/outside", "resources//x", "C:/outside", "..\\outside")),
+        ("resources/link", stat.S_IFLNK | 0o777), ("modelDescription.xml", 0),
     ],
-)
+)  # fmt: skip
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_paths_that_lead_out_are_refused(
-    fmu: Path, tmp_path: Path, own_cache: Path, name: str, mode: int, why: str
-) -> None:
+def test_paths_that_lead_out_are_refused(fmu: Path, tmp_path: Path, own_cache: Path, name: str, mode: int) -> None:
     place = tmp_path / "in" / "here"
     place.mkdir(parents=True)
     path = with_entry(fmu, place / "bad.fmu", name, b"outside", mode)
     for unpack in (lambda: Archive.unpack(path, place / "unpacked"), lambda: cache.unpacked(path)):
-        with pytest.raises(InputFileError, match=why) as refused:
+        with pytest.raises(InputFileError, match="bad.fmu is not unpacked") as refused:
             unpack()
-        assert "bad.fmu is not unpacked" in str(refused.value)
+        assert name.replace("\\", "") in str(refused.value).replace("\\", "")
     assert not list(tmp_path.rglob("outside*"))
     assert not (place / "unpacked").exists() and not list(own_cache.glob("*"))
 
@@ -68,27 +59,23 @@ def test_paths_that_lead_out_are_refused(
 def test_an_identifier_is_a_name_in_c(fmu: Path, tmp_path: Path, identifier: str) -> None:
     path = tmp_path / "bad.fmu"
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(path, "w") as target:
-        for entry in source.infolist():
-            content = source.read(entry)
-            if entry.filename == "modelDescription.xml":
-                content = content.replace(b'modelIdentifier="PushbeltVariator"', f'modelIdentifier="{identifier}"'.encode())
-            target.writestr(entry, content)
+        content = source.read("modelDescription.xml")
+        other = content.replace(b'modelIdentifier="PushbeltVariator"', f'modelIdentifier="{identifier}"'.encode())
+        assert other != content
+        target.writestr("modelDescription.xml", other)
     for unpack in (Archive.unpack, cache.unpacked, untrusted.described):
-        with pytest.raises(InputFileError, match="bad.fmu is not a usable FMU: its modelIdentifier") as caught:
+        with pytest.raises(InputFileError, match="bad.fmu is not a usable FMU: its modelIdentifier[^\n]*$"):
             unpack(path)
-        assert "\n" not in str(caught.value)
     assert [one.name for one in tmp_path.iterdir()] == ["bad.fmu"]
 
 
 def test_an_archive_that_would_fill_the_disk_is_refused(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = with_entry(fmu, tmp_path / "bomb.fmu", "resources/zeros", bytes(50_000_000))
     assert path.stat().st_size < 100_000
-    monkeypatch.setattr(untrusted, "LARGEST_FILE", 40_000_000)
-    with pytest.raises(InputFileError, match="bomb.fmu would unpack to .* MB, above the limit of 40 MB"):
-        Archive.unpack(path)
-    monkeypatch.setattr(untrusted, "MOST_FILES", 1)
-    with pytest.raises(InputFileError, match="above the limit of 1"):
-        Archive.unpack(path)
+    for limit, value, named in (("LARGEST_FILE", 40_000_000, "40 MB"), ("MOST_FILES", 1, "1")):
+        monkeypatch.setattr(untrusted, limit, value)
+        with pytest.raises(InputFileError, match=f"above the limit of {named}"):
+            Archive.unpack(path)
 
 
 def test_a_size_that_is_a_lie_is_found_out(fmu: Path, tmp_path: Path) -> None:
@@ -104,8 +91,7 @@ def test_a_size_that_is_a_lie_is_found_out(fmu: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "spoil",
-    [lambda data: b"", lambda data: b"PK\3\4", lambda data: data[: len(data) // 2], lambda data: data[:-22] + bytes(22)],
+    "spoil", [lambda data: b"", lambda data: b"PK\3\4", lambda data: data[: len(data) // 2], lambda data: data[:-22] + bytes(22)]
 )
 def test_what_is_cut_or_damaged_is_refused(
     fmu: Path, tmp_path: Path, spoil: Callable[[bytes], bytes], capsys: pytest.CaptureFixture[str]
@@ -114,24 +100,23 @@ def test_what_is_cut_or_damaged_is_refused(
     path.write_bytes(spoil(fmu.read_bytes()))
     with pytest.raises(InputFileError, match="bad.fmu"):
         Archive.unpack(path)
-    assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(path)]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
-    assert demo_main.main(["--fmu", str(path), "--output", str(tmp_path / "out")]) == 1
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "bad.fmu" in said, "one error, and no more"
+    for main, words in ((cli.main, ["fmu", str(tmp_path / "own.fmu")]), (demo_main.main, ["--output", str(tmp_path / "out")])):
+        assert main([*words, "--fmu", str(path)]) == 1
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1 and "bad.fmu" in said, "one error, and no more"
+
+
+ENTITIES = b"".join(b'<!ENTITY a%d "%s">' % (k, b"&a%d;" % (k - 1) * 10) for k in range(1, 10))
 
 
 @pytest.mark.parametrize(
     "xml",
     [
-        b"no xml",
-        b"<fmiModelDescription/>",
+        b"no xml", b"<fmiModelDescription/>",
         b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><fmiModelDescription modelName="&b;"/>',
-        b'<!DOCTYPE a [<!ENTITY a0 "aaaaaaaaaa">'
-        + b"".join(b'<!ENTITY a%d "%s">' % (k, b"&a%d;" % (k - 1) * 10) for k in range(1, 10))
-        + b']><fmiModelDescription fmiVersion="2.0" modelName="&a9;"/>',
+        b'<!DOCTYPE a [<!ENTITY a0 "aaaaaaaaaa">' + ENTITIES + b']><fmiModelDescription fmiVersion="2.0" modelName="&a9;"/>',
     ],
-)
+)  # fmt: skip
 def test_a_model_description_that_is_none_is_refused(tmp_path: Path, xml: bytes) -> None:
     path = tmp_path / "xml.fmu"
     with zipfile.ZipFile(path, "w") as archive:
@@ -144,25 +129,16 @@ def test_a_model_description_that_is_none_is_refused(tmp_path: Path, xml: bytes)
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("[1, 2", ""),
-        ("[" * 100_000, ""),
-        ("\xff", ""),
-        ("3", "parameters"),
-        ('{"parameters": []}', "parameters"),
-        ('{"parameters": {"belt.play": 2e-4}}', "belt.play"),
-        ('{"parameters": {"belt.play": {"value": [1]}}}', "belt.play"),
+        ("[1, 2", ""), ("[" * 100_000, ""), ("\xff", ""), ("3", "parameters"), ('{"parameters": []}', "parameters"),
+        ('{"parameters": {"belt.play": 2e-4}}', "belt.play"), ('{"parameters": {"belt.play": {"value": [1]}}}', "belt.play"),
         ('{"parameters": {"belt.play": {"value": NaN}}}', "NaN"),
     ],
-)
-def test_json_of_another_form_is_refused(
-    fmu: Path, tmp_path: Path, text: str, named: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+)  # fmt: skip
+def test_json_of_another_form_is_refused(tmp_path: Path, text: str, named: str) -> None:
     path = tmp_path / "bad.json"
     path.write_bytes(text.encode("latin-1"))
-    with pytest.raises(InputFileError, match=f"bad.json.*{named}"):
+    with pytest.raises(InputFileError, match=f"^[^\n]*bad.json[^\n]*{named}[^\n]*$"):
         parameter_set(str(path))
-    assert demo_main.main(["--fmu", str(fmu), "--output", str(tmp_path / "out"), "--variator", str(path)]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_a_gigabyte_of_json_is_not_read(tmp_path: Path) -> None:
