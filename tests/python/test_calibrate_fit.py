@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
+from conftest import MESH
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
@@ -95,9 +96,11 @@ def test_a_prior_determines_what_the_data_do_not() -> None:
 def test_a_bad_fit_says_so() -> None:
     good = model(lambda v, u: v[0] * u, (1.2,), "a")
     assert fit.fit(good, [parameter("a")]).misfit is None
-    bad = fit.fit(Model([with_value(point, value=np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
+    bad = fit.fit(Model([with_value(point, np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
     # No value is an outlier: the scatter of all counts, not the given deviations.
     assert all(bad.kept) and bad.misfit
+    with pytest.raises(fit.FitError, match="2 measured values"):
+        fit.fit(model(curve, (1.0, 1.0), "ab", count=2), TWO)
 
 
 def with_value(point: Point, value: float) -> Point:
@@ -179,11 +182,6 @@ def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "4 (as 2), 6 (as 2)" in capsys.readouterr().out
 
 
-def test_too_few_values_are_refused() -> None:
-    with pytest.raises(fit.FitError, match="2 measured values"):
-        fit.fit(model(curve, (1.0, 1.0), "ab", count=2), TWO)
-
-
 @pytest.mark.parametrize(
     "words", [("--workers", "0"), ("--workers", "-1"), *(("--prior", f"belt.play{end}") for end in ("", "=1", "=1±0", "=x±1", "=1±inf", "=nan±1"))]
 )
@@ -215,55 +213,53 @@ def solved(fmu: Path, archive: Any) -> Solved:
     return found
 
 
-def words(path: Path, fmu: Path, out: Path, *more: str) -> list[str]:
-    return [str(path), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--fit", "friction.pulley", *more]
+HEADER = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
 
 
-def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, solved: Solved, tmp_path: Path, capsys: Any) -> None:
-    path, out = tmp_path / "rig.csv", tmp_path / "out"
-    rows = [f"{1 / i!r};{SPEED};{t};{FORCE};{v['thrustRatio']!r};{v['slip']!r};{v['efficiency']!r}" for i, t, v in solved]
-    header = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
-    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 1
-    assert '--map "ratio.geometric=1/ratio.geometric"' in capsys.readouterr().err
-    assert not out.exists()
-    assert __main__.main(words(path, fmu, out, "--as-written")) == 3
+@pytest.fixture
+def calibrated(fmu: Path, tmp_path: Path) -> Callable[..., int]:
+    """Runs the program on rows of a table; returns its exit code."""
+
+    def run(rows: Sequence[Sequence[float]], *more: str) -> int:
+        path = tmp_path / "rig.csv"
+        path.write_text("\n".join([HEADER, *(";".join(map(repr, row)) for row in rows)]) + "\n", encoding="utf-8")
+        words = [str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--workers", "1", "--fit", "friction.pulley", *more]
+        return __main__.main(words)
+
+    return run
+
+
+def fits(out: Path) -> None:
+    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
+    assert document["fits"] and document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
+
+
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(calibrated, solved: Solved, tmp_path: Path, capsys: Any) -> None:
+    out, rows = tmp_path / "out", [[1.0 / i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    assert calibrated(rows) == 1 and not out.exists()
+    option = "ratio.geometric=1/ratio.geometric"
+    assert f'--map "{option}"' in capsys.readouterr().err
+    assert calibrated(rows, "--as-written") == __main__.MISFIT
     assert capsys.readouterr().out.startswith("does not fit: ")
     assert json.loads((out / "parameters.json").read_text(encoding="utf-8"))["fits"] is False
     assert (out / "residuals.csv").is_file()
     assert '<div class="fault" role="alert">' in reports.stands_alone(out / "report.html")
-    assert __main__.main(words(path, fmu, out, "--map", "ratio.geometric=1/ratio.geometric")) == 0
-    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
-    assert document["fits"] is True
-    assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
+    assert calibrated(rows, "--map", option) == 0
+    fits(out)
 
 
-HEADER = "ratio.geometric,primary.speed [rad/s],primary.torque [Nm],secondary.clampingForce [N],F_P [kN],slip,efficiency"
-
-
-def test_the_first_line_names_a_wrong_value(fmu: Path, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A force of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without them."""
-    path, out = tmp_path / "rig.csv", tmp_path / "out"
-    rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
-    path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 0
-    capsys.readouterr()
-    (ratio, torque, values), force = solved[0], 1e-2 * solved[0][2]["thrustRatio"] * FORCE
-    wrong = [
-        f"{ratio},{SPEED},{torque},{FORCE},{force!r},{values['slip']!r},{values['efficiency']!r}",
-        f"{ratio},{SPEED},{10.0 * torque},{FORCE},{0.1 * force!r},{values['slip']!r},{values['efficiency']!r}",
-        rows[2],
-    ]
-    path.write_text("\n".join([HEADER, *rows, *wrong]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 0
+def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A thrust ratio of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without
+    them."""
+    rows = [[i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    (ratio, _, torque, _, thrust, *other) = rows[0]
+    assert calibrated([*rows, [ratio, SPEED, torque, FORCE, 10.0 * thrust, *other], [ratio, SPEED, 10.0 * torque, FORCE, thrust, *other], rows[2]]) == 0
     said, errors = capsys.readouterr()
     assert "line 7, thrustRatio" in said.splitlines()[0]
     assert "9 (as 4)" in said
     assert "no steady state, not used: line 8" in errors
-    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
-    assert document["fits"]
-    assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
-    assert "Left out as outliers: line 7" in reports.stands_alone(out / "report.html")
+    fits(tmp_path / "out")
+    assert "Left out as outliers: line 7" in reports.stands_alone(tmp_path / "out" / "report.html")
 
 
 def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Solved) -> None:
@@ -279,7 +275,7 @@ def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solve
 
 def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     """The model meets its own samples, and misses them with another friction."""
-    base = {**parameter_set("bench168"), "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+    base = {**parameter_set("bench168"), **MESH}
     samples = tuple((0.02 * k, SPEED, 20.0, 17e3, 10e3, 1.2) for k in range(5))
     measured = tuple(Measured("ratio.geometric", 1.2, 0.01, True, f"ratio.geometric@{k}", 0.02 * k) for k in range(1, 5))
     record = Point(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)

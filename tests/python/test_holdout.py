@@ -65,16 +65,11 @@ def test_the_set_of_the_table_scores_better_than_the_default(fmu: Path, table: t
     reports.look_at(out / "report.html")
 
 
-def test_a_table_with_faults_is_named(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "rig.csv").write_text("i_geo,n_P\n1,2000\n", encoding="utf-8")
-    assert calibrate.main([str(tmp_path / "rig.csv"), "--hold-out", "bench168", "--fmu", str(fmu), "--output", str(tmp_path)]) == 1
-    assert "column n_P" in capsys.readouterr().err
-
-
 # Origin of reports
 
 
 def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is that of the tool that started the program, if another did."""
     monkeypatch.setattr(provenance, "_current", None)
     path = tmp_path / "my table.csv"
     path.write_bytes(b"x")
@@ -84,48 +79,37 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     assert provenance.current("calibrate") is found
     assert provenance.current("sweep") is None
     assert provenance.begin("paper", [], "pushbelt_paper").command == "python -m pushbelt_paper"
-
-
-def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(provenance, "_current", None)
-    folders = [tmp_path / name for name in ("one", "two")]
-    for folder, names in zip(folders, (("b.csv", "a/z.csv", "B.csv"), ("B.csv", "b.csv", "a/z.csv")), strict=True):
-        for name in names:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_text(name, encoding="utf-8")
-    output = folders[0] / "out"
-    output.mkdir()
-    (output / "report.html").write_text("of the last run", encoding="utf-8")
-
-    def inputs(*words: object) -> list[tuple[str, str]]:
-        return [(one.name, one.sha256) for one in provenance.begin("compare", [*map(str, words), f"--output={output}"]).inputs]
-
-    text = "".join(f"{hashlib.sha256(name.encode()).hexdigest()}  ./{name}\n" for name in ("B.csv", "a/z.csv", "b.csv"))
-    same = hashlib.sha256(text.encode()).hexdigest()
-    # Neither the order in which files were made nor the results count.
-    assert inputs(folders[0]) == [("one/", same)]
-    assert inputs(folders[1], "--output", output) == [("two/", same)]
-    (folders[1] / "b.csv").write_text("changed", encoding="utf-8")
-    assert inputs(folders[1])[0][1] != same
-    (folders[1] / "b.csv").write_text("b.csv", encoding="utf-8")
-    (folders[1] / "b.csv").rename(folders[1] / "c.csv")
-    assert inputs(folders[1])[0][1] != same
-    # A folder is no input because an option has its name.
-    monkeypatch.chdir(tmp_path)
-    assert inputs("--one") == []
-    if shutil.which("sha256sum") and shutil.which("find"):
-        command = "find . -type f | LC_ALL=C sort | xargs -d '\\n' sha256sum | sha256sum"
-        done = subprocess.run(["bash", "-c", command], cwd=folders[1], capture_output=True, text=True, check=True)
-        assert done.stdout.split()[0] == provenance.hash_of_folder(folders[1])
-
-
-def test_the_command_of_the_tool_that_started_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(provenance, "_current", None)
     monkeypatch.setenv(provenance.COMMAND, "cargo fmu calibrate points.csv")
     monkeypatch.setattr("sys.argv", ["__main__.py", "points.csv"])
     assert provenance.begin("calibrate", None).command == "cargo fmu calibrate points.csv"
     # `pushbelt` passes the arguments on.
     assert provenance.begin("calibrate", ["points.csv"]).command == "pushbelt calibrate points.csv"
+
+
+def test_folders_are_inputs_with_the_hash_of_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the order in which files were made nor the results count."""
+    monkeypatch.setattr(provenance, "_current", None)
+    monkeypatch.chdir(tmp_path)
+    for folder, names in (("one", ("b.csv", "a/z.csv", "B.csv")), ("two", ("B.csv", "b.csv", "a/z.csv")), ("one", ("out/report.html",))):
+        for name in names:
+            path = tmp_path / folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(name, encoding="utf-8")
+
+    def inputs(*words: str) -> list[tuple[str, str]]:
+        return [(one.name, one.sha256) for one in provenance.begin("compare", [*words, "--output=one/out"]).inputs]
+
+    text = "".join(f"{hashlib.sha256(name.encode()).hexdigest()}  ./{name}\n" for name in ("B.csv", "a/z.csv", "b.csv"))
+    same = hashlib.sha256(text.encode()).hexdigest()
+    assert inputs("one") == [("one/", same)] and inputs("two", "--output", "one/out") == [("two/", same)]
+    (tmp_path / "two" / "b.csv").write_text("changed", encoding="utf-8")
+    assert inputs("two")[0][1] != same
+    # A folder is no input because an option has its name.
+    assert inputs("--one") == []
+    if shutil.which("sha256sum") and shutil.which("find"):
+        command = "find . -type f | LC_ALL=C sort | xargs -d '\\n' sha256sum | sha256sum"
+        done = subprocess.run(["bash", "-c", command], cwd=tmp_path / "two", capture_output=True, text=True, check=True)
+        assert done.stdout.split()[0] == provenance.hash_of_folder(tmp_path / "two")
 
 
 def test_every_program_records_its_origin() -> None:
