@@ -65,23 +65,25 @@ class Taken:
         if self.deviation:
             return self.scale.factor * written
         found = self.scale.si(written)
-        if self.turned == "1/":
-            return 1.0 / np.where(found == 0.0, np.nan, found)
-        return -found if self.turned else found
+        return 1.0 / np.where(found == 0.0, np.nan, found) if self.turned == "1/" else -found if self.turned else found
 
     def written(self, si: Array) -> Array:
         """Numbers of the file of SI values."""
         if self.deviation:
             return si / self.scale.factor
         with np.errstate(divide="ignore"):
-            found = 1.0 / si if self.turned == "1/" else -si if self.turned else si
-        return (found - self.scale.offset) / self.scale.factor
+            return ((1.0 / si if self.turned == "1/" else -si if self.turned else si) - self.scale.offset) / self.scale.factor
 
     @property
     def limits(self) -> tuple[float, float]:
         """Least and largest value, SI."""
         low, high = self.column.low, self.column.high
         return (0.0, high - low) if self.deviation else (low, high)
+
+    @property
+    def in_per_cent(self) -> Taken:
+        """The column if its numbers are in per cent."""
+        return replace(self, unit="%", scale=Unit(0.01))
 
 
 @dataclass
@@ -182,11 +184,6 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
 # Columns and values
 
 
-def _shares(one: Taken) -> Taken:
-    """A column whose numbers are in per cent."""
-    return replace(one, unit="%", scale=Unit(0.01))
-
-
 class _Reader:
     """Fills a sheet with the columns of a file."""
 
@@ -212,12 +209,7 @@ class _Reader:
             if one.column.dimension == "text":
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
-                one = sheet.taken[name] = self._per_cent(one, column, decimal)
-                sheet.values[name], bad = self._values(one, column, decimal)
-                if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
-                    sheet.remarks.append(f"column {one.title} has no value")
-                else:
-                    sheet.left_out += bad
+                sheet.values[name] = self._values(name, column, decimal)
         if self.clocks and decimal is not None and not sheet.texts:
             self._on_one_clock(decimal)
             return sheet
@@ -234,7 +226,7 @@ class _Reader:
         sheet, parts, clock_name = self.sheet, [], self.clocks[0].name
         for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
             own = {name: column for name, column in sheet.values.items() if clock.place < sheet.taken[name].place < end}
-            own[clock_name] = self._values(clock, self.body[clock.place], decimal)[0]
+            own[clock_name] = numerals.seconds(self.body[clock.place], clock.scale, decimal)
             parts.append(pd.DataFrame(own, index=self.body.index).dropna(subset=[clock_name]))
         found = pd.concat(parts).reindex(columns=list(sheet.values)).sort_values(clock_name, kind="stable")
         sheet.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
@@ -256,39 +248,34 @@ class _Reader:
         for name in dict.fromkeys(one.name for one in found):
             own = [one for one in found if one.name == name]
             best = [one for one in own if rank(one) == min(map(rank, own))]
+            first = self.sheet.taken[name] = best[0]
             self.sheet.ignored += [one.title for one in own if one not in best]
-            if self.names.bare(best[0].title) and best[0].place not in renamed:
-                self.sheet.remarks.append(f"{best[0].title} is taken as {name}")
-            if len(best) > 1 and self._have_channels(best):
+            if self.names.bare(first.title) and first.place not in renamed:
+                self.sheet.remarks.append(f"{first.title} is taken as {name}")
+            # Equal titles of times, each with other columns to the right of it, are the clocks of these.
+            apart = np.diff([*(one.place for one in best), len(self.titles)])
+            if len(best) > 1 and first.column.dimension == "time" and len({key(one.title) for one in best}) == 1 and (apart > 1).all():
                 self.clocks = best
             elif len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
-            self.sheet.taken[name] = best[0]
 
     def _fault(self, text: str, column: str) -> None:
         """A fault of a title."""
         self.sheet.faults.append(Fault(text, self.line, column))
 
-    def _have_channels(self, clocks: Sequence[Taken]) -> bool:
-        """Whether these are equal titles of times, each with other columns to the right of it."""
-        apart = np.diff([*(clock.place for clock in clocks), len(self.titles)])
-        titles = {(clock.column.dimension, key(clock.title)) for clock in clocks}
-        return len(titles) == 1 and titles.pop()[0] == "time" and bool((apart > 1).all())
-
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
         found: dict[int, str] = {}
-        for pair in self.reading.renamed.items():
-            known = [bool(self.names.split(turned(side)[1])) for side in pair]
-            for (title, wanted), fits in zip((pair, pair[::-1]), known[::-1], strict=True):
+        for one, other in self.reading.renamed.items():
+            known = {side: bool(self.names.split(turned(side)[1])) for side in (one, other)}
+            for title, wanted in ((one, other), (other, one)):
                 places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
                 places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
-                if places and fits:
+                if places and known[wanted]:
                     found[places[0]] = wanted
                     break
             else:
-                one, other = pair
-                text = f"there is no column {one} in the file" if any(known) else f"neither {one} nor {other} is a known name"
+                text = f"there is no column {one} in the file" if any(known.values()) else f"neither {one} nor {other} is a known name"
                 self.sheet.faults.append(Fault(f"--map {one}={other}: {text}"))
         return found
 
@@ -340,7 +327,7 @@ class _Reader:
 
     def _unknown(self, title: str) -> None:
         near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
-        if title.startswith("#") or not title:
+        if not title or title.startswith("#"):
             return
         if near is None:
             self.sheet.ignored.append(title)
@@ -372,41 +359,39 @@ class _Reader:
             self.sheet.faults.append(Fault(str(error)))
             return None
 
-    def _per_cent(self, one: Taken, column: pd.Series, decimal: str) -> Taken:
-        """The column in per cent if it has no unit, or 1, and its values are no shares, like an efficiency of 97."""
-        if one.scale != Unit(1.0) or one.turned or one.name not in SHARES or any(isinstance(cell, Percent) for cell in column):
-            return one
-        found = np.abs(numerals.numbers(column, decimal))
-        found = found[np.isfinite(found)]
-        typical, low, high = SHARES[one.name]
-        if found.size < SEVERAL or not low < float(typical(found)) <= high:
-            return one
-        self.sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
-        return _shares(one)
-
-    def _values(self, one: Taken, column: pd.Series, decimal: str) -> tuple[Array, list[Fault]]:
-        """SI values of a column, NaN without one, and the rows to leave out. A cell that is empty is no fault."""
+    def _values(self, name: str, column: pd.Series, decimal: str) -> Array:
+        """SI values of a column, NaN without one; and its faults, and rows to leave out. A cell that is empty is no fault."""
+        sheet, one = self.sheet, self.sheet.taken[name]
         if one.column.dimension == "time" and not one.deviation:
-            return numerals.seconds(column, one.scale, decimal), []
+            return numerals.seconds(column, one.scale, decimal)
         numbers = numerals.numbers(column, decimal)
-        shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
-        per_cent = _shares(one).si(numbers) if one.column.dimension == "ratio" else np.nan
-        values = np.where(shares, per_cent, one.si(numbers))
+        shares = column.map(lambda cell: str(cell).endswith("%")).to_numpy(dtype=bool)
+        if name in SHARES and one.scale == Unit(1.0) and not one.turned and not any(isinstance(cell, Percent) for cell in column):
+            # A column without a unit, or 1, whose values are no shares, like an efficiency of 97.
+            typical, low, high = SHARES[name]
+            sizes = np.abs(numbers[np.isfinite(numbers)])
+            if sizes.size >= SEVERAL and low < float(typical(sizes)) <= high:
+                sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
+                one = sheet.taken[name] = one.in_per_cent
+        values = np.where(shares, one.in_per_cent.si(numbers) if one.column.dimension == "ratio" else np.nan, one.si(numbers))
         low, high = one.limits
-        above = values > low if one.deviation else values >= low
-        inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
-        empty = column.isin(["", *"-–—"]).to_numpy(dtype=bool)
+        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
         faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
-        for row in np.flatnonzero(~inside & ~empty):
+        for row in np.flatnonzero(~inside & ~column.isin(["", *"-–—"]).to_numpy(dtype=bool)):
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
             faults[kind].append(Fault(text, int(column.index[row]), one.title))
-        self.sheet.faults += faults.pop("sign")
+        sheet.faults += faults.pop("sign")
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
         for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
             if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
-                self.sheet.faults += column_has
+                sheet.faults += column_has
                 faults[kind].clear()
-        return np.where(inside, values, np.nan), sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
+        bad = sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
+        if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
+            sheet.remarks.append(f"column {one.title} has no value")
+        else:
+            sheet.left_out += bad
+        return np.where(inside, values, np.nan)
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
@@ -421,8 +406,7 @@ class _Reader:
                 # A decimal sign unlike that of the other numbers is ambiguous.
                 return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             return "word", f"'{cell}' is not a number"
-        scaled = _shares(one) if str(cell).endswith("%") else one
-        low, high = sorted(scaled.written(np.array(one.limits)))
+        low, high = sorted((one.in_per_cent if str(cell).endswith("%") else one).written(np.array(one.limits)))
         written = one.unit or one.column.default or ""
         unit = "" if written in ("", "1", "-") else f" {written}"
         return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
