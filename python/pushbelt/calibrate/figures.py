@@ -16,7 +16,7 @@ from pushbelt.report.charts import Chart, Panel, Series, around
 from pushbelt.fmu.geometry import Array
 from pushbelt.report.style import BLUE, MUTED, ORANGE
 
-from .residuals import plain
+from .model import plain
 
 SURE = 2.0  # Half-width of the shaded band, in standard deviations
 LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations

@@ -20,7 +20,7 @@ from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
 from . import figures, model
-from .residuals import Score, of, plain, quantities, score
+from .model import Score, of, plain, quantities, score
 
 DEFAULT = "bench168"
 short = partial(plain, digits=4, none="–")

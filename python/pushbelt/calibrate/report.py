@@ -1,4 +1,4 @@
-"""Results of a calibration: report, parameter file and residuals."""
+"""Results of a calibration: report, parameter file and model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushbelt import tables
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
 
-from . import figures, fit, model, residuals, worker
+from . import figures, fit, model, worker
 from .fit import Estimate, Fit
 from .model import Model
 
@@ -111,7 +111,7 @@ def write_html(results: Results, path: Path) -> None:
         "outliers": outliers(results),
         "rms": found.rms,
         "lost_values": int(rows["reason"].notna().sum()),
-        "quantities": [_quantity(results, q) for q in residuals.quantities(rows) if len(residuals.of(rows, q))],
+        "quantities": [_quantity(results, q) for q in model.quantities(rows) if len(model.of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
         "correlated": [
             (names[k], names[m], float(correlations[k, m]))
@@ -122,17 +122,17 @@ def write_html(results: Results, path: Path) -> None:
         "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
         "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
-    page.write_html("calibrate/calibrate.html.j2", context, path, plain=residuals.plain)
+    page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     """Scores and figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
-    after, before = residuals.of(results.rows, quantity), residuals.of(results.before, quantity)
+    after, before = model.of(results.rows, quantity), model.of(results.before, quantity)
     kept = after[after["kept"]] if after["kept"].any() else after
     return {
         "meaning": MEASURED[quantity].meaning,
         "unit": _unit(quantity),
-        "score": residuals.score(kept, quantity),
-        "before": residuals.score(before[before.index.isin(kept.index)], quantity).rms,
+        "score": model.score(kept, quantity),
+        "before": model.score(before[before.index.isin(kept.index)], quantity).rms,
         "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
     }
