@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -18,6 +19,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
+from pushbelt.tables import by_name
 from pushbelt.tables import points as tables
 from pushbelt.tables.points import Measured, Point
 
@@ -234,7 +236,7 @@ def fits(out: Path) -> None:
     assert document["fits"] and document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
 
 
-def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(calibrated, solved: Solved, tmp_path: Path, capsys: Any) -> None:
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, calibrated, solved: Solved, tmp_path: Path, capsys: Any) -> None:
     out, rows = tmp_path / "out", [[1.0 / i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
     assert calibrated(rows) == 1 and not out.exists()
     option = "ratio.geometric=1/ratio.geometric"
@@ -246,6 +248,22 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(calibrated, 
     assert '<div class="fault" role="alert">' in reports.stands_alone(out / "report.html")
     assert calibrated(rows, "--map", option) == 0
     fits(out)
+    # On the same table the fitted set scores better than the default one.
+    fitted = str(out / "parameters.json")
+    assert calibrated(rows, "--map", option, "--hold-out", fitted) == 0
+    scores = {(s["quantity"], s["variator"]): s for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
+    assert {quantity for quantity, _ in scores} == {"thrustRatio", "slip", "efficiency"}
+    for quantity in ("thrustRatio", "slip"):
+        assert scores[quantity, fitted]["relative"] < 0.05 and scores[quantity, "bench168"]["relative"] > 0.3
+        assert (scores[quantity, "bench168"]["count"], scores[quantity, "bench168"]["lost"]) == (5, 0)
+    assert len(by_name(out / "residuals.csv")) == 15
+    report = reports.stands_alone(out / "report.html")
+    assert reports.figures(report) == 9
+    # The origin: command, date, and hashes of the FMU, the table and the set.
+    assert f"--hold-out {fitted}" in report
+    for file in (fmu, tmp_path / "rig.csv", out / "parameters.json"):
+        assert hashlib.sha256(file.read_bytes()).hexdigest() in report
+    reports.look_at(out / "report.html")
 
 
 def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
