@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import COARSE, WORDS
 
@@ -110,11 +111,28 @@ def test_both_pulleys_carry_the_torque(belt: Variator, initialised: list[object]
     assert len(initialised) == count and known == pytest.approx(force, rel=0.03)
 
 
-def test_a_map_has_overrun_in_underdrive(belt: Variator) -> None:
-    """Regression test: the force counted the secondary pulley only, so that these points were beyond capacity."""
+def test_a_point_that_the_belt_does_not_carry_is_refused(belt: Variator) -> None:
+    capacity = belt.torque_capacity(1.0, 10e3)
+    belt.steady(1.0, 0.8 * capacity, force=10e3)
+    for ratio, torque, force, named in ((1.0, 1.3 * capacity, 10e3, "at ratio 1, "), (30.0, 10.0, None, "initial.ratio = 30 is out of range")):
+        with pytest.raises(SteadyStateError, match=named):
+            belt.steady(ratio, torque, force=force)
+    assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
+
+
+def test_a_map_holds_the_steady_states_and_has_overrun_in_underdrive(belt: Variator) -> None:
+    """Overrun was beyond capacity when the force counted the secondary pulley only."""
     found = belt.thrust_map([1.5, 2.2], [-90.0, -15.0])
     assert (found["reason"] == "").all() and (found["thrustRatio"] < 1.0).all()
     assert not list(belt.linear_grid([2.0], [-45.0, 45.0]).refused())
+    found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
+    assert found.sizes == {"ratio": 2, "torque": 3}
+    state, point = belt.steady(0.6, 60.0, force=9e3), found.sel(ratio=0.6, torque=60.0)
+    for name in ("thrustRatio", "efficiency"):
+        assert float(point[name]) == pytest.approx(state[name])
+    assert np.isnan(found["thrustRatio"].sel(torque=900.0)).all()
+    assert (found["reason"] == "").values.tolist() == [[True, True, False]] * 2
+    assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
 
 
 def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initialised: list[object]) -> None:

@@ -120,27 +120,6 @@ def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variat
     assert np.array_equal(belt.outputs, before)
 
 
-def test_a_point_that_the_belt_does_not_carry_is_refused(belt: variator.Variator) -> None:
-    capacity = belt.torque_capacity(1.0, 10e3)
-    belt.steady(1.0, 0.8 * capacity, force=10e3)
-    with pytest.raises(pushbelt.SteadyStateError, match="at ratio 1, "):
-        belt.steady(1.0, 1.3 * capacity, force=10e3)
-    with pytest.raises(pushbelt.SteadyStateError, match="initial.ratio = 30 is out of range"):
-        belt.steady(30.0, 10.0)
-    assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
-
-
-def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
-    found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
-    assert found.sizes == {"ratio": 2, "torque": 3}
-    state, point = belt.steady(0.6, 60.0, force=9e3), found.sel(ratio=0.6, torque=60.0)
-    for name in ("thrustRatio", "efficiency"):
-        assert float(point[name]) == pytest.approx(state[name])
-    assert np.isnan(found["thrustRatio"].sel(torque=900.0)).all()
-    assert (found["reason"] == "").values.tolist() == [[True, True, False]] * 2
-    assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
-
-
 # Files
 
 
