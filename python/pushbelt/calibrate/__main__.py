@@ -105,21 +105,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
-    rig = _understood(options) if options.check else reading_options.read(options.table, options)
-    if options.check:
-        print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
-        return 0
-    return _run(options, once(rig)) if options.hold_out is None else _hold_out(options, rig)
-
-
-def _understood(options: argparse.Namespace) -> points.Rig:
-    """The table. Its faults come after what is understood in spite of them."""
     try:
-        return once(reading_options.read(options.table, options))
+        rig = reading_options.read(options.table, options)
     except TableError as error:
-        if error.found is not None:
+        # The faults come after what is understood in spite of them.
+        if options.check and error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
+    if options.hold_out is not None and not options.check:
+        return _hold_out(options, rig)
+    rig = once(rig)
+    if not options.check:
+        return _run(options, rig)
+    print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
+    return 0
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -164,8 +163,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    expected = sets(len(chosen)) * len(rig.points)
-    with progress_bar(expected, "steady states") as bar:
+    with progress_bar(sets(len(chosen)) * len(rig.points), "steady states") as bar:
 
         def update(count: float) -> None:
             bar.total = max(bar.total, bar.n + count)
@@ -173,16 +171,13 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
 
         with model.opened(fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
-            notes = (*points.notes(rig.sheet), *rig.remarks)
-            results = report.Results(
-                options.table.name, description.version or "", options.variator, base, opened, found, time.perf_counter() - begin, notes
-            )
         bar.total = bar.n
+    seconds, notes = time.perf_counter() - begin, (*points.notes(rig.sheet), *rig.remarks)
+    results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, seconds, notes)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
-    path = options.output / "report.html"
-    report.write_html(results, path)
+    report.write_html(results, path := options.output / "report.html")
     if found.misfit:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):
