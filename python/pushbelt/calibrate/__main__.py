@@ -41,7 +41,7 @@ from pushbelt.tables import columns, points
 from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
 
-from . import model, parameters
+from . import parameters
 
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
@@ -152,7 +152,7 @@ def sets(parameters: int) -> int:
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     # Imported here, so that the help needs no packages of the extras.
-    from . import report
+    from . import model, report
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
