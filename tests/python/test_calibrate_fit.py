@@ -50,6 +50,9 @@ def model(law: Law, truth: Sequence[float], names: Sequence[str] = NAMES, count:
     return Model([point(k, place) for k, place in enumerate(places, 2)], solve)
 
 
+TWO = [parameter("a"), parameter("b")]
+
+
 def curve(values: np.ndarray, place: float) -> float:
     """A smooth law that is not linear in its parameters."""
     phases = np.arange(len(values))
@@ -70,32 +73,31 @@ def test_six_parameters_over_thirty_points_take_few_solutions() -> None:
     assert sets == pytest.approx(1 + 6 + found.evaluations + 12, abs=3)
 
 
+def fitted(law: Law, truth: Sequence[float], *parameters: Parameter) -> tuple[fit.Estimate, ...]:
+    return fit.fit(model(law, truth, "ab"), parameters or TWO).estimates
+
+
 def test_a_parameter_at_its_bound_is_held_there_exactly() -> None:
-    opened = model(lambda v, u: v[0] * u + v[1] + 0.3 * v[0] * v[1], (1.2, -0.1), "ab")
-    first, second = fit.fit(opened, [parameter("a"), parameter("b")]).estimates
+    first, second = fitted(lambda v, u: v[0] * u + v[1] + 0.3 * v[0] * v[1], (1.2, -0.1))
     assert second.at_bound and second.value == 0.0
     assert first.half is not None
 
 
 def test_a_parameter_that_the_data_do_not_see_keeps_its_start_value() -> None:
-    opened = model(lambda v, u: v[0] * u + 1e-9 * v[1], (1.2, 2.0), "ab")
-    first, second = fit.fit(opened, [parameter("a"), parameter("b", 3e-4)]).estimates
+    first, second = fitted(lambda v, u: v[0] * u + 1e-9 * v[1], (1.2, 2.0), parameter("a"), parameter("b", 3e-4))
     assert first.value == pytest.approx(1.2, rel=1e-3)
     assert second.undetermined is not None and second.value == 3e-4
     # Also one that has moved before the scatter shows that it is not determined.
     faint = model(lambda v, u: v[0] * u + 0.01 * v[1] * np.cos(3.0 * u), (1.2, 2.0), "ab")
     off = [with_value(point, point.measured[0].value + 0.05 * np.sin(9.0 * point.torque)) for point in faint.points]
-    _, second = fit.fit(Model(off, faint.solve), [parameter("a"), parameter("b")]).estimates
+    _, second = fit.fit(Model(off, faint.solve), TWO).estimates
     assert second.undetermined is not None and second.value == 1.0
 
 
 def test_a_prior_determines_what_the_data_do_not() -> None:
-    law: Law = lambda v, u: (v[0] + v[1]) * u  # noqa: E731
-    truth = (1.2, 0.7)
-    alone = fit.fit(model(law, truth, "ab"), [parameter("a"), parameter("b")])
-    assert sum(estimate.undetermined is not None for estimate in alone.estimates) == 1
-    known = [parameter("a"), parameter("b", prior=(0.7, 0.01))]
-    first, second = fit.fit(model(law, truth, "ab"), known).estimates
+    law, truth = lambda v, u: (v[0] + v[1]) * u, (1.2, 0.7)
+    assert sum(estimate.undetermined is not None for estimate in fitted(law, truth)) == 1
+    first, second = fitted(law, truth, parameter("a"), parameter("b", prior=(0.7, 0.01)))
     assert (first.value, second.value) == pytest.approx(truth, rel=5e-3)
     assert second.half == pytest.approx(0.02, rel=0.1)
 
@@ -121,9 +123,6 @@ def noisy(count: int, seed: int, shifts: dict[int, float], truth: Sequence[float
     noise = 0.01 * np.random.default_rng(seed).standard_normal(count)
     values = [p.measured[0].value + n + shifts.get(k, 0.0) for k, (p, n) in enumerate(zip(opened.points, noise, strict=True))]
     return Model([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], opened.solve)
-
-
-TWO = [parameter("a"), parameter("b")]
 
 
 @pytest.mark.parametrize("shifts", [{5: 1.0}, {0: -0.4, 29: 3.0}, {3: 100.0, 4: 100.0, 20: 0.1}])

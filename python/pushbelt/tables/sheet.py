@@ -294,7 +294,7 @@ class _Reader:
             column = self._column(name)
             if column.dimension == "text":
                 return Taken(title, name, "", place, Unit(1.0), column)
-            scale = units.find(written, column.dimension) if written else column.without_unit()
+            scale = units.find(written or column.default, column.dimension)
             if scale is not None:
                 return Taken(title, name, written, place, scale, column, sign)
         name = candidates[0][0]
@@ -407,9 +407,9 @@ class _Reader:
                 return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             return "word", f"'{cell}' is not a number"
         low, high = sorted((one.in_per_cent if str(cell).endswith("%") else one).written(np.array(one.limits)))
-        written = one.unit or one.column.default or ""
-        unit = "" if written in ("", "1", "-") else f" {written}"
-        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
+        unit = one.unit or one.column.default
+        shown = "" if unit in ("", "1", "-") else f" {unit}"
+        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
 
     @staticmethod
     def _other_unit(one: Taken, numbers: Array) -> str:
