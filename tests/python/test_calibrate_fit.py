@@ -274,8 +274,8 @@ def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path
     """A thrust ratio of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without
     them."""
     rows = [[i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
-    (ratio, _, torque, _, thrust, *other) = rows[0]
-    assert calibrated([*rows, [ratio, SPEED, torque, FORCE, 10.0 * thrust, *other], [ratio, SPEED, 10.0 * torque, FORCE, thrust, *other], rows[2]]) == 0
+    far, heavy = [*rows[0][:4], 10.0 * rows[0][4], *rows[0][5:]], [*rows[0][:2], 10.0 * rows[0][2], *rows[0][3:]]
+    assert calibrated([*rows, far, heavy, rows[2]]) == 0
     said, errors = capsys.readouterr()
     assert "line 7, thrustRatio" in said.splitlines()[0]
     assert "9 (as 4)" in said
@@ -321,7 +321,8 @@ def residuals(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
     measured = found - 0.01 * errors
     if fifth is not None:
         measured[4] = fifth
-    rows = [Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, (Measured("thrustRatio", m, 0.01, True),)) for k, m in enumerate(measured)]
+    values = [(Measured("thrustRatio", value, 0.01, True),) for value in measured]
+    rows = [Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, value) for k, value in enumerate(values)]
     return Model(rows, list).rows([Found({"thrustRatio": f}) for f in found])
 
 

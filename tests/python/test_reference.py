@@ -129,7 +129,7 @@ PARAMETERS = ROOT / "resources" / "parameters"
 
 @pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
-    """Written by `fmu-build/python/reference.py`; the schema is checked by another program too."""
+    """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
     path = PARAMETERS / f"{name}.ssv"
     assert path.read_bytes() == reference.published(path.with_suffix(".json"), description)
     assert xmlschema.XMLSchema(str(ssv.SCHEMA)).is_valid(str(path))

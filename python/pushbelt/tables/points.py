@@ -178,7 +178,8 @@ class _Points:
             found -= stiffness * np.array([self._position(pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
         self.values[force] = found
         low, high = CONDITIONS[force].low, CONDITIONS[force].high
-        self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, not within {low:g} to {high:g} N", pressure)
+        limits = f"not within {low:g} to {high:g} N"
+        self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
         self.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
         if not centrifugal:
             self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
@@ -331,7 +332,8 @@ class _Points:
             self._measured(SAMPLED, rows[k], sample[5], f"{SAMPLED}@{k}", sample[0]) for k, sample in enumerate(samples) if k
         )
         _, speed, torque, primary_force, force, ratio = samples[0]
-        return Point(line, f"series {name}" if name else f"line {line}", ratio, None, speed, torque, force, primary_force, measured, 0.0, samples)
+        title = f"series {name}" if name else f"line {line}"
+        return Point(line, title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
 
 
 # Description of a table
