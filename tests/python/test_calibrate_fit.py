@@ -183,7 +183,7 @@ def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[
     path.write_text("\n".join([f"name,{TITLES}", *rows]) + "\n", encoding="utf-8")
     rig = __main__.once(tables.read(path))
     assert [point.line for point in rig.points] == [2, 3, 5]
-    assert any("4 (as 2), 6 (as 2)" in remark for remark in rig.remarks)
+    assert any("4 (as 2), 6 (as 2)" in remark for remark in rig.sheet.remarks)
     assert __main__.main([str(path), "--check"]) == 0
     assert "4 (as 2), 6 (as 2)" in capsys.readouterr().out
 

@@ -387,7 +387,7 @@ def test_pressures_give_forces(tmp_path: Path) -> None:
         rig = points.read(path, parameters=oil)
         (point,) = rig.points
         assert (point.force, point.measured[0].value) == pytest.approx((force, primary / force))
-        assert any("without the centrifugal force" in remark for remark in rig.remarks) == (oil is areas)
+        assert any("without the centrifugal force" in remark for remark in rig.sheet.remarks) == (oil is areas)
 
 
 def test_a_single_ratio_that_contradicts_the_speeds_is_a_fault(tmp_path: Path) -> None:

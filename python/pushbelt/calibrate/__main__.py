@@ -129,8 +129,9 @@ def once(rig: points.Rig) -> points.Rig:
         earlier = first.setdefault(replace(point, line=0, name=""), point)
         if earlier is not point:
             repeated.append(f"{point.line} (as {earlier.line})")
-    remark = f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}"
-    return replace(rig, points=list(first.values()), remarks=[*rig.remarks, *[remark] * bool(repeated)])
+    if repeated:
+        rig.sheet.remarks.append(f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}")
+    return replace(rig, points=list(first.values()))
 
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
@@ -161,7 +162,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     begin = time.perf_counter()
-    warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
+    warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
     with progress_bar(sets(len(chosen)) * len(rig.points), "steady states") as bar:
 
@@ -172,8 +173,8 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
         with model.opened(fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
         bar.total = bar.n
-    seconds, notes = time.perf_counter() - begin, (*points.notes(rig.sheet), *rig.remarks)
-    results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, seconds, notes)
+    about = (time.perf_counter() - begin, points.notes(rig.sheet))
+    results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")

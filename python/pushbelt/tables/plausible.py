@@ -187,7 +187,7 @@ class Other(NamedTuple):
     def changed(self, sheet: Sheet) -> Sheet:
         """The sheet with these columns."""
         new = {one.name: one.si(sheet.taken[name].written(sheet.values[name])) for name, one in self.columns.items()}
-        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[])
+        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[], remarks=[])
 
     def __str__(self) -> str:
         return f"{self.text} ({' '.join(self.options)})"

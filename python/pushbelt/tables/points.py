@@ -65,7 +65,6 @@ class Rig:
 
     sheet: Sheet
     points: list[Point]
-    remarks: list[str]  # What was computed from other columns, and warnings
 
     @property
     def recorded(self) -> bool:
@@ -88,7 +87,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
         sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
     points = _Points(sheet, parameters)
     rig = points.rig()
-    rig.remarks.extend(plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written))
+    sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)
     return rig
 
 
@@ -97,7 +96,6 @@ class _Points:
 
     def __init__(self, sheet: Sheet, parameters: Mapping[str, float]) -> None:
         self.sheet, self.parameters = sheet, parameters
-        self.remarks: list[str] = []
         self.values: dict[str, Array] = dict(sheet.values)
         self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
@@ -125,7 +123,7 @@ class _Points:
             sheet.faults.append(Fault(text))
             sheet.left_out.clear()
         sheet.check()
-        return Rig(sheet, points, self.remarks)
+        return Rig(sheet, points)
 
     def _require(self, required: Sequence[str]) -> None:
         there = set(self.values) | self.sheet.failed
@@ -180,9 +178,9 @@ class _Points:
         low, high = CONDITIONS[force].low, CONDITIONS[force].high
         limits = f"not within {low:g} to {high:g} N"
         self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
-        self.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
+        self.sheet.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
         if not centrifugal:
-            self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
+            self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
 
     def _position(self, pulley: str, ratio: float) -> float:
         """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
@@ -199,12 +197,12 @@ class _Points:
                 self._compare("ratio.speed", found, AGREE)
             else:
                 self.values["ratio.speed"] = found
-                self.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+                self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
         if self._has("ratio.geometric", "ratio.speed"):
             self._compare("ratio.geometric", self.values["ratio.speed"], 0.5)
             if not self.recorded and not self._has("slip"):
                 self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
-                self.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
+                self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
 
     def _compare(self, name: str, speed_ratio: Array, tolerance: float) -> None:
         """Faults of rows whose ratio contradicts the speeds, unless most do: then the table is checked as a whole."""
@@ -233,7 +231,7 @@ class _Points:
             found, title = self.values["efficiency"], self.sheet.title("efficiency")
             turned = (found > HIGHEST) & (torque < 0.0)
             if turned.any():
-                self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
+                self.sheet.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
             text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
@@ -249,10 +247,10 @@ class _Points:
         inside = known & (found > 0.01) & (found <= HIGHEST)
         self.values[POWER], self.values["efficiency"] = np.where(known, found, np.nan), np.where(inside, found, np.nan)
         one, other = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
-        self.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
+        self.sheet.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
         if (known & ~inside).any():
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
-            self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
+            self.sheet.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
 
     # Steady points
 
@@ -262,7 +260,7 @@ class _Points:
         points = [point for row in rows if (point := self._point(row)) is not None]
         refused = len(self.sheet.left_out) + len(self.sheet.faults) - before
         if empty := len(rows) - len(points) - refused:
-            self.remarks.append(f"{empty} rows without a measured value are not used")
+            self.sheet.remarks.append(f"{empty} rows without a measured value are not used")
         return points
 
     def _point(self, row: int) -> Point | None:
@@ -347,7 +345,7 @@ def understood(rig: Rig) -> list[str]:
         found = [measured.quantity for point in rig.points for measured in point.measured]
         counts = ", ".join(f"{found.count(quantity)} {quantity}" for quantity in QUANTITIES if quantity in found)
         counted = f"{len(rig.points)} points: {counts}"
-    return [*described(rig.sheet), *(f"  {remark}" for remark in rig.remarks), f"  {counted}"]
+    return [*described(rig.sheet), f"  {counted}"]
 
 
 def described(sheet: Sheet) -> list[str]:

@@ -95,7 +95,7 @@ class Sheet:
     decimal: str = "unknown"
     taken: dict[str, Taken] = field(default_factory=dict)  # Columns by known name
     ignored: list[str] = field(default_factory=list)  # Titles of unknown columns
-    remarks: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)  # What was assumed or computed from other columns, and warnings
     values: dict[str, Array] = field(default_factory=dict)  # SI values by name; NaN where a cell is empty
     texts: dict[str, Array] = field(default_factory=dict)  # Columns of texts by name
     lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))  # Line of each row
