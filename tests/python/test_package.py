@@ -6,7 +6,6 @@ import ast
 import importlib
 from xml.etree import ElementTree
 
-import pytest
 from conftest import ROOT
 
 import pushbelt

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import itertools
 import random
 import re
@@ -16,7 +15,6 @@ from rig_tables import COLUMNS, ROWS, RPM, TITLES, UNITS, columns, is_right, tab
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__
-from pushbelt.sweep.design import listed
 from pushbelt.tables import columns as known
 from pushbelt.tables import names, numerals, points, units
 from pushbelt.tables.faults import TableError
@@ -352,19 +350,18 @@ def test_values_and_standard_deviations_of_a_point(tmp_path: Path) -> None:
         f"# a remark\n\nname,{HEADER},thrustRatio,slip [%],slip.sd [%],efficiency [%],#oil [C]\n"
         "first,2,1500,-40,12,1.05,0.8,0.05,,85\n\n,1,1500,0,12,,,,,\n",
     )).points  # fmt: skip
-    assert (point.line, point.name, point.ratio, point.speed_ratio) == (4, "first", 2.0, None)
+    assert (point.line, point.name, point.ratio, point.speed_ratio, point.shifting) == (4, "first", 2.0, None, False)
     assert (point.speed, point.torque, point.force) == pytest.approx((157.0796, -40.0, 12e3))
     found = [(m.quantity, m.given, pytest.approx(m.value), pytest.approx(m.deviation)) for m in point.measured]
     assert found == [("thrustRatio", False, 1.05, 0.0105), ("slip", True, 0.008, 5e-4)]
-    assert not point.shifting
 
 
 def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift(tmp_path: Path) -> None:
     content = f"{HEADER.replace(',', ';')};primary.clampingForce [N];di/dt [1/s]\n1;2000;50;10;14000;\n1;2000;50;10;16000;-0.5\n"
     steady, shift = points.read(file(tmp_path, content)).points
-    assert [(m.quantity, m.value) for m in steady.measured] == [("thrustRatio", pytest.approx(1.4))]
-    assert [(m.quantity, m.value) for m in shift.measured] == [("di/dt", -0.5)]
-    assert (steady.shifting, shift.shifting, steady.primary_force, shift.primary_force) == (False, True, None, 16e3)
+    for point, quantity, value, force in ((steady, "thrustRatio", 1.4, None), (shift, "di/dt", -0.5, 16e3)):
+        assert [(m.quantity, m.value) for m in point.measured] == [(quantity, pytest.approx(value))]
+        assert (point.shifting, point.primary_force) == (point is shift, force)
 
 
 def test_efficiency_takes_the_torque_of_any_sign_and_overrun_inverts_it(tmp_path: Path) -> None:
@@ -445,16 +442,6 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
     assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
     with pytest.raises(TableError, match="Data; .* Sheet, Points"):
         points.read(path, Reading(sheet="Data"))
-
-
-def test_a_compressed_list_of_points_of_a_sweep_is_read_in_the_same_way(variables: dict[str, Any], tmp_path: Path) -> None:
-    c = columns()
-    some = {"Drehzahl Primär [1/min]": c["n_P"], "geometrische Übersetzung": c["i_geo"], "Anpresskraft [lbf]": 1e3 * c["F_S"] / POUND}
-    path = tmp_path / "points.csv.gz"
-    path.write_bytes(gzip.compress(table(tmp_path / "points.csv", some).read_bytes()))
-    design, _ = listed(path, variables)
-    assert design.columns == ("initial.primarySpeed", "initial.ratio", "secondary.clampingForce")
-    assert np.array(design.rows) == pytest.approx(np.column_stack([c["n_P"] * RPM, c["i_geo"], 1e3 * c["F_S"]]))
 
 
 # The program

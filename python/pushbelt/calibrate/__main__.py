@@ -36,7 +36,6 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
-from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import columns, points
 from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
@@ -164,15 +163,8 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with progress_bar(sets(len(chosen)) * len(rig.points), "steady states") as bar:
-
-        def update(count: float) -> None:
-            bar.total = max(bar.total, bar.n + count)
-            bar.update(count)
-
-        with model.opened(fmu, base, rig.points, options.workers, update) as opened:
-            found = fit(opened, chosen)
-        bar.total = bar.n
+    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * len(rig.points)) as opened:
+        found = fit(opened, chosen)
     about = (time.perf_counter() - begin, points.notes(rig.sheet))
     results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,6 @@ from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
-from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
@@ -39,8 +38,7 @@ class HoldOut(NamedTuple):
 def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
     """Solves all points of a table with a set, and with the default one if it is another. Raises the errors of the parameter set."""
     sets = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
-    total = len(sets) * len(rig.points)
-    with progress_bar(total, "steady states") as bar, model.opened(fmu, {}, rig.points, workers, bar.update) as opened:
+    with model.opened(fmu, {}, rig.points, workers, len(sets) * len(rig.points)) as opened:
         rows = dict(zip(sets, map(opened.rows, opened.states(list(sets.values()))), strict=True))
     measured = quantities(rows[variator])
     scores = [score(own, quantity, name) for quantity in measured for name, own in rows.items()]

@@ -14,7 +14,7 @@ import pandas as pd
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive
 from pushbelt.report import page
-from pushbelt.report.side_by_side import Call, worker_pool
+from pushbelt.report.side_by_side import Call, progress_bar, worker_pool
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Point
 
@@ -178,11 +178,13 @@ def score(rows: pd.DataFrame, quantity: str, variator: str = "") -> Score:
 
 
 @contextmanager
-def opened(
-    fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, update: Callable[[float], object]
-) -> Iterator[Model]:
-    """A model whose points are solved in parallel processes. `update` is called with the number of points solved."""
-    with Archive.unpack(fmu) as archive, worker_pool(workers) as run:
+def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, expected: int) -> Iterator[Model]:
+    """A model whose points are solved in parallel processes. A bar shows how many of the expected ones are solved."""
+    with Archive.unpack(fmu) as archive, progress_bar(expected, "steady states") as bar, worker_pool(workers) as run:
+
+        def update(count: float) -> None:
+            bar.total = max(bar.total, bar.n + count)
+            bar.update(count)
 
         def solve(jobs: Sequence[Job]) -> list[Found]:
             chunks = [jobs[k : k + CHUNK] for k in range(0, len(jobs), CHUNK)]
@@ -190,3 +192,4 @@ def opened(
             return [state for chunk in run(calls, update) for state in chunk]
 
         yield Model(points, solve)
+        bar.total = bar.n
