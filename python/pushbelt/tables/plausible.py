@@ -181,8 +181,8 @@ class Other(NamedTuple):
     @property
     def options(self) -> list[str]:
         """Its `--map` options."""
-        units_of = {one: f" [{one.unit}]" if one.unit and one.turned != "1/" else "" for one in self.columns.values()}
-        return [f'--map "{one.title}={one.turned}{one.name}{unit}"' for one, unit in units_of.items()]
+        pairs = [(one, f" [{one.unit}]" if one.unit and one.turned != "1/" else "") for one in self.columns.values()]
+        return [f'--map "{one.title}={one.turned}{one.name}{unit}"' for one, unit in pairs]
 
     def changed(self, sheet: Sheet) -> Sheet:
         """The sheet with these columns."""

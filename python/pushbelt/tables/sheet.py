@@ -14,7 +14,7 @@ import numpy as np
 
 from . import files, numerals, units
 from .faults import Fault, TableError, of_the_column
-from .files import Cells
+from .files import Cells, TextError
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import NumeralError, Percent
 from .units import Unit
@@ -125,8 +125,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
-        cells = files.read(path, names, reading.sheet)
-        return _Reader(path, cells, names, reading, misspelled).read()
+        return _Reader(path, files.read(path, names, reading.sheet), names, reading, misspelled).read()
     except TableError:
         raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
@@ -136,14 +135,14 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
 # Header
 
 
-def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]] | None:
-    """Titles, units, row of the titles, first row of values, and remarks; None for a table whose titles are below each other."""
+def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
+    """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
     head = cells.head()
     # The first of the rows with most names.
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
-        return None
+        raise TextError("the table is transposed: its titles are below each other. Exchange rows and columns")
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
@@ -189,10 +188,7 @@ class _Reader:
 
     def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, misspelled: bool) -> None:
         self.cells, self.names, self.reading, self.misspelled = cells, names, reading, misspelled
-        found = header(cells, names)
-        if found is None:
-            raise TableError("the table is transposed: its titles are below each other. Exchange rows and columns", path)
-        self.titles, self.units, row, first, remarks = found
+        self.titles, self.units, row, first, remarks = header(cells, names)
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
         self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
