@@ -46,9 +46,7 @@ class InputTable:
         except (TypeError, ValueError) as error:
             raise ArgumentError(f"time and inputs must be numbers: {error}") from error
         if len(times) < 2:
-            raise ArgumentError(
-                f"the table of inputs has {len(times)} rows: at least 2 are needed, for the begin and the end of the run"
-            )
+            raise ArgumentError(f"the table of inputs has {len(times)} rows: at least 2 are needed, for the begin and the end of the run")
         steps = np.diff(times)
         if not np.isfinite(times).all() or (steps < 0.0).any() or times[-1] == times[0]:
             raise ArgumentError("the times of the inputs must be finite and must ascend")

@@ -23,25 +23,21 @@ from .fmu.variables import Variables
 if TYPE_CHECKING:
     import xarray
 
-SPEED = 200.0
-"""Default primary speed of a steady state, rad/s."""
-SAFETY = 1.3
-"""Default safety factor of the clamping force of a steady state."""
-LEAST_FORCE = 4e3
-"""Least clamping force of a steady state with `SAFETY`, N."""
-MOST_STATES = 3
-"""Largest number of steady states that are solved for a clamping force with `SAFETY`."""
-SAME_FORCE = 0.01
-"""Relative change below which a clamping force with `SAFETY` is not improved further."""
-OVERRUN = 0.5
-"""Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger."""
+SPEED, SAFETY = 200.0, 1.3  # Default primary speed of a steady state, rad/s, and safety factor of its clamping force
+LEAST_FORCE = 4e3  # Least clamping force of a steady state with `SAFETY`, N
+MOST_STATES = 3  # Largest number of steady states that are solved for a clamping force with `SAFETY`
+SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` is not improved further
+OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
 
 Read = TypeVar("Read")
 
 
-def over(
-    axes: Mapping[str, Iterable[Any]], solve: Callable[..., Any], *lost: type[Exception]
-) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
+Objects = NDArray[np.object_]
+Values = Mapping[str, Any]
+"""Values by names of FMU variables, in SI units; enumerations by name or number."""
+
+
+def over(axes: Mapping[str, Iterable[Any]], solve: Callable[..., Any], *lost: type[Exception]) -> tuple[Objects, Objects]:
     """Results of `solve` for all combinations of the values of the axes, and why it has none: the text of an error `lost`."""
     lists = {name: list(values) for name, values in axes.items()}
     shape = tuple(map(len, lists.values()))
@@ -52,10 +48,6 @@ def over(
         except lost as error:
             reasons[place] = str(error)
     return found, reasons
-
-
-Values = Mapping[str, Any]
-"""Values by names of FMU variables, in SI units; enumerations by name or number."""
 
 
 class SteadyStateError(PushbeltError, RuntimeError):
@@ -101,9 +93,7 @@ class WorkingPoints:
         """Frees the instance."""
         self._states.close()
 
-    def steady(
-        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
-    ) -> SteadyState:
+    def steady(self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY) -> SteadyState:
         """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time is not affected.
 
         The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the
@@ -118,11 +108,8 @@ class WorkingPoints:
     def _steady(self, values: Values, point: Point) -> SteadyState:
         """The steady state at a point with these start values. The last one is kept."""
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
-        if self._last_steady is None or self._last_steady[0] != held:
-            self._last_steady = (held, self._solve_steady(values, held, point))
-        return self._last_steady[1]
-
-    def _solve_steady(self, values: Values, held: Values, point: Point) -> SteadyState:
+        if self._last_steady is not None and self._last_steady[0] == held:
+            return self._last_steady[1]
         _check(point)
         if why := capacity.shortfall(values, point.ratio, point.torque, point.force):
             raise SteadyStateError(f"no steady state {point}: {why}")
@@ -135,6 +122,7 @@ class WorkingPoints:
         state = self._solved(held, point, read)
         if state["macroSlip"]:
             raise SteadyStateError(f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}")
+        self._last_steady = (held, state)
         return state
 
     def _solved(self, values: Values, point: Point, read: Callable[[calls.Instance], Read]) -> Read:
@@ -194,13 +182,7 @@ class WorkingPoints:
         return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
     def thrust_map(
-        self,
-        ratios: Iterable[float],
-        torques: Iterable[float],
-        *,
-        speed: float = SPEED,
-        force: float | None = None,
-        safety: float = SAFETY,
+        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
@@ -209,7 +191,7 @@ class WorkingPoints:
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
-        ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
+        axes = {"ratio": np.array(list(ratios), dtype=float), "torque": np.array(list(torques), dtype=float)}
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
 
         def row(ratio: float, torque: float) -> list[float]:
@@ -217,7 +199,7 @@ class WorkingPoints:
             state = self.steady(ratio, torque, speed=speed, force=used)
             return [*(state[name] for name in names[:-1]), used]
 
-        found, reasons = over({"ratio": ratios, "torque": torques}, row, SteadyStateError)
+        found, reasons = over(axes, row, SteadyStateError)
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         about = {name: {"units": one.unit, "long_name": one.description} for name, one in self.variables.items()}
@@ -226,7 +208,6 @@ class WorkingPoints:
             "ratio": {"units": "1", "long_name": "Geometric ratio r_S/r_P"},
             "torque": {"units": "N.m", "long_name": "Primary torque"},
         }
-        axes = {"ratio": ratios, "torque": torques}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
             {name: (name, axis, about[name]) for name, axis in axes.items()},

@@ -8,15 +8,12 @@ import re
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple
 
-COMMAND = "PUSHBELT_COMMAND"
-"""Environment variable with the command that started the program, if another tool did."""
-OUTPUT = "--output"
-"""Option with the folder of the results."""
+COMMAND = "PUSHBELT_COMMAND"  # Environment variable with the command that started the program, if another tool did
+OUTPUT = "--output"  # Option with the folder of the results
 
 
 class Input(NamedTuple):
@@ -26,15 +23,13 @@ class Input(NamedTuple):
     sha256: str
 
 
-@dataclass(frozen=True)
-class Provenance:
+class Provenance(NamedTuple):
     """Origin of a report."""
 
     program: str
     command: str
-    inputs: tuple[Input, ...]
-    date: str
-    """UTC, to the minute."""
+    inputs: list[Input]
+    date: str  # UTC, to the minute
 
 
 _current: Provenance | None = None
@@ -46,11 +41,9 @@ def begin(program: str, arguments: Sequence[str] | None, module: str | None = No
     global _current
     words = list(sys.argv[1:] if arguments is None else arguments)
     started = os.environ.get(COMMAND) if arguments is None else None
-    as_module = ["python", "-m", module or f"pushbelt.{program}"]
-    as_command = ["pushbelt", program]
-    command = started or shlex.join([*(as_module if arguments is None or module else as_command), *words])
+    start = ["python", "-m", module or f"pushbelt.{program}"] if arguments is None or module else ["pushbelt", program]
     date = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
-    _current = Provenance(program, command, tuple(_inputs(words)), date)
+    _current = Provenance(program, started or shlex.join([*start, *words]), _inputs(words), date)
     return _current
 
 

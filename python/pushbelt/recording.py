@@ -52,16 +52,12 @@ class Recording:
 
     def clear(self) -> None:
         """Removes all rows."""
-        self._values = array("d")
+        self._values, self._stride, self._offered, self._due = array("d"), 1, 0, -math.inf
         self._latest: NDArray[np.float64] | None = None
-        self._stride = 1
-        self._offered = 0
-        self._due = -math.inf
 
     def add(self, row: NDArray[np.float64]) -> None:
         """Offers a row, which is kept if it is due. It must not change afterwards."""
-        time = float(row[0])
-        self._latest = row
+        time, self._latest = float(row[0]), row
         if self._interval is None:
             due = self._offered % self._stride == 0
             self._offered += 1

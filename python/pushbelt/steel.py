@@ -11,12 +11,9 @@ from numpy.typing import ArrayLike
 from pushbelt.fmu.geometry import Array
 
 RANGES = {
-    "strength": (100.0, 5000.0, " MPa"),
-    "limit": (10.0, 3000.0, " MPa"),
-    "knee": (1e3, 1e12, ""),
-    "slope": (1.0, 50.0, ""),
+    "strength": (100.0, 5000.0, " MPa"), "limit": (10.0, 3000.0, " MPa"), "knee": (1e3, 1e12, ""), "slope": (1.0, 50.0, ""),
     "safety": (1.0, 10.0, ""),
-}
+}  # fmt: skip
 """Range of each value. A value outside is most likely in another unit."""
 
 
@@ -35,10 +32,8 @@ class Material:
     strength: float = 2.0e9  # Tensile strength R_m, Pa
     limit: float = 6.0e8  # Fatigue limit: amplitude without mean stress that half of the specimens bear, Pa
     knee: float = 1.0e7  # Cycles to failure at the fatigue limit
-    slope: float = 10.0
-    """Exponent k of the S-N curve above the limit: cycles to failure are proportional to amplitude^-k."""
-    safety: float = 1.5
-    """Factor by which the limit is reduced, for scatter, the size of a ring, and what the stress leaves out."""
+    slope: float = 10.0  # Exponent k of the S-N curve above the limit: cycles to failure are proportional to amplitude^-k
+    safety: float = 1.5  # Factor by which the limit is reduced, for scatter, the size of a ring, and what the stress leaves out
 
     def __post_init__(self) -> None:
         check_ranges(self, "the steel", RANGES)

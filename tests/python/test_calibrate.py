@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import json
 from collections.abc import Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
+from conftest import MESH
 
 from pushbelt.calibrate import __main__, fit, model, parameters, worker
 from pushbelt import tables
@@ -22,8 +22,7 @@ from pushbelt.calibrate.parameters import ParameterError, choose
 from pushbelt.calibrate.worker import Found, Job
 from pushbelt.tables.points import Measured, Point
 
-COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-BASE = {**parameter_set("bench168"), **COARSE}
+BASE = {**parameter_set("bench168"), **MESH}
 TRUTH = {"friction.pulley": 0.098, "friction.ring": 0.07, "belt.play": 6e-4}
 """True values in the tables; the fits start from `bench168`."""
 NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
@@ -32,11 +31,6 @@ SPEED, FORCE = 209.0, 10e3
 """Primary speed, rad/s, and secondary force, N, of the points."""
 
 # Parameters
-
-
-@pytest.fixture(scope="module")
-def variables(description: Any) -> Mapping[str, Any]:
-    return {variable.name: variable for variable in description.modelVariables}
 
 
 def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any]) -> None:
@@ -80,16 +74,8 @@ def planned(ratio: float, utilisation: float, *quantities: str, force: float = F
     return Point(0, f"{ratio:g} {utilisation:g}", ratio, None, SPEED, torque, force, None, measured)
 
 
-def shifting(ratio: float, primary_force: float) -> Point:
-    """A point at which a shift rate is to be measured."""
-    return dataclasses.replace(planned(ratio, 0.2, "ds/dt"), primary_force=primary_force)
-
-
 STEADY = [planned(ratio, share, "thrustRatio", "slip", "efficiency") for ratio in (0.5, 1.0, 2.0) for share in (0.2, 0.5, 0.7)]
-SHIFTS = [shifting(1.0, 11e3), shifting(1.0, 19e3), shifting(1.6, 15e3)]
-
-
-MESH = [word for name, value in COARSE.items() for word in ("--set", f"{name}={value}")]
+SHIFTS = [dataclasses.replace(planned(ratio, 0.2, "ds/dt"), primary_force=force) for ratio, force in ((1.0, 11e3), (1.0, 19e3), (1.6, 15e3))]
 
 
 class InProcess:
@@ -99,7 +85,7 @@ class InProcess:
         self._fmu, self._archive = fmu, archive
 
     def __call__(self, jobs: Sequence[Job]) -> list[Found]:
-        return [worker.solve_or_say_why(self._fmu, self._archive.directory, {**BASE, **values}, point) for values, point in jobs]
+        return [worker.solve(self._fmu, self._archive.directory, {**BASE, **values}, point) for values, point in jobs]
 
     def measure(self, points: Sequence[Point], seed: int | None) -> list[Point]:
         """The points as `TRUTH` has them, with noise, and lines numbered."""
@@ -132,15 +118,14 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, vari
     chosen = choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
     opened = Model([STEADY[1], STEADY[5], STEADY[7], *SHIFTS[:2]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
-    fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in COARSE}}
+    fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in MESH}}
     (base,) = opened.states([fixed])
     found = []
     for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
         monkeypatch.setattr(model, "STEP", step)
         found.append(opened.slopes(chosen, fixed, place, base, central=True))
     assert np.abs(found[1]).max(axis=0).min() > 1.0
-    quantities = np.array([value.measured.quantity for value in opened.values])
-    for rows in (quantities == quantity for quantity in np.unique(quantities)):
+    for rows in opened.values.groupby("quantity").indices.values():
         assert max(np.abs(other - found[1])[rows].max() for other in found) < 0.02 * np.abs(found[1][rows]).max()
 
 
@@ -167,7 +152,7 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
     assert all("steady state" in lost.reason for lost in found[1:])
     assert 1.0 < found[1].missing < found[2].missing < 2.0
     opened = Model([STEADY[8]], solver)
-    assert opened.residuals(found[1:2]) == pytest.approx(model.LOST)
+    assert np.isnan(opened.relative(found[1:2])).all()
     assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
 
 
@@ -193,7 +178,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
     points = solver.measure([*STEADY, *SHIFTS], seed=168)
     write(points, tmp_path / "table.csv")
     out = tmp_path / "out"
-    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), *MESH]
+    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), *(f"--set={name}={value}" for name, value in MESH.items())]
     assert __main__.main([*words, "--fit", "friction.pulley=0.085,friction.ring,belt.play"]) == 0
     document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
     widest = {"friction.pulley": 0.04, "friction.ring": 0.3, "belt.play": 0.3}
@@ -203,18 +188,12 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
         assert low < true < high and low < entry["value"] < high and high - low < widest[name] * true
         assert entry["origin"] == "calibrated"
     found = parameter_set(str(out / "parameters.json"))
-    given = {name: float(value) for name, value in (word.split("=") for word in MESH[1::2])}
-    assert {**parameter_set("bench168"), **given, **{name: found[name] for name in TRUTH}} == found
-    with (out / "residuals.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == sum(len(point.measured) for point in points)
-    relative = np.array([float(row["residual/sd [1]"]) for row in rows])
+    assert {**BASE, **{name: found[name] for name in TRUTH}} == found
+    relative = np.array([float(row["residual/sd"]) for row in tables.by_name(out / "residuals.csv")])
+    assert len(relative) == sum(len(point.measured) for point in points)
     assert 0.6 < np.sqrt(np.mean(relative**2)) < 1.4
     report = reports.stands_alone(out / "report.html")
-    for name in ("parameters", "correlations", "residuals", "worst", "lost", "method"):
-        assert f'<h2 id="{name}">' in report
-    assert reports.figures(report) == 3 * len(NOISE)
-    assert "not identified" not in report
+    assert reports.figures(report) == 3 * len(NOISE) and "not identified" not in report
     section = report[report.index('<h2 id="correlations">') : report.index('<h2 id="residuals">')]
     assert [row.count("1.00<") for row in section.split("<tr>")[2:]] == [1, 1, 1]
     reports.look_at(out / "report.html")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,16 +10,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import reports
+from conftest import MESH
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
+from pushbelt.calibrate.figures import chart as figures
+from pushbelt.calibrate.figures import reach
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
+from pushbelt.report import charts
+from pushbelt.report.charts import Panel
+from pushbelt.tables import by_name
 from pushbelt.tables import points as tables
-from pushbelt.tables.points import Measured, Point, Record
+from pushbelt.tables.points import Measured, Point
 
 NAMES = tuple("abcdef")
 Law = Callable[[np.ndarray, float], float]
@@ -42,6 +50,9 @@ def model(law: Law, truth: Sequence[float], names: Sequence[str] = NAMES, count:
     return Model([point(k, place) for k, place in enumerate(places, 2)], solve)
 
 
+TWO = [parameter("a"), parameter("b")]
+
+
 def curve(values: np.ndarray, place: float) -> float:
     """A smooth law that is not linear in its parameters."""
     phases = np.arange(len(values))
@@ -62,32 +73,31 @@ def test_six_parameters_over_thirty_points_take_few_solutions() -> None:
     assert sets == pytest.approx(1 + 6 + found.evaluations + 12, abs=3)
 
 
+def fitted(law: Law, truth: Sequence[float], *parameters: Parameter) -> tuple[fit.Estimate, ...]:
+    return fit.fit(model(law, truth, "ab"), parameters or TWO).estimates
+
+
 def test_a_parameter_at_its_bound_is_held_there_exactly() -> None:
-    opened = model(lambda v, u: v[0] * u + v[1] + 0.3 * v[0] * v[1], (1.2, -0.1), "ab")
-    first, second = fit.fit(opened, [parameter("a"), parameter("b")]).estimates
+    first, second = fitted(lambda v, u: v[0] * u + v[1] + 0.3 * v[0] * v[1], (1.2, -0.1))
     assert second.at_bound and second.value == 0.0
     assert first.half is not None
 
 
 def test_a_parameter_that_the_data_do_not_see_keeps_its_start_value() -> None:
-    opened = model(lambda v, u: v[0] * u + 1e-9 * v[1], (1.2, 2.0), "ab")
-    first, second = fit.fit(opened, [parameter("a"), parameter("b", 3e-4)]).estimates
+    first, second = fitted(lambda v, u: v[0] * u + 1e-9 * v[1], (1.2, 2.0), parameter("a"), parameter("b", 3e-4))
     assert first.value == pytest.approx(1.2, rel=1e-3)
     assert second.undetermined is not None and second.value == 3e-4
     # Also one that has moved before the scatter shows that it is not determined.
     faint = model(lambda v, u: v[0] * u + 0.01 * v[1] * np.cos(3.0 * u), (1.2, 2.0), "ab")
     off = [with_value(point, point.measured[0].value + 0.05 * np.sin(9.0 * point.torque)) for point in faint.points]
-    _, second = fit.fit(Model(off, faint.solve), [parameter("a"), parameter("b")]).estimates
+    _, second = fit.fit(Model(off, faint.solve), TWO).estimates
     assert second.undetermined is not None and second.value == 1.0
 
 
 def test_a_prior_determines_what_the_data_do_not() -> None:
-    law: Law = lambda v, u: (v[0] + v[1]) * u  # noqa: E731
-    truth = (1.2, 0.7)
-    alone = fit.fit(model(law, truth, "ab"), [parameter("a"), parameter("b")])
-    assert sum(estimate.undetermined is not None for estimate in alone.estimates) == 1
-    known = [parameter("a"), parameter("b", prior=(0.7, 0.01))]
-    first, second = fit.fit(model(law, truth, "ab"), known).estimates
+    law, truth = lambda v, u: (v[0] + v[1]) * u, (1.2, 0.7)
+    assert sum(estimate.undetermined is not None for estimate in fitted(law, truth)) == 1
+    first, second = fitted(law, truth, parameter("a"), parameter("b", prior=(0.7, 0.01)))
     assert (first.value, second.value) == pytest.approx(truth, rel=5e-3)
     assert second.half == pytest.approx(0.02, rel=0.1)
 
@@ -95,9 +105,11 @@ def test_a_prior_determines_what_the_data_do_not() -> None:
 def test_a_bad_fit_says_so() -> None:
     good = model(lambda v, u: v[0] * u, (1.2,), "a")
     assert fit.fit(good, [parameter("a")]).misfit is None
-    bad = fit.fit(Model([with_value(point, value=np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
+    bad = fit.fit(Model([with_value(point, np.sin(9.0 * point.torque)) for point in good.points], good.solve), [parameter("a")])
     # No value is an outlier: the scatter of all counts, not the given deviations.
     assert all(bad.kept) and bad.misfit
+    with pytest.raises(fit.FitError, match="2 measured values"):
+        fit.fit(model(curve, (1.0, 1.0), "ab", count=2), TWO)
 
 
 def with_value(point: Point, value: float) -> Point:
@@ -111,9 +123,6 @@ def noisy(count: int, seed: int, shifts: dict[int, float], truth: Sequence[float
     noise = 0.01 * np.random.default_rng(seed).standard_normal(count)
     values = [p.measured[0].value + n + shifts.get(k, 0.0) for k, (p, n) in enumerate(zip(opened.points, noise, strict=True))]
     return Model([with_value(p, value) for p, value in zip(opened.points, values, strict=True)], opened.solve)
-
-
-TWO = [parameter("a"), parameter("b")]
 
 
 @pytest.mark.parametrize("shifts", [{5: 1.0}, {0: -0.4, 29: 3.0}, {3: 100.0, 4: 100.0, 20: 0.1}])
@@ -159,7 +168,7 @@ def test_samples_of_a_record_are_left_out_alone() -> None:
         return [Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in places}) for values, _ in jobs]
 
     samples = tuple(replace(p.measured[0], key=f"{k}", time=float(k)) for k, p in enumerate(opened.points))
-    record = Record(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
+    record = Point(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
     found = fit.fit(Model([record], solve), TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [7]
 
@@ -174,14 +183,9 @@ def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[
     path.write_text("\n".join([f"name,{TITLES}", *rows]) + "\n", encoding="utf-8")
     rig = __main__.once(tables.read(path))
     assert [point.line for point in rig.points] == [2, 3, 5]
-    assert any("4 (as 2), 6 (as 2)" in remark for remark in rig.remarks)
+    assert any("4 (as 2), 6 (as 2)" in remark for remark in rig.sheet.remarks)
     assert __main__.main([str(path), "--check"]) == 0
     assert "4 (as 2), 6 (as 2)" in capsys.readouterr().out
-
-
-def test_too_few_values_are_refused() -> None:
-    with pytest.raises(fit.FitError, match="2 measured values"):
-        fit.fit(model(curve, (1.0, 1.0), "ab", count=2), TWO)
 
 
 @pytest.mark.parametrize(
@@ -209,61 +213,75 @@ def solved(fmu: Path, archive: Any) -> Solved:
     found = []
     for ratio, torque in ((2.0, 35.0), (1.5, 45.0), (1.0, 40.0), (0.7, 45.0), (0.55, 30.0)):
         point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-        state = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
+        state = worker.solve(fmu, archive.directory, BASE, point)
         assert state.reason is None
         found.append((ratio, torque, dict(state.values)))
     return found
 
 
-def words(path: Path, fmu: Path, out: Path, *more: str) -> list[str]:
-    return [str(path), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--fit", "friction.pulley", *more]
+HEADER = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
 
 
-def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, solved: Solved, tmp_path: Path, capsys: Any) -> None:
-    path, out = tmp_path / "rig.csv", tmp_path / "out"
-    rows = [f"{1 / i!r};{SPEED};{t};{FORCE};{v['thrustRatio']!r};{v['slip']!r};{v['efficiency']!r}" for i, t, v in solved]
-    header = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
-    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 1
-    assert '--map "ratio.geometric=1/ratio.geometric"' in capsys.readouterr().err
-    assert not out.exists()
-    assert __main__.main(words(path, fmu, out, "--as-written")) == 3
+@pytest.fixture
+def calibrated(fmu: Path, tmp_path: Path) -> Callable[..., int]:
+    """Runs the program on rows of a table; returns its exit code."""
+
+    def run(rows: Sequence[Sequence[float]], *more: str) -> int:
+        path = tmp_path / "rig.csv"
+        path.write_text("\n".join([HEADER, *(";".join(map(repr, row)) for row in rows)]) + "\n", encoding="utf-8")
+        words = [str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--workers", "1", "--fit", "friction.pulley", *more]
+        return __main__.main(words)
+
+    return run
+
+
+def fits(out: Path) -> None:
+    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
+    assert document["fits"] and document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
+
+
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, calibrated, solved: Solved, tmp_path: Path, capsys: Any) -> None:
+    out, rows = tmp_path / "out", [[1.0 / i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    assert calibrated(rows) == 1 and not out.exists()
+    option = "ratio.geometric=1/ratio.geometric"
+    assert f'--map "{option}"' in capsys.readouterr().err
+    assert calibrated(rows, "--as-written") == __main__.MISFIT
     assert capsys.readouterr().out.startswith("does not fit: ")
     assert json.loads((out / "parameters.json").read_text(encoding="utf-8"))["fits"] is False
     assert (out / "residuals.csv").is_file()
     assert '<div class="fault" role="alert">' in reports.stands_alone(out / "report.html")
-    assert __main__.main(words(path, fmu, out, "--map", "ratio.geometric=1/ratio.geometric")) == 0
-    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
-    assert document["fits"] is True
-    assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
+    assert calibrated(rows, "--map", option) == 0
+    fits(out)
+    # On the same table the fitted set scores better than the default one.
+    fitted = str(out / "parameters.json")
+    assert calibrated(rows, "--map", option, "--hold-out", fitted) == 0
+    scores = {(s["quantity"], s["variator"]): s for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
+    assert {quantity for quantity, _ in scores} == {"thrustRatio", "slip", "efficiency"}
+    for quantity in ("thrustRatio", "slip"):
+        assert scores[quantity, fitted]["relative"] < 0.05 and scores[quantity, "bench168"]["relative"] > 0.3
+        assert (scores[quantity, "bench168"]["count"], scores[quantity, "bench168"]["lost"]) == (5, 0)
+    assert len(by_name(out / "residuals.csv")) == 15
+    report = reports.stands_alone(out / "report.html")
+    assert reports.figures(report) == 9
+    # The origin: command, date, and hashes of the FMU, the table and the set.
+    assert f"--hold-out {fitted}" in report
+    for file in (fmu, tmp_path / "rig.csv", out / "parameters.json"):
+        assert hashlib.sha256(file.read_bytes()).hexdigest() in report
+    reports.look_at(out / "report.html")
 
 
-HEADER = "ratio.geometric,primary.speed [rad/s],primary.torque [Nm],secondary.clampingForce [N],F_P [kN],slip,efficiency"
-
-
-def test_the_first_line_names_a_wrong_value(fmu: Path, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A force of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without them."""
-    path, out = tmp_path / "rig.csv", tmp_path / "out"
-    rows = [f"{i},{SPEED},{t},{FORCE},{1e-3 * v['thrustRatio'] * FORCE!r},{v['slip']!r},{v['efficiency']!r}" for i, t, v in solved]
-    path.write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 0
-    capsys.readouterr()
-    (ratio, torque, values), force = solved[0], 1e-2 * solved[0][2]["thrustRatio"] * FORCE
-    wrong = [
-        f"{ratio},{SPEED},{torque},{FORCE},{force!r},{values['slip']!r},{values['efficiency']!r}",
-        f"{ratio},{SPEED},{10.0 * torque},{FORCE},{0.1 * force!r},{values['slip']!r},{values['efficiency']!r}",
-        rows[2],
-    ]
-    path.write_text("\n".join([HEADER, *rows, *wrong]) + "\n", encoding="utf-8")
-    assert __main__.main(words(path, fmu, out)) == 0
+def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A thrust ratio of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without
+    them."""
+    rows = [[i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    far, heavy = [*rows[0][:4], 10.0 * rows[0][4], *rows[0][5:]], [*rows[0][:2], 10.0 * rows[0][2], *rows[0][3:]]
+    assert calibrated([*rows, far, heavy, rows[2]]) == 0
     said, errors = capsys.readouterr()
     assert "line 7, thrustRatio" in said.splitlines()[0]
     assert "9 (as 4)" in said
     assert "no steady state, not used: line 8" in errors
-    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
-    assert document["fits"]
-    assert document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
-    assert "Left out as outliers: line 7" in reports.stands_alone(out / "report.html")
+    fits(tmp_path / "out")
+    assert "Left out as outliers: line 7" in reports.stands_alone(tmp_path / "out" / "report.html")
 
 
 def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Solved) -> None:
@@ -272,21 +290,70 @@ def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solve
     speed_ratio, measured = ratio / (1.0 - values["slip"]), (Measured("slip", 0.0, 1.0, True),)
     for guess, most in ((0.0, 3), (values["slip"] + 1e-4, 2), (values["slip"], 2)):
         point = Point(0, "", None, speed_ratio, SPEED, torque, FORCE, None, measured, guess)
-        found = worker.solve_or_say_why(fmu, archive.directory, BASE, point)
+        found = worker.solve(fmu, archive.directory, BASE, point)
         assert found.values == pytest.approx(values, rel=1e-3)
         assert found.solves <= most
 
 
 def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     """The model meets its own samples, and misses them with another friction."""
-    base = {**parameter_set("bench168"), "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+    base = {**parameter_set("bench168"), **MESH}
     samples = tuple((0.02 * k, SPEED, 20.0, 17e3, 10e3, 1.2) for k in range(5))
     measured = tuple(Measured("ratio.geometric", 1.2, 0.01, True, f"ratio.geometric@{k}", 0.02 * k) for k in range(1, 5))
-    record = Record(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)
-    first = worker.solve_or_say_why(fmu, archive.directory, base, record)
+    record = Point(2, "up", 1.2, None, SPEED, 20.0, 10e3, 17e3, measured, samples=samples)
+    first = worker.solve(fmu, archive.directory, base, record)
     assert first.reason is None
     course = [first.values[m.key] for m in measured]
     # The primary force is above equilibrium, so the ratio falls.
     assert all(later < earlier for earlier, later in zip([1.2, *course], course, strict=False))
-    other = worker.solve_or_say_why(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
+    other = worker.solve(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3
+
+
+# Figures: an outlier does not squeeze the other points
+
+ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
+
+
+def residuals(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
+    """Thrust ratios with errors in standard deviations; the fifth one may be measured as something else."""
+    found = np.linspace(0.8, 1.4, len(errors))
+    measured = found - 0.01 * errors
+    if fifth is not None:
+        measured[4] = fifth
+    values = [(Measured("thrustRatio", value, 0.01, True),) for value in measured]
+    rows = [Point(k, "", 0.5 + 0.1 * k, None, 1.0, 10.0 * k, 1.0, None, value) for k, value in enumerate(values)]
+    return Model(rows, list).rows([Found({"thrustRatio": f}) for f in found])
+
+
+def arrows(panel: Panel) -> list[tuple[str, str, float, float]]:
+    """Marker, text and place of the marked points."""
+    return [(one.marker, *values) for one in panel.series if one.texts for values in zip(one.texts, one.x, one.y, strict=True)]
+
+
+def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others() -> None:
+    sound, (compared, torque, ratio) = (figures("thrustRatio", {"fitted": residuals(ERRORS, fifth)}).panels for fifth in (None, 8.0))
+    assert compared.x_range[1] < 1.6 and compared.y_range[1] < 1.6
+    ((*shown, x, _),) = arrows(compared)
+    assert shown == ["triangle-right", "8, model 1.07"] and x == pytest.approx(compared.x_range[1], abs=0.03 * np.ptp(compared.x_range))
+    for panel, other in ((torque, sound[1]), (ratio, sound[2])):
+        assert panel.x_range == other.x_range and panel.y_range == pytest.approx(other.y_range, rel=0.2)
+        ((*shown, _, y),) = arrows(panel)
+        assert shown == ["triangle-down", "\N{MINUS SIGN}693"] and y == pytest.approx(0.96 * panel.y_range[0])
+    assert not any(map(arrows, sound))
+    # The outlier is nowhere among the other points.
+    inside = [y for one in torque.series if one.kind == "points" and not one.texts for y in one.y]
+    assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
+
+
+@pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
+def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
+    assert reach(residuals(errors)) == pytest.approx(expected)
+
+
+def test_the_other_set_does_not_determine_the_axes_but_is_counted() -> None:
+    chart = figures("slip", {"fitted": residuals(ERRORS), "start values": residuals(ERRORS + 60.0)})
+    assert chart.panels[0].x_range == figures("slip", {"fitted": residuals(ERRORS)}).panels[0].x_range
+    assert all("10 values of start values are outside" in panel.note for panel in chart.panels[1:])
+    assert [one.name for one in chart.panels[1].series] == ["within 2", "start values", "fitted"]
+    charts.html(chart)

@@ -61,7 +61,7 @@ def of(some: tuple[str, ...], fault: Callable[[Columns], Columns] = dict) -> Col
 @pytest.mark.parametrize("some", [FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST])
 def test_a_right_table_is_read_without_a_warning(some: tuple[str, ...], tmp_path: Path) -> None:
     rig = points.read(table(tmp_path / "table.csv", of(some)))
-    assert len(rig.points) == 12 and not any("warning" in remark for remark in rig.remarks)
+    assert len(rig.points) == 12 and not any("warning" in remark for remark in rig.sheet.remarks)
 
 
 @pytest.mark.parametrize(("fault", "some"), [(name, some) for name, (_, tables, _) in FAULTS.items() for some in tables])
@@ -104,7 +104,7 @@ def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys:
     path = table(tmp_path / "table.csv", of(FULL, FAULTS["rad/s under rpm"][0]))
     rig = points.read(path, Reading(as_written=True))
     assert rig.points[0].speed == pytest.approx(1425.8 * RPM**2)
-    assert any("belt speed" in remark for remark in rig.remarks)
+    assert any("belt speed" in remark for remark in rig.sheet.remarks)
     assert __main__.main([str(path), "--check"]) == 1
     assert "belt speeds of" in capsys.readouterr().err
     assert __main__.main([str(path), "--check", "--as-written"]) == 0
@@ -114,5 +114,5 @@ def test_a_single_wrong_line_is_named_and_kept(tmp_path: Path) -> None:
     some = of(FULL)
     some["F_P [kN]"] = np.where(np.arange(12) == 3, 10.0, 1.0) * some["F_P [kN]"]
     rig = points.read(table(tmp_path / "table.csv", some))
-    (warning,) = [remark for remark in rig.remarks if "warning" in remark]
+    (warning,) = [remark for remark in rig.sheet.remarks if "warning" in remark]
     assert len(rig.points) == 12 and "thrust ratio" in warning and warning.endswith(": line 5")

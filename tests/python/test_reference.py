@@ -1,4 +1,4 @@
-"""Related files in the FMU (FMI-LS-REF, alpha): the manifest, and the smoke test from the archive alone."""
+"""Files related to the FMU (FMI-LS-REF, alpha): the manifest, the smoke test from the archive alone, and parameter sets as SSV files."""
 
 from __future__ import annotations
 
@@ -12,11 +12,16 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+import xmlschema
 from conftest import ROOT
 from fmpy.ssp.ssd import read_ssv
 from lxml import etree
 
-from pushbelt.fmu.start_values import checked, write_copy
+from pushbelt import cli
+from pushbelt.fmu import ssv
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.start_values import StartValueError, checked, write_copy
+from pushbelt.fmu.unit import Archive, Instance
 
 sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
 import related_files as reference  # noqa: E402
@@ -48,20 +53,16 @@ def test_the_manifest_is_that_of_the_standard(path: Path) -> None:
         names = archive.namelist()
         root = etree.fromstring(archive.read(f"{FOLDER}/fmi-ls-manifest.xml"))
     assert root.tag == "fmiReferences"
-    assert dict(root.attrib) == {
-        f"{PREFIX}name": "org.fmi-standard.fmi-ls-ref",
-        f"{PREFIX}version": "1.0.0-alpha.1",
-        f"{PREFIX}description": "Layered Standard providing information on related files included in an FMU.",
-    }
-    assert {one.tag for one in root} == {"Related"}
-    assert all(set(one.attrib) == {"type", "source", "role", "description"} for one in root)
+    version = (root.get(f"{PREFIX}name"), root.get(f"{PREFIX}version"))
+    assert version == ("org.fmi-standard.fmi-ls-ref", "1.0.0-alpha.1") and f"{PREFIX}description" in root.attrib and len(root.attrib) == 3
+    assert all(one.tag == "Related" and set(one.attrib) == {"type", "source", "role", "description"} for one in root)
     found = related(path)
     assert all(ROLES.fullmatch(role) for role, _ in found)
     assert {"experiment/smoke-test", "result", "parameter"} <= {role for role, _ in found}
-    assert {name for _, name in found} <= set(names)
-    unlisted = {name for name in names if name.startswith(FOLDER)} - {name for _, name in found}
     # The inputs belong to the experiment.
-    assert unlisted == {f"{FOLDER}/fmi-ls-manifest.xml", f"{FOLDER}/smoke-test-in.csv"}
+    listed = {name for _, name in found}
+    assert listed <= set(names)
+    assert {name for name in names if name.startswith(FOLDER)} - listed == {f"{FOLDER}/fmi-ls-manifest.xml", f"{FOLDER}/smoke-test-in.csv"}
 
 
 def test_files_are_up_to_date(fmu: Path) -> None:
@@ -79,54 +80,95 @@ def test_the_smoke_test_runs_from_the_archive_alone(path: Path, tmp_path: Path) 
     smoke_test(path, tmp_path)
 
 
-def test_it_also_holds_for_a_copy_with_other_start_values(fmu: Path, description: Any, tmp_path: Path) -> None:
+def test_it_also_holds_for_a_copy_with_other_start_values(fmu: Path, variables: dict[str, Any], tmp_path: Path) -> None:
     copy = tmp_path / "copy.fmu"
-    variables = {variable.name: variable for variable in description.modelVariables}
     write_copy(fmu, copy, checked(variables, {"initial.ratio": 1.7, "friction.pulley": 0.08, "ring.model": "ALE0"}))
     smoke_test(copy, tmp_path)
 
 
-def smoke_test(path: Path, folder: Path, changes: dict[str, float] | None = None) -> None:
+def smoke_test(path: Path, folder: Path) -> None:
     """Runs the experiment as an importer does that has only the archive, and compares its result."""
     with zipfile.ZipFile(path) as archive:
         archive.extractall(folder)
     (experiments,) = [folder / name for role, name in related(path) if role == "experiment/smoke-test"]
-    description = fmpy.read_model_description(str(folder))
+    variables = {variable.name: variable for variable in fmpy.read_model_description(str(folder)).modelVariables}
     page = (folder / "documentation" / "fmi-ls-ref.html").read_text(encoding="utf-8")
-    (tolerance,) = re.findall(r'id="tolerance">([^<]+)<', page)
-    assert float(tolerance) == reference.TOLERANCE and "alpha" in page
+    (tolerance,) = map(float, re.findall(r'id="tolerance">([^<]+)<', page))
+    assert tolerance == reference.TOLERANCE and "alpha" in page
     root = etree.parse(str(experiments)).getroot()
     assert root.tag == "Experiments" and root.get("name") and len(root) > 0
     for experiment in root:
         sources = {one.tag: experiments.parent / one.get("source") for one in experiment}
         assert list(sources) == ["Parameters", "Stimuli", "References"], "the order of the schema"
+        parameters = {parameter.name: parameter.value for parameter in read_ssv(str(sources["Parameters"])).parameters}
+        assert set(parameters) == {name for name, one in variables.items() if one.causality == "parameter"}
         expected = fmpy.util.read_csv(sources["References"])
         outputs = [name for name in expected.dtype.names if name != "time"]
         found = fmpy.simulate_fmu(
-            str(folder),
-            start_time=float(experiment.get("startTime")),
-            stop_time=float(experiment.get("stopTime")),
-            output_interval=float(experiment.get("stepSize")),
-            start_values={**start_values(sources["Parameters"], description), **(changes or {})},
-            input=fmpy.util.read_csv(sources["Stimuli"]),
-            output=outputs,
-        )
+            str(folder), start_time=float(experiment.get("startTime")), stop_time=float(experiment.get("stopTime")),
+            output_interval=float(experiment.get("stepSize")), input=fmpy.util.read_csv(sources["Stimuli"]), output=outputs,
+            start_values={name: numbered(value, variables[name]) for name, value in parameters.items()},
+        )  # fmt: skip
         assert found["time"][-1] == pytest.approx(expected["time"][-1])
         for name in outputs:
             values = np.interp(expected["time"], found["time"], found[name])
-            share = np.abs(values - expected[name]).max() / np.abs(expected[name]).max()
-            assert share <= float(tolerance), f"{name} differs by {share}"
-
-
-def start_values(path: Path, description: Any) -> dict[str, Any]:
-    """The values of an SSV file as fmpy takes them: enumerations by number."""
-    variables = {variable.name: variable for variable in description.modelVariables}
-    found = {parameter.name: parameter.value for parameter in read_ssv(str(path)).parameters}
-    assert set(found) == {name for name, one in variables.items() if one.causality == "parameter"}
-    return {name: numbered(value, variables[name]) for name, value in found.items()}
+            assert np.abs(values - expected[name]).max() <= tolerance * np.abs(expected[name]).max(), name
 
 
 def numbered(value: str, variable: Any) -> Any:
+    """A value as fmpy takes it: enumerations by number."""
     if variable.type == "Enumeration":
         return next(int(item.value) for item in variable.declaredType.items if item.name == value)
     return value == "true" if variable.type == "Boolean" else float(value)
+
+
+# Parameter sets
+
+PARAMETERS = ROOT / "resources" / "parameters"
+
+
+@pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
+def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
+    """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
+    path = PARAMETERS / f"{name}.ssv"
+    assert path.read_bytes() == reference.published(path.with_suffix(".json"), description)
+    assert xmlschema.XMLSchema(str(ssv.SCHEMA)).is_valid(str(path))
+    assert ssv.read(path, variables) == parameter_set(name)
+    assert checked(variables, {one.name: one.value for one in read_ssv(str(path)).parameters}) == ssv.read(path, variables), "by another reader"
+
+
+def test_all_types_are_written_and_read(tmp_path: Path, description: Any, variables: dict[str, Any]) -> None:
+    values = {"ring.model": "ALE0", "initial.steady": False, "ring.layers": 7, "primary.torque": -12.5}
+    path = tmp_path / "set.ssv"
+    path.write_bytes(reference.set_of(values, description, "own"))
+    assert ssv.read(path, variables) == {**values, "ring.model": 1}
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "why"),
+    [
+        ("belt.play", "belt.colour", "belt.colour"), ('value="0.0002" unit="m"', 'value="0.0002" unit="mm"', "has the unit mm"),
+        ('value="0.0002"', 'value="-1"', "out of its range"), ('value="0.0002"', 'value="much"', "schema"),
+        ("</ssv:Parameters>", "", "set.ssv"), ('version="1.0"', 'version="1.0" colour="red"', "schema"),
+    ],
+)  # fmt: skip
+def test_files_that_do_not_fit_are_refused(tmp_path: Path, variables: dict[str, Any], before: str, after: str, why: str) -> None:
+    text = (PARAMETERS / "bench168.ssv").read_text(encoding="utf-8")
+    assert before in text
+    path = tmp_path / "set.ssv"
+    path.write_text(text.replace(before, after, 1), encoding="utf-8")
+    with pytest.raises(StartValueError, match=why):
+        ssv.read(path, variables)
+
+
+def test_the_command_takes_a_set(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = tmp_path / "copy.fmu"
+    words = ["fmu", str(copy), "--fmu", str(fmu), "--ssv", str(PARAMETERS / "belt155.ssv"), "--set", "belt.play=3e-4"]
+    assert cli.main(words) == 0
+    expected = {**parameter_set("belt155"), "belt.play": 3e-4}
+    with Archive.unpack(copy) as archive, Instance(archive, {}) as unit:
+        unit.enter_initialisation()
+        assert {name: unit.get(name) for name in expected} == expected
+    capsys.readouterr()
+    assert cli.main([*words[:4], "--ssv", str(tmp_path / "none.ssv")]) == 1
+    assert "none.ssv" in capsys.readouterr().err

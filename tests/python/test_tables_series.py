@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import gzip
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from rig_tables import COLUMNS, POINTS, ROWS, TITLES, UNITS, is_right, values, w
 from pushbelt.calibrate import __main__
 from pushbelt.tables import points
 from pushbelt.tables.faults import TableError
+from pushbelt.tables.points import Rig
 
 HEAD = ["t [s]", *TITLES]
 
@@ -33,19 +35,21 @@ def shown(row: np.ndarray) -> list[str]:
     return [f"{value:.6g}" for value in row]
 
 
+def series(path: Path, rows: Iterable[Sequence[object]], head: Sequence[str] = HEAD, separator: str = ",") -> Rig:
+    return points.read(written(path / "series.csv", [head, *rows], separator))
+
+
 @pytest.mark.parametrize(
     ("step", "length", "ramp", "noise"),
     [(0.01, 1.0, 0.3, 0.01), (0.1, 5.0, 1.0, 0.005), (1.0, 15.0, 0.0, 0.005), (0.01, 2.0, 2.0, 0.002), (0.02, 2.0, 0.0, 0.0)],
 )
 def test_plateaus_of_a_time_series_are_the_points(step: float, length: float, ramp: float, noise: float, tmp_path: Path) -> None:
-    path = written(tmp_path / "series.csv", [HEAD, *map(shown, recorded(step, length, ramp, noise, 12))])
-    is_right(points.read(path), rel=0.02)
+    is_right(series(tmp_path, map(shown, recorded(step, length, ramp, noise, 12))), rel=0.02)
 
 
 def test_a_plateau_has_its_scatter_and_count(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = recorded(points=7)
-    path = written(tmp_path / "series.csv", [HEAD, *map(shown, data)])
-    rig = points.read(path)
+    rig = series(tmp_path, map(shown, data))
     is_right(rig, 7, rel=0.01)
     (remark,) = [remark for remark in rig.sheet.remarks if remark.startswith("plateau 3:")]
     inside = data[425:576]
@@ -55,7 +59,7 @@ def test_a_plateau_has_its_scatter_and_count(tmp_path: Path, capsys: pytest.Capt
     ratio = rig.points[2].measured[0]
     shares = [inside[:, k].std(ddof=1) / inside[:, k].mean() / np.sqrt(151) for k in (6, 7)]
     assert ratio.deviation == pytest.approx(ratio.value * np.hypot(0.01, np.hypot(*shares)), rel=1e-3)
-    assert __main__.main([str(path), "--check"]) == 0
+    assert __main__.main([str(rig.sheet.path), "--check"]) == 0
     said = capsys.readouterr().out
     assert "7 plateaus" in said and "7 points: a fit of 3 parameters takes about" in said
 
@@ -78,22 +82,21 @@ TIMES = {
 
 @pytest.mark.parametrize("title", TIMES)
 def test_times_as_dates_and_clocks(title: str, tmp_path: Path) -> None:
-    rows = [[TIMES[title](row[0]), *shown(row[1:])] for row in recorded()]
-    is_right(points.read(written(tmp_path / "series.csv", [[title, *TITLES], *rows])), 5, rel=0.01)
+    is_right(series(tmp_path, ([TIMES[title](row[0]), *shown(row[1:])] for row in recorded()), [title, *TITLES]), 5, rel=0.01)
 
 
 def test_a_date_beside_a_clock_and_no_times_at_all(tmp_path: Path) -> None:
     rows = [["27.11.2026", clock(row[0] - 20).strftime("%H:%M:%S.%f"), *shown(row[1:])] for row in recorded()]
     for head, some in ((["Datum", "Uhrzeit", *TITLES], rows), (TITLES, [row[2:] for row in rows])):
-        is_right(points.read(written(tmp_path / "series.csv", [head, *some], ";")), 5, rel=0.01)
+        is_right(series(tmp_path, some, head, ";"), 5, rel=0.01)
 
 
 def test_channels_with_times_of_their_own(tmp_path: Path) -> None:
     data = recorded(points=6)
     groups = [data[::every, [0, 1 + k]] for k, every in enumerate((1, 2, 5, 1, 2, 5, 1))]
     rows = [[f"{cell:.5f}" if row < len(own) else "" for own in groups for cell in own[min(row, len(own) - 1)]] for row in range(len(data))]
-    apart = points.read(written(tmp_path / "apart.csv", [[title for name in TITLES for title in ("t [s]", name)], *rows]))
-    together = points.read(written(tmp_path / "together.csv", [HEAD, *data.tolist()]))
+    apart = series(tmp_path, rows, [title for name in TITLES for title in ("t [s]", name)])
+    together = series(tmp_path, data.tolist())
     is_right(apart, 6, rel=0.01)
     assert values(apart)[:, :4] == pytest.approx(values(together)[:, :4], rel=4e-3)
 
@@ -101,7 +104,7 @@ def test_channels_with_times_of_their_own(tmp_path: Path) -> None:
 def test_channels_with_their_own_rasters(tmp_path: Path) -> None:
     rows = [[cell if line % every == 0 else "" for cell, every in zip(shown(row), (1, 3, 3, 1, 2, 10, 5, 1), strict=True)]
             for line, row in enumerate(recorded(points=12))]  # fmt: skip
-    is_right(points.read(written(tmp_path / "series.csv", [HEAD, *rows])), rel=0.01)
+    is_right(series(tmp_path, rows), rel=0.01)
 
 
 def test_a_pause_of_the_recording_and_unequal_times_cost_no_memory(tmp_path: Path) -> None:
@@ -109,15 +112,14 @@ def test_a_pause_of_the_recording_and_unequal_times_cost_no_memory(tmp_path: Pat
     data = recorded()
     data[500:, 0] += 3e7
     pairs = (([f"{row[0]:.3f}", *shown(row[1:5]), *[""] * 3], [f"{row[0] + 5e-7:.7f}", *[""] * 4, *shown(row[5:])]) for row in data)
-    rows = [cells for pair in pairs for cells in pair]
-    is_right(points.read(written(tmp_path / "series.csv", [HEAD, *rows])), 5, rel=0.01)
+    is_right(series(tmp_path, (cells for pair in pairs for cells in pair)), 5, rel=0.01)
 
 
 def test_spikes_and_lost_samples_do_not_split_a_plateau(tmp_path: Path) -> None:
     rows = list(map(shown, recorded()))
     for line, cell in ((60, "-9999"), (61, "n/a"), (470, "99.9"), (700, "99.9")):
         rows[line][6] = cell
-    rig = points.read(written(tmp_path / "series.csv", [HEAD, *rows]))
+    rig = series(tmp_path, rows)
     is_right(rig, 5, rel=0.01)
     assert [fault.line for fault in rig.sheet.left_out] == [62, 63]
 
@@ -126,9 +128,8 @@ def test_a_ramp_has_no_plateau_and_points_with_their_times_are_no_series(tmp_pat
     data = np.tile(recorded(points=1)[0], (4800, 1))
     data[:, 0], data[:, 4] = 0.01 * np.arange(4800), np.linspace(0.0, 60.0, 4800)
     with pytest.raises(TableError, match="without a plateau"):
-        points.read(written(tmp_path / "series.csv", [HEAD, *map(shown, data)]))
-    rows = [[600 * k, *row] for k, row in enumerate(ROWS * 2)]
-    assert len(points.read(written(tmp_path / "table.csv", [HEAD, *rows])).points) == 24
+        series(tmp_path, map(shown, data))
+    assert len(series(tmp_path, ([600 * k, *row] for k, row in enumerate(ROWS * 2))).points) == 24
 
 
 def test_parquet(tmp_path: Path) -> None:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 
 import nbformat
 import numpy as np
 import pytest
 from conftest import ROOT, module_of
 
+CAR = module_of(ROOT / "examples" / "drivetrain" / "car.py")
 
-def test_the_notebook_runs_from_start_to_end(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+def test_the_notebook_runs_from_start_to_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MPLBACKEND")
     monkeypatch.syspath_prepend(ROOT / "examples")
     import notebook
 
@@ -34,27 +33,20 @@ def test_the_notebook_runs_from_start_to_end(fmu: Path, tmp_path: Path, monkeypa
     assert not [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
 
 
-@pytest.fixture(scope="module")
-def car() -> ModuleType:
-    """The example, as a module."""
-    return module_of(ROOT / "examples" / "drivetrain" / "car.py")
-
-
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def outside(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to run an example in, with the FMU under test and a separate cache."""
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setenv("MPLBACKEND", "Agg")
+    for name, value in {"PUSHBELT_FMU": fmu, "PYTHONPATH": ROOT / "python", "XDG_CACHE_HOME": tmp_path, "MPLBACKEND": "Agg"}.items():
+        monkeypatch.setenv(name, str(value))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.mark.slow
-def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> None:
-    run = car.main()
+def test_the_car_launches_shifts_and_stops(outside: Path) -> None:
+    run = CAR.main()
     time, torque, ratio = run["time"], run["primary.torque"], run["ratio.geometric"]
-    speed = 3.6 * car.LEVER * run["secondary.speed"]
+    speed = 3.6 * CAR.LEVER * run["secondary.speed"]
     assert abs(speed[0]) < 1e-3 and 45.0 < speed.max() < 60.0
     assert np.abs(speed[time > 21.5]).max() < 0.01
     # Driving, overrun after the tip-out, driving again after the tip-in, overrun while braking.
@@ -69,9 +61,9 @@ def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> No
 
 
 @pytest.mark.slow
-def test_a_clutch_with_too_steep_a_law_chatters(car: ModuleType, outside: Path) -> None:
+def test_a_clutch_with_too_steep_a_law_chatters() -> None:
     """The instability that the rule for external inertias prevents. Until the clutch locks both runs are smooth."""
-    run = car.main(naive=True, end=3.0)
+    run = CAR.main(naive=True, end=3.0)
     changes = np.abs(np.diff(run["primary.torque"]))
     assert changes[run["time"][1:] < 2.0].max() < 10.0
     assert changes.max() > 200.0

@@ -38,19 +38,12 @@ def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, An
 @pytest.mark.parametrize(
     ("name", "value", "why"),
     [
-        ("geometry.centreDistance", 0.1, "geometry.centerDistance"),
-        ("thrustRatio", 1.0, "output"),
-        ("belt.play", "wide", "'wide'"),
-        ("belt.play", None, "None"),
-        ("belt.play", math.inf, "inf"),
-        ("belt.play", -1e-3, "-0.001 m .* 0 to"),
-        ("mesh.strand", 4.5, "4.5"),
-        ("mesh.strand", 10**6, "1 to 200"),
-        ("initial.steady", "perhaps", "'perhaps'"),
-        ("ring.model", "ALE2", r"ALE0 \(1\), ALE \(2\)"),
+        ("geometry.centreDistance", 0.1, "geometry.centerDistance"), ("thrustRatio", 1.0, "output"), ("belt.play", "wide", "'wide'"),
+        ("belt.play", None, "None"), ("belt.play", math.inf, "inf"), ("belt.play", -1e-3, "-0.001 m .* 0 to"), ("mesh.strand", 4.5, "4.5"),
+        ("mesh.strand", 10**6, "1 to 200"), ("initial.steady", "perhaps", "'perhaps'"), ("ring.model", "ALE2", r"ALE0 \(1\), ALE \(2\)"),
         ("ring.model", 7, "7"),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name: str, value: Any, why: str) -> None:
     with pytest.raises(StartValueError, match=f"{name}.*{why}"):
         checked(variables, {name: value})
@@ -76,47 +69,39 @@ def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive:
 
 
 def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
+    """Wrong steps are refused and change nothing."""
     assert len(belt.outputs) == 0
     belt.start()
     for _ in range(5):
         belt.step(2e-3, {"primary.torque": 55.0})
+    for error, duration, inputs in (
+        *((pushbelt.ArgumentError, duration, {}) for duration in (0.0, -1e-3, math.nan)),
+        (StartValueError, 1e-3, {"primary.clampingForce": -1.0}), (StartValueError, 1e-3, {"belt.play": 1e-4}),
+    ):  # fmt: skip
+        with pytest.raises(error):
+            belt.step(duration, inputs)
+    with pytest.raises(KeyError, match="slips"):
+        belt["slips"]
     run = belt.outputs
     assert run["time"] == pytest.approx(2e-3 * np.arange(6))
     assert run["primary.torque"].tolist() == [50.0] + 5 * [55.0]
     assert np.ptp(run["primary.speed"]) > 0.0
     assert {"thrustRatio", "loss.total", "macroSlip"} <= set(run.dtype.names)
+    belt.step(1e-3, {"friction.pulley": 0.08})
+    assert belt["friction.pulley"] == 0.08
     belt.close()
-    assert len(belt.outputs) == 6
+    assert len(belt.outputs) == 7
     with pytest.raises(pushbelt.UnitError, match="closed"):
         belt.step(1e-3)
 
 
-def test_wrong_steps_are_refused_and_change_nothing(belt: variator.Variator) -> None:
-    belt.step(1e-3)
-    for duration in (0.0, -1e-3, math.nan):
-        with pytest.raises(ValueError, match="above 0 s"):
-            belt.step(duration)
-    with pytest.raises(StartValueError, match="out of its range"):
-        belt.step(1e-3, {"primary.clampingForce": -1.0})
-    with pytest.raises(StartValueError, match="only be set before the start"):
-        belt.step(1e-3, {"belt.play": 1e-4})
-    with pytest.raises(KeyError, match="no variable slips"):
-        belt["slips"]
-    belt.step(1e-3, {"friction.pulley": 0.08})
-    assert len(belt.outputs) == 3 and belt["friction.pulley"] == 0.08
-
-
 def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
     over = {**COARSE, "primary.torque": 400.0, "secondary.torque": -400.0}
-    with (
-        variator.Variator("bench168", over, fmu=fmu) as belt,
-        pytest.warns(pushbelt.VariatorWarning, match="beyond the capacity"),
-    ):
+    with variator.Variator("bench168", over, fmu=fmu) as belt, pytest.warns(pushbelt.VariatorWarning, match="beyond the capacity"):
         belt.start()
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), variator.Variator("bench168", COARSE, fmu=fmu) as belt:
         warnings.simplefilter("error")
-        with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
-            belt.start()
+        belt.start()
 
 
 # Steady states
@@ -133,29 +118,6 @@ def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variat
     assert state["secondary.axialForce"] == pytest.approx(belt.least_force(1.5, 40.0), rel=1e-4)
     assert -60.0 < state.load_torque < -50.0
     assert np.array_equal(belt.outputs, before)
-
-
-def test_a_point_that_the_belt_does_not_carry_is_refused(belt: variator.Variator) -> None:
-    capacity = belt.torque_capacity(1.0, 10e3)
-    belt.steady(1.0, 0.8 * capacity, force=10e3)
-    with pytest.raises(pushbelt.SteadyStateError, match="at ratio 1, "):
-        belt.steady(1.0, 1.3 * capacity, force=10e3)
-    with pytest.raises(pushbelt.SteadyStateError, match="initial.ratio = 30 is out of range"):
-        belt.steady(30.0, 10.0)
-    assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
-
-
-def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
-    found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
-    assert found.sizes == {"ratio": 2, "torque": 3}
-    state = belt.steady(0.6, 60.0, force=9e3)
-    point = found.sel(ratio=0.6, torque=60.0)
-    assert float(point["thrustRatio"]) == pytest.approx(state["thrustRatio"])
-    assert float(point["efficiency"]) == pytest.approx(state["efficiency"])
-    assert np.isnan(found["thrustRatio"].sel(torque=900.0)).all()
-    assert all("no steady state" in text for text in found["reason"].sel(torque=900.0).values)
-    assert (found["reason"].sel(torque=60.0) == "").all()
-    assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
 
 
 # Files
@@ -214,23 +176,18 @@ def test_a_copy_without_its_list_does_not_run_as_the_original(fmu: Path, tmp_pat
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (["own.fmu", "--set", "belt.colour=1"], "no parameter or input belt.colour"),
-        (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
-        (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"),
-        (["own.zip"], "does not end in .fmu"),
-        (["own.fmu", "--variator", "none"], "no variator 'none'; there are belt155, bench168"),
-        (["none/own.fmu"], "none/own.fmu"),
+        (["own.fmu", "--set", "belt.colour=1"], "belt.colour"), (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
+        (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"), (["own.zip"], "does not end in .fmu"),
+        (["own.fmu", "--variator", "none"], "no variator 'none'; there are belt155, bench168"), (["none/own.fmu"], "none/own.fmu"),
     ],
-)
+)  # fmt: skip
 def test_what_the_fmu_does_not_take_is_not_written(
     words: list[str], why: str, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert cli.main(["fmu", *words, "--fmu", str(fmu)]) == 1
     said = capsys.readouterr()
-    assert not said.out
-    assert said.err.startswith("pushbelt fmu: ") and said.err.count("\n") == 1
-    assert re.search(why, said.err)
+    assert not said.out and re.fullmatch(f"pushbelt fmu: .*{why}.*\n", said.err)
     assert not list(tmp_path.iterdir())
 
 
@@ -241,31 +198,27 @@ def test_programs_have_the_fmu_and_a_folder_unless_they_are_named(
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.setattr("sys.argv", ["pushbelt"])
     parsers = []
-    monkeypatch.setattr("argparse.ArgumentParser.parse_args", lambda self, words: parsers.append(self) or exit(0))
-    monkeypatch.setattr("argparse.ArgumentParser.parse_intermixed_args", lambda self, words: parsers.append(self) or exit(0))
-    with pytest.raises(SystemExit):
+    with monkeypatch.context() as patch, pytest.raises(SystemExit):
+        for method in ("parse_args", "parse_intermixed_args"):
+            patch.setattr(f"argparse.ArgumentParser.{method}", lambda self, words: parsers.append(self) or exit(0))
         cli.main([name])
-    monkeypatch.undo()
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     needed = {"belt": "--width 30 --layers 12 --length 0.7 --center-distance 0.17", "compare": "a b", "durability": "a"}
-    options = parsers[0].parse_args(needed.get(name, "").split())
+    words = needed.get(name, "").split()
+    options = parsers[0].parse_args(words)
     assert (options.fmu, options.output, parsers[0].prog) == (fmu, Path(f"pushbelt-{name}"), f"pushbelt {name}")
     monkeypatch.setenv("PUSHBELT_FMU", str(tmp_path / "none.fmu"))
     if name in ("compare", "durability", "calibrate"):
-        assert parsers[0].parse_args(needed.get(name, "").split()).fmu is None
+        assert parsers[0].parse_args(words).fmu is None
     else:
         with pytest.raises(FileNotFoundError):
-            parsers[0].parse_args(needed.get(name, "").split())
+            parsers[0].parse_args(words)
 
 
-def test_the_cache_is_shown_and_cleared(
-    belt: variator.Variator, own_cache: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_cache_is_shown_and_cleared(belt: variator.Variator, own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
     belt.start()
     belt.close()
     assert cli.main(["cache"]) == 0
-    assert capsys.readouterr().out.startswith(str(own_cache))
-    assert own_cache.is_dir()
-    assert cli.main(["cache", "--clear"]) == 0
-    assert not own_cache.exists()
-    assert cli.main(["cache", "--clear"]) == 0
+    assert capsys.readouterr().out.startswith(str(own_cache)) and own_cache.is_dir()
+    for _ in range(2):
+        assert cli.main(["cache", "--clear"]) == 0
+        assert not own_cache.exists()

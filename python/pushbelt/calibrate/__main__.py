@@ -36,12 +36,11 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
-from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import columns, points
 from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
 
-from . import model, parameters
+from . import parameters
 
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
@@ -105,21 +104,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
-    rig = _understood(options) if options.check else reading_options.read(options.table, options)
-    if options.check:
-        print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
-        return 0
-    return _run(options, once(rig)) if options.hold_out is None else _hold_out(options, rig)
-
-
-def _understood(options: argparse.Namespace) -> points.Rig:
-    """The table. Its faults come after what is understood in spite of them."""
     try:
-        return once(reading_options.read(options.table, options))
+        rig = reading_options.read(options.table, options)
     except TableError as error:
-        if error.found is not None:
+        # The faults come after what is understood in spite of them.
+        if options.check and error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
+    if options.hold_out is not None and not options.check:
+        return _hold_out(options, rig)
+    rig = once(rig)
+    if not options.check:
+        return _run(options, rig)
+    print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
+    return 0
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -130,14 +128,15 @@ def once(rig: points.Rig) -> points.Rig:
         earlier = first.setdefault(replace(point, line=0, name=""), point)
         if earlier is not point:
             repeated.append(f"{point.line} (as {earlier.line})")
-    remark = f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}"
-    return replace(rig, points=list(first.values()), remarks=[*rig.remarks, *[remark] * bool(repeated)])
+    if repeated:
+        rig.sheet.remarks.append(f"{len(repeated)} rows repeat all values of an earlier one and count once: lines {', '.join(repeated)}")
+    return replace(rig, points=list(first.values()))
 
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
     costs = (
-        SAMPLE_COST * len(point.measured) if isinstance(point, points.Record)
+        SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
@@ -153,7 +152,7 @@ def sets(parameters: int) -> int:
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     # Imported here, so that the help needs no packages of the extras.
-    from . import report
+    from . import model, report
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
@@ -162,27 +161,16 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     begin = time.perf_counter()
-    warnings = [remark for remark in rig.remarks if remark.startswith("warning")]
+    warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    expected = sets(len(chosen)) * len(rig.points)
-    with progress_bar(expected, "steady states") as bar:
-
-        def update(count: float) -> None:
-            bar.total = max(bar.total, bar.n + count)
-            bar.update(count)
-
-        with model.opened(fmu, base, rig.points, options.workers, update) as opened:
-            found = fit(opened, chosen)
-            notes = (*points.notes(rig.sheet), *rig.remarks)
-            results = report.Results(
-                options.table.name, description.version or "", options.variator, base, opened, found, time.perf_counter() - begin, notes
-            )
-        bar.total = bar.n
+    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * len(rig.points)) as opened:
+        found = fit(opened, chosen)
+    about = (time.perf_counter() - begin, points.notes(rig.sheet))
+    results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
-    path = options.output / "report.html"
-    report.write_html(results, path)
+    report.write_html(results, path := options.output / "report.html")
     if found.misfit:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):

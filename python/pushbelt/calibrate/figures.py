@@ -16,7 +16,7 @@ from pushbelt.report.charts import Chart, Panel, Series, around
 from pushbelt.fmu.geometry import Array
 from pushbelt.report.style import BLUE, MUTED, ORANGE
 
-from .residuals import plain
+from .model import plain
 
 SURE = 2.0  # Half-width of the shaded band, in standard deviations
 LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
@@ -91,13 +91,12 @@ def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: 
     for (right, up), marker in ARROWS.items():
         chosen = np.flatnonzero((sides[1] == up) & ((sides[0] == right) | (up != 0)))
         chosen = chosen[np.argsort(border[0, chosen])]
-        if not chosen.size:
-            continue
-        inside = {0: "", 1: "bottom center", -1: "top center"}[up]
-        beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
-        texts = [text(row) for row in rows.iloc[chosen].itertuples()]
-        yield Series(
-            name, *border[:, chosen], **LOOKS[0] | {"kind": "points", "marker": marker, "size": 10},  # type: ignore[arg-type]
-            labels=[f"{label}: {text}" for label, text in zip(_labels(rows.iloc[chosen]), texts, strict=True)], texts=texts,
-            text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
-        )  # fmt: skip
+        if chosen.size:
+            inside = {0: "", 1: "bottom center", -1: "top center"}[up]
+            beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
+            texts = [text(row) for row in rows.iloc[chosen].itertuples()]
+            yield Series(
+                name, *border[:, chosen], **LOOKS[0] | {"kind": "points", "marker": marker, "size": 10},  # type: ignore[arg-type]
+                labels=[": ".join(pair) for pair in zip(_labels(rows.iloc[chosen]), texts, strict=True)], texts=texts,
+                text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
+            )  # fmt: skip

@@ -29,23 +29,19 @@ class FitError(PushbeltError, RuntimeError):
     """There is nothing to fit."""
 
 
-class Undetermined(NamedTuple):
-    """Reason why a parameter was reset to its start value."""
-
-    half: float  # Half-width of its interval in its coordinate; infinite if it has no influence
-    partner: str | None  # Parameter from which it cannot be separated
-    correlation: float
-
-
-class Estimate:
+class Estimate(NamedTuple):
     """A parameter after the fit."""
 
-    def __init__(self, parameter: Parameter, coordinate: float, half: float | None, undetermined: Undetermined | None) -> None:
-        """`half`: half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
-        self.parameter, self.half, self.undetermined = parameter, half, undetermined
-        self.value = parameter.value(coordinate)
-        self.interval = None if half is None else parameter.interval(coordinate, half)
-        self.at_bound = half is None and undetermined is None
+    parameter: Parameter
+    value: float
+    half: float | None  # Half-width of its confidence interval in its coordinate; None if it is at a bound or not determined
+    interval: tuple[float, float] | None
+    undetermined: str | None  # Why it was reset to its start value
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether it is held at a bound."""
+        return self.half is None and self.undetermined is None
 
 
 class Spread(NamedTuple):
@@ -87,7 +83,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
     (before,) = model.states([assign(parameters, start)])
-    given_up: dict[int, Undetermined] = {}
+    given_up: dict[int, str] = {}
     place, states = _carrying(model, parameters, start, list(before))
     if all(found.reason is not None for found in states):
         raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
@@ -98,7 +94,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     while True:
         left = [k for k in range(len(parameters)) if k not in given_up]
         if not left:
-            why = ", ".join(f"{parameters[k].name} (±{100.0 * reason.half:.3g} %)" for k, reason in given_up.items())
+            why = ", ".join(f"{parameters[k].name} {reason}" for k, reason in given_up.items())
             raise FitError(f"the table determines none of the parameters: {why}")
         if again:
             search.run([k for k in left if k not in waiting], waiting)
@@ -117,33 +113,32 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
             waiting = frozenset()
         else:
             break
-    halves = dict(zip(inner, spread.halves.tolist(), strict=True))
-    estimates = (Estimate(p, float(search.place[k]), halves.get(k), given_up.get(k)) for k, p in enumerate(parameters))
+    halves, estimates = dict(zip(inner, spread.halves.tolist(), strict=True)), []
+    for k, (parameter, at) in enumerate(zip(parameters, search.place.tolist(), strict=True)):
+        interval = parameter.interval(at, halves[k]) if k in halves else None
+        estimates.append(Estimate(parameter, parameter.value(at), halves.get(k), interval, given_up.get(k)))
     return _result(search, tuple(estimates), spread, before)
 
 
 def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, before: Sequence[Found]) -> Fit:
-    model, kept = search.model, search.kept[: len(search.model.values)]
-    (first, used_before), (last, used), (of_all, _) = (
-        _rms(model, states, some) for states, some in ((before, kept), (search.states, kept), (search.states, kept | True))
-    )
+    (at_start, at_end), kept = map(search.model.relative, (before, search.states)), search.kept[: len(search.model.values)]
+    first, last, of_all = _rms(at_start[kept]), _rms(at_end[kept]), _rms(at_end)
+    left = len(kept) - np.isfinite(at_end[kept]).sum()
     misfit = None
-    if len(kept) - used > LOST_SHARE * len(kept):
-        misfit = f"{len(kept) - used} of {len(kept)} values are outliers or at points without a steady state"
+    if left > LOST_SHARE * len(kept):
+        misfit = f"{left} of {len(kept)} values are outliers or at points without a steady state"
     elif last > MISFIT:
         misfit = f"the root mean square of the residuals is {last:.3g} standard deviations, above {MISFIT:g}"
-    elif last > 1.0 and used_before == used and last >= first * (1.0 - 1e-6):
+    elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     return Fit(
         estimates, spread, (first, last), before, search.states, search.evaluations, search.converged, tuple(kept.tolist()), of_all, misfit
     )
 
 
-def _rms(model: Model, states: Sequence[Found], kept: Array) -> tuple[float, int]:
-    """Root mean square of kept residuals at points that have a steady state, in standard deviations, and their number."""
-    found = ((model.column(states) - model.measured) / model.deviations)[kept]
-    used = sum(states[model.values[k].point].reason is None for k in np.flatnonzero(kept))
-    return float(np.sqrt(np.nansum(found**2) / max(used, 1))), used
+def _rms(relative: Array) -> float:
+    """Root mean square of residuals, without those of points that have no steady state."""
+    return float(np.sqrt(np.nansum(relative**2) / max(np.isfinite(relative).sum(), 1)))
 
 
 def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:
@@ -166,12 +161,18 @@ def _weak(slopes: Array) -> frozenset[int]:
     """Parameters that the derivatives do not determine with the given standard deviations; at least one remains."""
     free, found = list(range(slopes.shape[1])), set()
     while len(free) > 1:
-        _, singular, turned = np.linalg.svd(slopes[:, free], full_matrices=False)
-        halves = 2.0 * np.linalg.norm(turned.T / np.maximum(singular, 1e-12), axis=1)
+        halves = 2.0 * np.sqrt(np.diag(_covariance(slopes[:, free])[0]))
         if halves.max() <= UNDETERMINED:
             break
         found.add(free.pop(int(np.argmax(halves))))
     return frozenset(found)
+
+
+def _covariance(slopes: Array) -> tuple[Array, Array]:
+    """Covariance (JᵀJ)⁻¹, and singular values. Those below rounding correspond to directions without influence."""
+    _, singular, turned = np.linalg.svd(slopes, full_matrices=False)
+    floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
+    return turned.T @ np.diag(floored**-2.0) @ turned, singular
 
 
 def _leave_out(search: Search, free: Sequence[int]) -> None:
@@ -179,10 +180,9 @@ def _leave_out(search: Search, free: Sequence[int]) -> None:
     the intervals: a t-test of the largest of many (Bonferroni). The scatter counts at least as the standard deviations. All values of a row,
     or of a sample, go together, because a faulty cell may be one of the conditions."""
     search.run(free, robust=True)
-    kept = search.kept[: len(search.model.values)]
-    values, size = search.model.values, np.abs(search.residuals)
-    rows = [(value.point, value.measured.time) for value in values]
-    carried = np.array([search.states[value.point].reason is None for value in values])
+    values = search.model.values
+    kept, size = search.kept[: len(values)], np.abs(search.residuals[: len(values)])
+    rows, carried = values.groupby(["point", "time"], dropna=False).ngroup().to_numpy(), search.carried()[: len(values)]
     while True:
         tested = np.flatnonzero(kept & carried)
         freedom = len(tested) - len(search.parameters) - 1
@@ -192,35 +192,31 @@ def _leave_out(search: Search, free: Sequence[int]) -> None:
         scatter = max(float(np.sum(size[tested] ** 2) - size[worst] ** 2) / freedom, 1.0) ** 0.5
         if size[worst] <= student.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / len(tested), freedom) * scatter:
             return
-        kept &= [row != rows[worst] for row in rows]
+        kept &= rows != rows[worst]
 
 
 def _spread(search: Search, inner: Sequence[int]) -> Spread:
-    """Covariance (JᵀJ)⁻¹ by singular values, over the points that have a steady state, and the priors. `inner` are the parameters that are
-    not at a bound."""
+    """Over the points that have a steady state, and the priors. `inner` are the parameters that are not at a bound."""
     if not inner:
         return Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
-    values = search.model.values
-    used = search.kept.copy()
-    used[: len(values)] &= [search.states[value.point].reason is None for value in values]
+    used = search.kept & search.carried()
     freedom = int(used.sum()) - len(inner)
     if freedom < 1:
         raise FitError(f"{used.sum()} values at points with a steady state can't determine {len(inner)} parameters")
-    _, singular, turned = np.linalg.svd(search.slopes[used][:, list(inner)], full_matrices=False)
-    # Singular values below rounding correspond to directions without influence, with an infinite interval.
-    floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
-    covariance = turned.T @ np.diag(floored**-2.0) @ turned
+    covariance, singular = _covariance(search.slopes[used][:, list(inner)])
     deviations = np.sqrt(np.diag(covariance))
     reduced = float(np.sum(search.residuals[used] ** 2)) / freedom
-    trusted = all(value.measured.given for value in values)
-    factor = float(np.sqrt(max(reduced, 1.0) if trusted else reduced))
+    factor = float(np.sqrt(max(reduced, 1.0) if search.model.values["given"].all() else reduced))
     halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * factor * deviations
     return Spread(halves, covariance / np.outer(deviations, deviations), singular, factor)
 
 
-def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> Undetermined:
+def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> str:
     """Why the worst of some parameters is not determined."""
     correlations = spread.correlations[worst] * (np.arange(len(names)) != worst)
     nearest = int(np.argmax(np.abs(correlations)))
-    near = abs(correlations[nearest]) >= PARTNER
-    return Undetermined(float(spread.halves[worst]), names[nearest] if near else None, float(correlations[nearest]))
+    half = "any size" if spread.halves[worst] > 1e3 else f"±{100.0 * spread.halves[worst]:.0f} %"
+    text = f"cannot be identified from this table (its interval would be {half}), so it remains at its start value"
+    if abs(correlations[nearest]) >= PARTNER:
+        text += f"; the table cannot separate it from {names[nearest]} (correlation {correlations[nearest]:.2f})"
+    return text

@@ -14,13 +14,12 @@ from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
-from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
 from . import figures, model
-from .residuals import Score, of, plain, quantities, residuals, score
+from .model import Score, of, plain, quantities, score
 
 DEFAULT = "bench168"
 short = partial(plain, digits=4, none="–")
@@ -39,10 +38,8 @@ class HoldOut(NamedTuple):
 def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
     """Solves all points of a table with a set, and with the default one if it is another. Raises the errors of the parameter set."""
     sets = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
-    total = len(sets) * len(rig.points)
-    with progress_bar(total, "steady states") as bar, model.opened(fmu, {}, rig.points, workers, bar.update) as opened:
-        states = opened.states(list(sets.values()))
-        rows = {name: residuals(rig.points, opened.values, own) for name, own in zip(sets, states, strict=True)}
+    with model.opened(fmu, {}, rig.points, workers, len(sets) * len(rig.points)) as opened:
+        rows = dict(zip(sets, map(opened.rows, opened.states(list(sets.values()))), strict=True))
     measured = quantities(rows[variator])
     scores = [score(own, quantity, name) for quantity in measured for name, own in rows.items()]
     return HoldOut(rig, described(fmu).version or "", rows, scores)

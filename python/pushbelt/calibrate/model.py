@@ -6,14 +6,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive
-from pushbelt.report.side_by_side import Call, worker_pool
-from pushbelt.tables.points import Measured, Point
+from pushbelt.report import page
+from pushbelt.report.side_by_side import Call, progress_bar, worker_pool
+from pushbelt.tables.columns import MEASURED
+from pushbelt.tables.points import Point
 
 from .parameters import Parameter, assign
 from .worker import Found, Job, solve_all
@@ -31,29 +34,22 @@ CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by 
 CHUNK = 6  # Number of points per job of a process
 
 
-class Value(NamedTuple):
-    """A measured value and its point."""
-
-    point: int  # Index of the point
-    measured: Measured
-
-    def of(self, state: Found) -> float | None:
-        """The model's value in the state of its point; None without a steady state."""
-        return state.values.get(self.measured.key or self.measured.quantity)
-
-
 class Model:
     """Residuals as functions of the parameters."""
 
     def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
         """`solve` solves jobs: values of variables, and a point."""
-        self.points = tuple(points)
-        self.values = tuple(Value(place, one) for place, point in enumerate(self.points) for one in point.measured)
-        self.measured = np.array([value.measured.value for value in self.values])  # Measured values
-        self.deviations = np.array([value.measured.deviation for value in self.values])
-        """Standard deviations of the measured values."""
+        self.points, self.solve = tuple(points), solve
+        rows = [
+            {"point": place, **vars(point), **vars(one), "measured": one.value, "sd": one.deviation, "key": one.key or one.quantity}
+            for place, point in enumerate(points)
+            for one in point.measured
+        ]
+        numbers = ("time", "ratio", "speed_ratio", "primary_force", "measured", "sd")
+        self.values = pd.DataFrame(rows).astype(dict.fromkeys(numbers, float))
+        """A row for each measured value, SI, in the order of the table: its point, and standard deviation `sd`."""
+        self.deviations = self.values["sd"].to_numpy()
         self.solves = 0  # Number of steady states and recorded shifts solved so far
-        self.solve = solve
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
         """Results of the model at all points, for several sets of values."""
@@ -70,20 +66,27 @@ class Model:
         self.solves += sum(one.solves for one in found)
         return found
 
+    def rows(self, states: Sequence[Found], kept: Sequence[bool] | bool = True) -> pd.DataFrame:
+        """The measured values with the model's, `found`, or the `reason` why there is none, and whether the fit contains them. `residual` is
+        model minus measurement, `relative` the same in standard deviations."""
+        found = self.column(states)
+        reasons = [states[place].reason for place in self.values["point"]]
+        rows = self.values.assign(found=found, reason=np.array(reasons, dtype=object), kept=kept, residual=found - self.values["measured"])
+        return rows.assign(relative=rows["residual"] / rows["sd"])
+
     def column(self, states: Sequence[Found]) -> Array:
         """Model values, one for each measured one; NaN where a point has no steady state."""
-        return np.array([value.of(states[value.point]) for value in self.values], dtype=float)
+        keys = zip(self.values["point"], self.values["key"], strict=True)
+        return np.array([states[place].values.get(key, np.nan) for place, key in keys], dtype=float)
 
-    def residuals(self, states: Sequence[Found]) -> Array:
-        """Model minus measurement in standard deviations; `LOST` at points without a steady state."""
-        found = (self.column(states) - self.measured) / self.deviations
-        return np.where(np.isnan(found), LOST, found)
+    def relative(self, states: Sequence[Found]) -> Array:
+        """Model minus measurement in standard deviations; NaN where a point has no steady state."""
+        return (self.column(states) - self.values["measured"].to_numpy()) / self.deviations
 
     def distance(self, states: Sequence[Found]) -> float:
         """Merit of a start point: a sum of squares in which each residual is limited to `FAR`. The residual of a
         lost point is `FAR` times one plus the share of its torque that the belt does not carry."""
-        found = np.abs(self.column(states) - self.measured) / self.deviations
-        missing = np.array([states[value.point].missing for value in self.values])
+        found, missing = np.abs(self.relative(states)), np.array([states[place].missing for place in self.values["point"]])
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
     def slopes(
@@ -100,20 +103,17 @@ class Model:
 
         def differences(side: int, places: Sequence[Sequence[int]]) -> Array:
             """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""
-            keys, jobs = [], []
+            jobs, steps = {}, []
             for k, (parameter, some) in enumerate(zip(parameters, places, strict=True)):
                 low, high = parameter.bounds
-                inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high]
-                for step in inside[side : side + 1]:
-                    values = {**fixed, **assign(parameters, at + step * (np.arange(len(at)) == k))}
-                    keys += [(place, k, step) for place in some]
-                    jobs += [(values, self.points[place]) for place in some]
-            found = np.full((len(self.values), len(parameters)), np.nan)
-            for (place, k, step), state in zip(keys, self._count(jobs), strict=True):
-                for row, value in enumerate(self.values):
-                    if value.point == place and (moved := value.of(state)) is not None:
-                        found[row, k] = (moved - middle[row]) / step
-            return found
+                inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high][side : side + 1]
+                steps.append(inside[0] if inside else np.nan)
+                values = {**fixed, **assign(parameters, at + steps[k] * (np.arange(len(at)) == k))} if inside else {}
+                jobs |= {(k, place): (values, self.points[place]) for place in some if inside}
+            moved = dict(zip(jobs, self._count(list(jobs.values())), strict=True))
+            lost = Found({})
+            columns = [self.column([moved.get((k, place), lost) for place in range(len(self.points))]) for k in range(len(at))]
+            return (np.transpose(columns) - middle[:, np.newaxis]) / steps
 
         everywhere = [carried] * len(parameters)
         one = differences(0, everywhere)
@@ -122,11 +122,10 @@ class Model:
 
     def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
         """Indices, among the points with a steady state, of points whose slope is much larger than that of others, or is missing."""
-        found, quantities = ~np.isfinite(slopes), np.array([value.measured.quantity for value in self.values])
-        for own in (quantities == quantity for quantity in np.unique(quantities)):
-            usual = np.nanquantile(np.abs(slopes[own]), 0.75) if np.isfinite(slopes[own]).any() else 0.0
-            found |= own & (np.abs(slopes) > OUTSTANDING * usual)
-        return sorted({self.values[row].point for row in np.flatnonzero(found)}.intersection(carried))
+        sizes = pd.Series(np.abs(slopes))
+        usual = sizes.groupby(self.values["quantity"]).transform("quantile", 0.75).fillna(0.0)
+        found = sizes.isna() | (sizes > OUTSTANDING * usual)
+        return sorted(set(self.values["point"][found]).intersection(carried))
 
 
 def _agreed(one: Array, other: Array) -> Array:
@@ -140,17 +139,57 @@ def _agreed(one: Array, other: Array) -> Array:
     return np.nan_to_num(np.where(contradicting, smallest, mean))
 
 
+def plain(value: float | None, digits: int = 5, none: str = "") -> str:
+    """A number with so many significant digits; `none` for one that is unknown."""
+    return none if value is None or value != value else f"{value:.{digits}g}".replace("-", page.MINUS)
+
+
+def quantities(rows: pd.DataFrame) -> list[str]:
+    """Measured quantities, in the order of the table of quantities."""
+    return [quantity for quantity in MEASURED if (rows["quantity"] == quantity).any()]
+
+
+def of(rows: pd.DataFrame, quantity: str) -> pd.DataFrame:
+    """Those of a quantity that have a model value."""
+    return rows[(rows["quantity"] == quantity) & rows["found"].notna()]
+
+
+class Score(NamedTuple):
+    """Residuals of a quantity with a parameter set, SI; NaN without any."""
+
+    quantity: str
+    variator: str
+    count: int  # Values at points with a steady state
+    lost: int  # Values at points without one
+    rms: float
+    bias: float  # Mean of model minus measurement
+    relative: float  # Root mean square in standard deviations
+    explained: float  # 1 minus the residual sum of squares over that about the measured mean; NaN for a constant quantity
+
+
+def score(rows: pd.DataFrame, quantity: str, variator: str = "") -> Score:
+    """The score of a quantity."""
+    known = of(rows, quantity)
+    squares, spread = known["residual"] ** 2, ((known["measured"] - known["measured"].mean()) ** 2).sum()
+    explained = 1.0 - squares.sum() / spread if spread else np.nan
+    rms, bias, relative = np.sqrt(squares.mean()), known["residual"].mean(), np.sqrt((known["relative"] ** 2).mean())
+    lost = int((rows["quantity"] == quantity).sum()) - len(known)
+    return Score(quantity, variator, len(known), lost, *map(float, (rms, bias, relative, explained)))
+
+
 @contextmanager
-def opened(
-    fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, update: Callable[[float], object]
-) -> Iterator[Model]:
-    """A model whose points are solved in parallel processes. `update` is called with the number of points solved."""
-    with Archive.unpack(fmu) as archive, worker_pool(workers) as run:
+def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, expected: int) -> Iterator[Model]:
+    """A model whose points are solved in parallel processes. A bar shows how many of the expected ones are solved."""
+    with Archive.unpack(fmu) as archive, progress_bar(expected, "steady states") as bar, worker_pool(workers) as run:
+
+        def update(count: float) -> None:
+            bar.total = max(bar.total, bar.n + count)
+            bar.update(count)
 
         def solve(jobs: Sequence[Job]) -> list[Found]:
             chunks = [jobs[k : k + CHUNK] for k in range(0, len(jobs), CHUNK)]
             calls: list[Call] = [(solve_all, (fmu, archive.directory, dict(parameters), chunk)) for chunk in chunks]
-            found: list[Any] = run(calls, update)
-            return [state for chunk in found for state in chunk]
+            return [state for chunk in run(calls, update) for state in chunk]
 
         yield Model(points, solve)
+        bar.total = bar.n

@@ -11,8 +11,6 @@ from typing import Any
 from pushbelt.errors import PushbeltError
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")  # Parameters that are fitted by default
-
-PULLEYS = ("primary", "secondary")
 Pair = tuple[float, float]
 
 
@@ -82,15 +80,13 @@ def _parameter(
     name: str, start: float | None, limits: Pair | None, prior: Pair | None, variables: Mapping[str, Any], values: Mapping[str, float]
 ) -> Parameter:
     known = {full: one for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"}
-    names = (name,) if name in variables else tuple(f"{pulley}.{name}" for pulley in PULLEYS)
+    names = (name,) if name in variables else (f"primary.{name}", f"secondary.{name}")
     if not known.keys() >= set(names):
         near = difflib.get_close_matches(name, known, 1, 0.5)
         raise ParameterError(f"the FMU has no real parameter {name}" + (f"; did you mean {near[0]}?" if near else ""))
     first = known[names[0]]
-    if start is None:
-        start = values.get(names[0], float(first.start))
-    low = -math.inf if first.min is None else float(first.min)
-    high = math.inf if first.max is None else float(first.max)
+    start = values.get(names[0], float(first.start)) if start is None else start
+    low, high = (end if given is None else float(given) for end, given in ((-math.inf, first.min), (math.inf, first.max)))
     if name == "friction.pulley":
         # The FMU rejects a friction coefficient at which the belt is self-locking in the groove.
         high = min(high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start))))

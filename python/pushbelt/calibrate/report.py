@@ -1,4 +1,4 @@
-"""Results of a calibration: report, parameter file and residuals."""
+"""Results of a calibration: report, parameter file and model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushbelt import tables
 from pushbelt.report import page
 from pushbelt.tables.columns import MEASURED
 
-from . import figures, fit, model, residuals, worker
+from . import figures, fit, model, worker
 from .fit import Estimate, Fit
 from .model import Model
 
@@ -30,15 +30,12 @@ class Results:
         self.table, self.version, self.variator, self.base, self.seconds, self.notes = table, version, variator, base, seconds, notes
         self.fit, self.points, self.solves = found, model.points, model.solves
         # All measured values with the start values and with the fitted parameters, in the order of the table.
-        self.before, self.rows = (
-            residuals.residuals(model.points, model.values, states, found.kept) for states in (found.before, found.after)
-        )
+        self.before, self.rows = (model.rows(states, found.kept) for states in (found.before, found.after))
         # One row for each point without a steady state after the fit.
         self.lost = self.rows[self.rows["reason"].notna()].drop_duplicates("line")
         # For each row or sample of the table that was left out, its value with the largest residual.
-        out = self.rows[~self.rows["kept"]]
-        largest_first = out.loc[out["relative"].abs().fillna(0.0).sort_values(ascending=False, kind="stable").index]
-        self.outliers = largest_first.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
+        out = self.rows[~self.rows["kept"]].sort_values("relative", key=abs, ascending=False, kind="stable")
+        self.outliers = out.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
 
 
 def sentence(estimate: Estimate) -> str:
@@ -48,7 +45,7 @@ def sentence(estimate: Estimate) -> str:
     if interval is not None:
         return f"{value} (95 %: {interval[0]:.5g} to {interval[1]:.5g}), was {parameter.start:.5g}"
     if estimate.undetermined is not None:
-        return f"{value}: {why_undetermined(estimate)}"
+        return f"{value}: {estimate.undetermined}"
     return f"{value}: held at its bound, so without an interval; was {parameter.start:.5g}"
 
 
@@ -64,17 +61,6 @@ def outliers(results: Results) -> str:
         f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
     )
     return text if found else ""
-
-
-def why_undetermined(estimate: Estimate) -> str:
-    """Reason why a parameter cannot be identified from the table."""
-    reason = estimate.undetermined
-    assert reason is not None
-    half = "any size" if reason.half > 1e3 else f"±{100.0 * reason.half:.0f} %"
-    text = f"cannot be identified from this table (its interval would be {half}), so it remains at its start value"
-    if reason.partner is not None:
-        text += f"; the table cannot separate it from {reason.partner} (correlation {reason.correlation:.2f})"
-    return text
 
 
 def write_parameters(results: Results, path: Path) -> None:
@@ -100,7 +86,7 @@ def write_parameters(results: Results, path: Path) -> None:
 
 def write_residuals(results: Results, path: Path) -> None:
     """Writes every measured value with the model's, SI."""
-    rows = results.rows.assign(before=results.before["found"], unit=[_unit(quantity) or "1" for quantity in results.rows["quantity"]])
+    rows = results.rows.assign(before=results.before["found"], unit=results.rows["quantity"].map(_unit).replace("", "1"))
     rows["reason"] = rows["reason"].where(rows["kept"], "outlier")
     titles = {
         "line": "line", "name": "name", "time": "time [s]", "ratio": "ratio.geometric [1]", "speed_ratio": "ratio.speed [1]",
@@ -119,38 +105,34 @@ def write_html(results: Results, path: Path) -> None:
     """Writes the report."""
     found, rows = results.fit, results.rows
     used = rows[rows["found"].notna() & rows["kept"]]
+    names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
     context = {
         "results": results, "fit": found, "used": len(used),
         "outliers": outliers(results),
         "rms": found.rms,
         "lost_values": int(rows["reason"].notna().sum()),
-        "quantities": [_quantity(results, q) for q in residuals.quantities(rows) if len(residuals.of(rows, q))],
+        "quantities": [_quantity(results, q) for q in model.quantities(rows) if len(model.of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
-        "correlated": _correlated(found),
-        "worst": list(used.loc[(-used["relative"].abs()).sort_values(kind="stable").index[:WORST]].itertuples()),
+        "correlated": [
+            (names[k], names[m], float(correlations[k, m]))
+            for k in range(len(names)) for m in range(k) if abs(correlations[k, m]) >= fit.PARTNER
+        ],
+        "worst": list(used.sort_values("relative", key=abs, ascending=False, kind="stable")[:WORST].itertuples()),
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
-        "why": why_undetermined,
         "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
         "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
-    page.write_html("calibrate/calibrate.html.j2", context, path, plain=residuals.plain)
+    page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     """Scores and figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
-    after, before = residuals.of(results.rows, quantity), residuals.of(results.before, quantity)
+    after, before = model.of(results.rows, quantity), model.of(results.before, quantity)
     kept = after[after["kept"]] if after["kept"].any() else after
     return {
         "meaning": MEASURED[quantity].meaning,
         "unit": _unit(quantity),
-        "score": residuals.score(kept, quantity),
-        "before": residuals.score(before[before.index.isin(kept.index)], quantity).rms,
+        "score": model.score(kept, quantity),
+        "before": model.score(before[before.index.isin(kept.index)], quantity).rms,
         "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
     }
-
-
-def _correlated(found: Fit) -> list[tuple[str, str, float]]:
-    """Pairs of parameters with a high correlation."""
-    names = [estimate.parameter.name for estimate in found.determined]
-    pairs = [(names[k], names[m], float(found.spread.correlations[k, m])) for k in range(len(names)) for m in range(k)]
-    return [pair for pair in pairs if abs(pair[2]) >= fit.PARTNER]

@@ -13,8 +13,8 @@ from .model import LOST, Model
 from .parameters import Parameter, assign
 from .worker import Found
 
-TOLERANCE = 1e-4, 1e-4
-"""A search ends where its next step is expected to reduce the sum of squares by less than the first value plus this share of it."""
+TOLERANCE = 1e-4
+"""A search ends where its next step is expected to reduce the sum of squares by less than this value plus this share of it."""
 CONFIRMED = 10.0  # The derivatives at the end may expect a reduction of this multiple of the tolerance
 MOST_EVALUATIONS = 40
 MOST_JACOBIANS = 6  # Largest number of times that a search computes all derivatives
@@ -41,7 +41,7 @@ class Search:
         self.place, self.states = place, states
         self.evaluations, self.converged = 0, False
         self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
-        self.residuals = self._all_residuals(place, states)
+        self.residuals = self._residuals(place, states)
         self.kept = np.ones(len(self.residuals), dtype=bool)  # Which measured values, and priors, are no outliers
         self._robust = False
         self.slopes = self._differences(range(len(place)), central=False)
@@ -50,9 +50,17 @@ class Search:
 
     # Residuals and derivatives, of the measured values and the priors
 
-    def _all_residuals(self, place: Array, states: Sequence[Found]) -> Array:
+    def _residuals(self, place: Array, states: Sequence[Found]) -> Array:
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
-        return np.concatenate([self.model.residuals(states), priors])
+        return np.nan_to_num(np.concatenate([self.model.relative(states), priors]), nan=LOST)
+
+    def _at(self, place: Array) -> tuple[list[Found], Array]:
+        (states,) = self.model.states([assign(self.parameters, place)])
+        return states, self._residuals(place, states)
+
+    def carried(self) -> Array:
+        """Which residuals are not those of points without a steady state."""
+        return self.residuals != LOST
 
     def _differences(self, free: Sequence[int], central: bool) -> Array:
         """Derivatives; the columns of parameters that are not free are 0."""
@@ -83,8 +91,7 @@ class Search:
         """Fixes a parameter at a coordinate."""
         if self.place[k] != coordinate:
             self.place = np.where(np.arange(len(self.place)) == k, coordinate, self.place)
-            (self.states,) = self.model.states([assign(self.parameters, self.place)])
-            self.residuals = self._all_residuals(self.place, self.states)
+            self.states, self.residuals = self._at(self.place)
             self._moved = np.inf
 
     def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
@@ -92,13 +99,12 @@ class Search:
         without them."""
         self._robust = robust
         free, every = list(free), sorted({*free, *waiting})
-        reach, jacobians, confirmed = REACH[0], 0, False
-        self.converged = False
+        reach, jacobians, confirmed, self.converged = REACH[0], 0, False, False
         while self.evaluations < MOST_EVALUATIONS:
             total = self._loss(self.residuals)
             step, expected = self._step(free, reach)
             # A lost point is constant, and does not make the search coarse.
-            tolerance = TOLERANCE[0] + TOLERANCE[1] * self._loss(np.where(self.residuals == LOST, 0.0, self.residuals))
+            tolerance = TOLERANCE * (1.0 + self._loss(np.where(self.carried(), self.residuals, 0.0)))
             small = expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0)
             if small or reach < REACH[2] or (confirmed and jacobians >= MOST_JACOBIANS):
                 if robust:
@@ -106,15 +112,14 @@ class Search:
                 if self._moved <= NEAR:
                     self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
                     break
-                self._renew(every)
+                self.slopes, self._moved = self._differences(every, central=True), 0.0
                 jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
                 continue
             better = self._try(step, total, expected)
-            largest = self._length
             if better > 0.75:
-                reach = min(max(reach, 2.0 * largest), REACH[1])
+                reach = min(max(reach, 2.0 * self._length), REACH[1])
             elif better < 0.25:
-                reach = 0.25 * largest if better <= 0.0 else 0.5 * largest
+                reach = (0.25 if better <= 0.0 else 0.5) * self._length
                 if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
                     self.slopes = self._differences(every, central=False)
                     jacobians, reach = jacobians + 1, 0.1
@@ -124,16 +129,12 @@ class Search:
             if self.at_bound(k):
                 self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
         if self._moved > NEAR:
-            self._renew(every)
+            self.slopes, self._moved = self._differences(every, central=True), 0.0
 
-    def _renew(self, free: Sequence[int]) -> None:
-        """Derivatives by central differences at this place."""
-        self.slopes, self._moved = self._differences(free, central=True), 0.0
-
-    def _step(self, free: Sequence[int], reach: float) -> tuple[Array, float]:
+    def _step(self, free: list[int], reach: float) -> tuple[Array, float]:
         """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
         weights = self._weights
-        slopes, residuals = (weights[:, None] * self.slopes)[:, free], weights * self.residuals
+        slopes, residuals = weights[:, None] * self.slopes[:, free], weights * self.residuals
         # The reach is that of the parameter with the largest influence; others may move farther.
         influence = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
         reaches = np.minimum(reach * influence.max() / influence, REACH[1])
@@ -143,19 +144,18 @@ class Search:
         high = np.maximum(high, low + 1e-12)
         rows = np.vstack([slopes, np.sqrt(DAMPING) * np.eye(len(free))])
         found = lsq_linear(rows, np.concatenate([-residuals, np.zeros(len(free))]), (low, high), method="bvls")
-        step = np.zeros(len(self.place))
-        step[list(free)] = np.clip(found.x, low, high)
-        after = residuals + slopes @ step[list(free)]
-        self._length = float((np.abs(step[list(free)]) * influence).max() / influence.max())
+        own = np.clip(found.x, low, high)
+        after, step = residuals + slopes @ own, np.zeros(len(self.place))
+        step[free] = own
+        self._length = float((np.abs(own) * influence).max() / influence.max())
         return step, float(residuals @ residuals - after @ after)
 
     def _try(self, step: Array, total: float, expected: float) -> float:
         """Solves at the end of a step, updates the derivatives, and moves there if it is better. Returns the actual reduction over
         the expected one."""
         place = np.clip(self.place + step, self._low, self._high)
-        (states,) = self.model.states([assign(self.parameters, place)])
+        states, found = self._at(place)
         self.evaluations += 1
-        found = self._all_residuals(place, states)
         change = found - self.residuals - self.slopes @ step
         change[(found == LOST) | (self.residuals == LOST)] = 0.0
         self.slopes = self.slopes + np.outer(change, step) / float(step @ step)

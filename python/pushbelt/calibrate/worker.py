@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import fmpy
 
@@ -17,8 +16,7 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.report.side_by_side import tick
 from pushbelt.tables.columns import SAMPLED
-from pushbelt.tables.points import Point, Record
-
+from pushbelt.tables.points import Point
 
 SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
@@ -34,8 +32,7 @@ in the search. A correction leaves about a fiftieth of the error, so differences
 Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """Results of the model at a point."""
 
     values: Mapping[str, float]  # Model values by quantity; empty without a steady state
@@ -51,29 +48,25 @@ def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs:
     """Solves for points with an FMU that is already unpacked in a directory."""
     found = []
     for values, point in jobs:
-        found.append(solve_or_say_why(fmu, directory, {**parameters, **values}, point))
+        found.append(solve(fmu, directory, {**parameters, **values}, point))
         tick(1)
     return found
 
 
-def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
+def solve(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
     """Results of the model at a point. An error of the FMU becomes the reason."""
     if directory not in _open:
         _open[directory] = SteadyStates(Archive(directory, fmpy.read_model_description(str(fmu))))
+    states = _open[directory]
     try:
-        return solve(_open[directory], parameters, point)
+        if point.samples:
+            return _record(states, parameters, point)
+        if point.shifting:
+            return _shift(states, parameters, point)
+        return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
     except UnitError as error:
         _open.pop(directory).close()
         return Found({}, str(error), 2.0)
-
-
-def solve(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """Results of the model at a point. Raises UnitError if a call of the FMU fails."""
-    if isinstance(point, Record):
-        return _record(states, parameters, point)
-    if point.shifting:
-        return _shift(states, parameters, point)
-    return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
 
 
 def _started(
@@ -104,18 +97,16 @@ def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point
     """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i; by the secant method."""
     assert point.speed_ratio is not None
     ratio = point.speed_ratio * (1.0 - point.slip)
-    before: tuple[float, float] | None = None
+    last_ratio = last_off = math.nan
     for count in range(1, MOST_SOLVES + 1):
         found = _steady(states, parameters, point, ratio)
         if found.reason is not None:
             return found
         off = point.speed_ratio * (1.0 - found.values["slip"]) - ratio
         if abs(off / ratio) < (RATIO_TOLERANCE if count == 1 else CORRECTED):
-            return dataclasses.replace(found, solves=count)
-        change = off
-        if before is not None and off != before[1]:
-            change = -off * (ratio - before[0]) / (off - before[1])
-        before, ratio = (ratio, off), ratio + change
+            return found._replace(solves=count)
+        change = off if count == 1 or off == last_off else -off * (ratio - last_ratio) / (off - last_off)
+        last_ratio, last_off, ratio = ratio, off, ratio + change
     return Found({}, f"no geometric ratio gives the speed ratio {point.speed_ratio:g}")
 
 
@@ -145,7 +136,7 @@ RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingF
 """Inputs of a recorded shift."""
 
 
-def _record(states: SteadyStates, parameters: Mapping[str, float], record: Record) -> Found:
+def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
     """The ratio at each sample of a recorded shift.
 
     The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,

@@ -46,21 +46,19 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
     Raises TitleError if a column with floating-point numbers has no unit in its title.
     """
     header = list(header)
-    without = {place: text for place, text in enumerate(header) if split(text)[1] is None}
+    without = {text for text in header if split(text)[1] is None}
 
-    def cell(place: int, value: Any) -> Any:
+    def cell(title: str, value: Any) -> Any:
         if not isinstance(value, float):
             return value
-        if place in without:
-            raise TitleError(f"{path.name}: the column {without[place]} has no unit")
+        if title in without:
+            raise TitleError(f"{path.name}: the column {title} has no unit")
         return repr(float(value)) if digits is None else f"{value:.{digits}g}"
 
     with path.open("w", encoding="utf-8", newline="") as file:
         if remark is not None:
             file.write(f"# {remark}\n")
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows([cell(place, value) for place, value in enumerate(row)] for row in rows)
+        csv.writer(file).writerows([header, *([cell(*pair) for pair in zip(header, row, strict=True)] for row in rows)])
 
 
 def write_frame(path: Path, header: Iterable[str], rows: Any) -> None:

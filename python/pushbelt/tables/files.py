@@ -59,7 +59,12 @@ def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
         raise TextError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
     data = path.read_bytes()
     if data.startswith(b"\x1f\x8b"):
-        data = _unzipped(data)
+        try:
+            data = gzip.GzipFile(fileobj=io.BytesIO(data)).read(LARGEST + 1)
+        except (OSError, EOFError, zlib.error) as error:
+            raise TextError(f"the file is not a whole gzip file: {error}") from error
+        if len(data) > LARGEST:
+            raise TextError(f"the file has more than {LARGEST / 1e6:.0f} MB when it is unpacked")
     if data.startswith((b"MDF ", b"UnFinMF ")):
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
@@ -69,17 +74,6 @@ def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
     if data.startswith(b"\xd0\xcf\x11\xe0"):
         raise TextError("this is an old Excel file: save it as .xlsx or CSV")
     return _text(data, names)
-
-
-def _unzipped(data: bytes) -> bytes:
-    with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-        try:
-            found = file.read(LARGEST + 1)
-        except (OSError, EOFError, zlib.error) as error:
-            raise TextError(f"the file is not a whole gzip file: {error}") from error
-    if len(found) > LARGEST:
-        raise TextError(f"the file has more than {LARGEST / 1e6:.0f} MB when it is unpacked")
-    return found
 
 
 # Text
@@ -103,6 +97,8 @@ def _decoded(data: bytes) -> tuple[str, str]:
 
 
 def _text(data: bytes, names: Names) -> Cells:
+    import pandas as pd
+
     text, encoding = _decoded(data)
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
@@ -111,12 +107,19 @@ def _text(data: bytes, names: Names) -> Cells:
     if not shown:
         raise TextError("the table is empty")
     separator = declared[1] if declared else _separator(shown[:HEAD], names)
-    frame = _frame(lines, separator)
+    name = f"{encoding.upper()}, {SEPARATORS.get(separator, repr(separator))} between columns"
+    if separator == "  ":
+        lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
+    # The C parser of pandas takes the number of columns from here.
+    width = max(line.count(separator) for line in lines) + 1
+    frame = pd.read_csv(
+        io.StringIO("\n".join(lines)), sep=separator, header=None, names=range(width), index_col=False, dtype=str, keep_default_na=False,
+        skip_blank_lines=False, skipinitialspace=separator != "\t", on_bad_lines="error",
+    ).fillna("")  # fmt: skip
     # A quoted cell may contain line breaks.
     breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy(dtype=int)
     frame.index = 1 + np.arange(len(frame)) + np.cumsum(breaks) - breaks
     frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
-    name = f"{encoding.upper()}, {SEPARATORS.get(separator, repr(separator))} between columns"
     return Cells(frame[(frame != "").any(axis=1)], name, separator)
 
 
@@ -163,19 +166,6 @@ def _separator(lines: Sequence[str], names: Names) -> str:
     return max(SEPARATORS, key=merit)
 
 
-def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
-    import pandas as pd
-
-    if separator == "  ":
-        lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
-    # The C parser of pandas takes the number of columns from here.
-    width = max(line.count(separator) for line in lines) + 1
-    return pd.read_csv(
-        io.StringIO("\n".join(lines)), sep=separator, header=None, names=range(width), index_col=False, dtype=str, keep_default_na=False,
-        skip_blank_lines=False, skipinitialspace=separator != "\t", on_bad_lines="error",
-    ).fillna("")  # fmt: skip
-
-
 # Spreadsheets
 
 
@@ -199,23 +189,20 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     if wanted is not None and wanted not in values.sheetnames:
         raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
     sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
-    found = [cells for sheet in sheets if (cells := _sheet(sheet, formulas[sheet.title])) is not None]
+    found = [cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)]
     if not found:
         raise TextError("the table is empty")
     return max(found, key=lambda cells: max(map(names.count, cells.head())))
 
 
-def _sheet(values: Any, formulas: Any) -> Cells | None:
-    """The cells of a sheet; None without any. Empty rows and remarks are left out."""
+def _sheet(values: Any, formulas: Any) -> Cells:
+    """The cells of a sheet. Empty rows and remarks are left out."""
     import pandas as pd
 
     rows = [list(map(_cell, *pair)) for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)]
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in rows]
     keep = [line for line, row in enumerate(texts, 1) if row and (len(row) > 3 or not is_remark(row[0]))]
-    if not keep:
-        return None
-    frame = pd.DataFrame([rows[line - 1] for line in keep], index=keep, dtype=object)
-    return Cells(frame, f"sheet {values.title}")
+    return Cells(pd.DataFrame([rows[line - 1] for line in keep], index=keep, dtype=object), f"sheet {values.title}")
 
 
 def _cell(cell: Any, formula: Any) -> str | float:
@@ -273,7 +260,5 @@ def _cells(head: list[list[str]], body: pd.DataFrame, source: str) -> Cells:
 
     body = body.astype(object).where(body.notna(), "")
     body = body.map(lambda cell: cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip())
-    body.columns = range(body.shape[1])
-    frame = pd.concat([pd.DataFrame(head, dtype=object), body], ignore_index=True)
-    frame.index = frame.index - len(head) + 1
-    return Cells(frame, source)
+    frame = pd.concat([pd.DataFrame(head, dtype=object), body.set_axis(range(body.shape[1]), axis=1)], ignore_index=True)
+    return Cells(frame.set_axis(frame.index - len(head) + 1), source)

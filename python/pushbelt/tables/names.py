@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cache
 
 from . import units
-from .units import Unit
 
 DEVIATION = ".sd"  # Suffix of a column of standard deviations
 CLOSE = 0.82  # Similarity above which an unknown name is taken for a misspelled one
@@ -82,13 +81,7 @@ class Column:
     high: float  # Largest, SI
     meaning: str
     aliases: tuple[str, ...] = ()  # Other common names
-    default: str | None = None  # Unit of a column without one; None if a unit is required. Ratios need none
-
-    def without_unit(self) -> Unit | None:
-        """The unit of a column whose title and row of units have none."""
-        if self.dimension == "ratio":
-            return Unit(1.0)
-        return None if self.default is None else units.find(self.default, self.dimension)
+    default: str = ""  # Unit of a column without one; empty if a unit is required. Ratios need none
 
 
 class Names:

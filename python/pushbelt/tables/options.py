@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..fmu.data import parameter_set
 from . import points
-from .points import Oil, Rig
+from .points import Rig
 from .sheet import Reading
 
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
@@ -46,5 +46,5 @@ def reading(options: argparse.Namespace) -> Reading:
 def read(path: Path, options: argparse.Namespace) -> Rig:
     """What a rig's table measures. Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the default of
     the FMU, unless they have their own."""
-    oil = Oil({**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)})
-    return points.read(path, reading(options), oil)
+    parameters = {**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)}
+    return points.read(path, reading(options), parameters)

@@ -7,8 +7,9 @@ units, and exchanged columns. A reading is named if it removes doubts and adds n
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -108,9 +109,9 @@ def _outside(values: Array, limits: tuple[float, float]) -> Array:
     return (values < limits[0]) | (values > limits[1])
 
 
-def _extent(values: Array, unit: str = "") -> str:
+def _extent(values: Array) -> str:
     values = values[np.isfinite(values)]
-    return f"{values.min():.3g} to {values.max():.3g}{unit}"
+    return f"{values.min():.3g} to {values.max():.3g}"
 
 
 def doubts(p: _Points) -> dict[str, str]:
@@ -145,7 +146,7 @@ def doubts(p: _Points) -> dict[str, str]:
     known = p.loaded & np.isfinite(p.slip)
     several, slips = known.sum() >= 4, 100.0 * p.slip[known]
     if _mostly(np.abs(p.slip) > SLIP, known):
-        found["slip"] = f"slips of {_extent(slips, ' %')}; usual are at most {100.0 * SLIP:g} %"
+        found["slip"] = f"slips of {_extent(slips)} %; usual are at most {100.0 * SLIP:g} %"
     elif several and _mostly(p.slip * p.used < 0.0, known & (np.abs(p.slip) > 3e-4)):
         found["slip sign"] = "slips have the opposite sign of the primary torque"
     elif several and np.abs(slips).max() < 0.02:
@@ -157,20 +158,20 @@ def doubts(p: _Points) -> dict[str, str]:
 
 def _single_rows(p: _Points, lines: Array) -> Iterator[str]:
     """What no variator has in single lines."""
-    found = {
-        f"the belt speed is above {BELT_SPEED:g} m/s": p.belt_speed > BELT_SPEED,
-        f"the torque is above {CARRIED:.3g} times the capacity of the clamping force": np.abs(p.used) > CARRIED,
-        f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}": _outside(p.thrust, THRUST),
-        f"the slip is above {100.0 * SLIP:g} %": np.abs(p.slip) > SLIP,
-    }
-    return (f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' * int(bad.sum() > 10)}" for text, bad in found.items() if bad.any())
+    for text, bad in (
+        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
+        (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
+        (f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}", _outside(p.thrust, THRUST)),
+        (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
+    ):
+        if bad.any():
+            yield f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' * int(bad.sum() > 10)}"
 
 
 # Other readings
 
 
-@dataclass(frozen=True)
-class Other:
+class Other(NamedTuple):
     """Another reading of some columns."""
 
     text: str
@@ -178,21 +179,18 @@ class Other:
     unit: bool = False  # Whether it is another unit
 
     @property
-    def options(self) -> dict[str, str]:
-        """Its `--map` options, by title."""
-        return {
-            one.title: f"{one.turned}{one.name}" + (f" [{one.unit}]" if one.unit and one.turned != "1/" else "")
-            for one in self.columns.values()
-        }
+    def options(self) -> list[str]:
+        """Its `--map` options."""
+        pairs = [(one, f" [{one.unit}]" if one.unit and one.turned != "1/" else "") for one in self.columns.values()]
+        return [f'--map "{one.title}={one.turned}{one.name}{unit}"' for one, unit in pairs]
 
     def changed(self, sheet: Sheet) -> Sheet:
         """The sheet with these columns."""
         new = {one.name: one.si(sheet.taken[name].written(sheet.values[name])) for name, one in self.columns.items()}
-        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[])
+        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[], remarks=[])
 
     def __str__(self) -> str:
-        options = " ".join(f'--map "{title}={name}"' for title, name in self.options.items())
-        return f"{self.text} ({options})"
+        return f"{self.text} ({' '.join(self.options)})"
 
 
 def _others(sheet: Sheet) -> Iterator[Other]:
@@ -201,46 +199,36 @@ def _others(sheet: Sheet) -> Iterator[Other]:
     for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
         for name in (name for name in names if name in there):
             one = there[name]
-            turned = {name: replace(one, turned="" if one.turned == prefix else prefix)}
-            yield Other(one.title + text.format(name), turned)
-    yield from _other_units(there)
+            yield Other(one.title + text.format(name), {name: replace(one, turned="" if one.turned == prefix else prefix)})
+    # Other units of all columns of a quantity that have the same one, or of one of them.
+    groups: dict[tuple[str, str], list[Taken]] = {}
+    for name, one in there.items():
+        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
+            groups.setdefault((name if one.column.dimension == "ratio" else one.column.dimension, one.unit), []).append(one)
+    for some in (some for own in groups.values() for some in [own, *([one] for one in own if len(own) > 1)]):
+        dimension, titles = some[0].column.dimension, " and ".join(one.title for one in some)
+        for unit in units.confused(dimension):
+            if (other := units.find(unit, dimension)) not in (None, some[0].scale):
+                yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
     pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
-    for some in [*([quantity] for quantity in pairs), *[["speed", "torque"]] * ({"speed", "torque"} <= set(pairs))]:
-        sides = [(f"{one}.{q}", f"{other}.{q}") for q in some for one, other in (("primary", "secondary"), ("secondary", "primary"))]
+    for quantities in [*([quantity] for quantity in pairs), *[["speed", "torque"]] * ({"speed", "torque"} <= set(pairs))]:
+        sides = [(f"{one}.{q}", f"{other}.{q}") for q in quantities for one, other in (("primary", "secondary"), ("secondary", "primary"))]
         titles = " and ".join(there[name].title for name, _ in sides)
         yield Other(f"{titles} exchanged (P and S)", {name: replace(there[name], name=other) for name, other in sides})
 
 
-def _other_units(there: Mapping[str, Taken]) -> Iterator[Other]:
-    """Other units of all columns of a quantity that have the same one, or of one of them."""
-    groups: dict[tuple[str, str], list[Taken]] = {}
-    for name, one in there.items():
-        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
-            group = name if one.column.dimension == "ratio" else one.column.dimension
-            groups.setdefault((group, one.unit), []).append(one)
-    for columns in groups.values():
-        for some in [columns, *([one] for one in columns if len(columns) > 1)]:
-            dimension, scale = some[0].column.dimension, some[0].scale
-            for unit in units.confused(dimension):
-                other = units.find(unit, dimension)
-                if other is not None and other != scale:
-                    titles = " and ".join(one.title for one in some)
-                    yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
-
-
 def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, found: Mapping[str, str]) -> Sequence[Other]:
     """The readings that remove most doubts and add none, best first."""
-    better: list[tuple[int, int, float, Other]] = []
+    better: list[tuple[int, float, Other]] = []
     for other in _others(sheet):
         # The law is too rough to tell units, and a fast belt can only have another unit.
         if set(found) != ({"thrust law"} if other.unit else {"fast"}):
             new = _Points(rebuilt(other.changed(sheet)), len(sheet))
             left, off = doubts(new), new.thrust_off()
             if set(left) < set(found) and off <= max(1.2 * now.thrust_off(), OFF):
-                better.append((len(left), len(other.columns), off, other))
+                better.append((len(left), off, other))
     fewest = min((left for left, *_ in better), default=0)
-    best = [one for one in better if one[0] == fewest]
-    closest = min((off for _, _, off, _ in best), default=0.0)
-    close = [other for _, _, off, other in best if off <= 1.5 * closest + 0.05]
+    best = [(off, other) for left, off, other in better if left == fewest]
+    close = [other for off, other in best if off <= 1.5 * min(off for off, _ in best) + 0.05]
     # A reading of more columns is named only if none of its parts is enough.
-    return [one for one in close if not any(set(other.options.items()) < set(one.options.items()) for other in close)]
+    return [one for one in close if not any(set(other.options) < set(one.options) for other in close)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +37,8 @@ class Measured:
 
 @dataclass(frozen=True)
 class Point:
-    """A working point with measured values. Exactly one of `ratio` and `speed_ratio` is given."""
+    """A working point with measured values, or a recorded shift: its first sample, and the ratios of the later ones as measured values.
+    Exactly one of `ratio` and `speed_ratio` is given."""
 
     line: int
     name: str
@@ -46,9 +47,11 @@ class Point:
     speed: float  # Primary speed, rad/s
     torque: float  # Torque on the primary shaft, N·m
     force: float  # Secondary clamping force, N
-    primary_force: float | None  # Primary clamping force, N; only with a shift rate
+    primary_force: float | None  # Primary clamping force, N; only in a shift
     measured: tuple[Measured, ...]
     slip: float = 0.0  # Estimate of the model's slip, from which the search for a speed ratio starts
+    samples: tuple[tuple[float, float, float, float, float, float], ...] = ()
+    """Of a recorded shift: time from the first one in s, primary speed, primary torque, primary force, secondary force, ratio; SI."""
 
     @property
     def shifting(self) -> bool:
@@ -57,89 +60,53 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Record(Point):
-    """A recorded shift: a point at its first sample, and the samples. The measured values are the ratios of the later samples."""
-
-    samples: tuple[tuple[float, float, float, float, float, float], ...] = ()
-    """Time from the first one in s, primary speed, primary torque, primary force, secondary force, ratio; SI."""
-
-
-@dataclass(frozen=True)
-class Oil:
-    """Forces of the cylinders of a parameter set from oil pressures, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
-
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    """Values by name: those of `primary.cylinder` and `secondary.cylinder`, and with a stiff spring the geometry."""
-
-    def of(self, pulley: str, name: str) -> float:
-        """A parameter of the cylinder of a pulley, 0 if it is not given."""
-        return self.parameters.get(f"{pulley}.cylinder.{name}", 0.0)
-
-    def forces(self, pulley: str, pressures: Array, speeds: Array, ratios: Array) -> Array:
-        """Forces of a cylinder, N, at pressures in Pa, speeds in rad/s and geometric ratios. What does not act is not needed."""
-        found = pressures * self.of(pulley, "area") + self.of(pulley, "springForce")
-        if centrifugal := self.of(pulley, "centrifugal"):
-            found = found + centrifugal * speeds**2
-        if stiffness := self.of(pulley, "springStiffness"):
-            found = found - stiffness * np.array([self._position(pulley, ratio) for ratio in ratios])
-        return found
-
-    def _position(self, pulley: str, ratio: float) -> float:
-        """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
-        if not ratio > 0.0:
-            return math.nan
-        radius = pitch_radius(self.parameters, ratio) * (ratio if pulley == "secondary" else 1.0)
-        return 2.0 * math.tan(self.parameters["geometry.wedgeAngle"]) * (radius - pitch_radius(self.parameters, 1.0))
-
-
-@dataclass(frozen=True)
 class Rig:
     """A table with what it measures."""
 
     sheet: Sheet
     points: list[Point]
-    remarks: list[str]  # What was computed from other columns, and warnings
 
     @property
     def recorded(self) -> bool:
         """Whether the table has recorded shifts."""
-        return any(isinstance(point, Record) for point in self.points)
+        return any(point.samples for point in self.points)
 
 
-def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> Rig:
-    """Points or recorded shifts of a file; a time series gives a point for each plateau.
+def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, float] | None = None) -> Rig:
+    """Points or recorded shifts of a file; a time series gives a point for each plateau. `parameters` are values by name of those that give
+    forces from oil pressures: the cylinders, and with a stiff spring the geometry.
 
     Raises TableError with all faults of the file, or with what cannot be on a variator, and the errors of the file system.
     """
-    reading, oil = reading or Reading(), oil or Oil()
+    reading, parameters = reading or Reading(), parameters or {}
     try:
         sheet = sheets.read(path, COLUMNS, reading)
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
         sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
-    points = _Points(sheet, oil)
+    points = _Points(sheet, parameters)
     rig = points.rig()
-    rig.remarks.extend(plausible.check(sheet, points.checked, lambda changed: _Points(changed, oil).checked, reading.as_written))
+    sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)
     return rig
 
 
 class _Points:
     """Points of a sheet."""
 
-    def __init__(self, sheet: Sheet, oil: Oil) -> None:
-        self.sheet, self.oil = sheet, oil
-        self.remarks: list[str] = []
+    def __init__(self, sheet: Sheet, parameters: Mapping[str, float]) -> None:
+        self.sheet, self.parameters = sheet, parameters
         self.values: dict[str, Array] = dict(sheet.values)
         self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
-        self._forces()
+        for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
+            if self._has(f"{pulley}.pressure") and not self._has(f"{pulley}.clampingForce"):
+                self._force(pulley, other)
         self._ratios()
         self.checked = self.values  # Columns with those that follow from others: a recorded shift has no thrust ratio
         if self.recorded:
             self.checked = {name: values for name, values in self.values.items() if name != "primary.clampingForce"}
         else:
-            self._slip()
             self._efficiency()
 
     def rig(self) -> Rig:
@@ -156,7 +123,7 @@ class _Points:
             sheet.faults.append(Fault(text))
             sheet.left_out.clear()
         sheet.check()
-        return Rig(sheet, points, self.remarks)
+        return Rig(sheet, points)
 
     def _require(self, required: Sequence[str]) -> None:
         there = set(self.values) | self.sheet.failed
@@ -165,57 +132,77 @@ class _Points:
             missing.insert(0, "ratio.geometric or ratio.speed")
         if missing:
             unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
-            self.sheet.faults.append(Fault(f"there is no column {', '.join(missing)}{unknown}"))
+            self._fault(f"there is no column {', '.join(missing)}{unknown}")
         for name in self.sheet.taken:
             base = name.removesuffix(DEVIATION)
             if base not in self.sheet.taken and base not in self.values:
-                self.sheet.faults.append(Fault(f"there is no column {base}", None, self.sheet.title(name)))
+                self._fault(f"there is no column {base}", None, name)
+
+    def _place(self, text: str, row: int | None, name: str | None) -> Fault:
+        """A fault of a row, or of all, in the column of a known name, or in all."""
+        return Fault(text, None if row is None else int(self.sheet.lines[row]), None if name is None else self.sheet.title(name))
+
+    def _fault(self, text: str, row: int | None = None, name: str | None = None) -> None:
+        self.sheet.faults.append(self._place(text, row, name))
+
+    def _leave_out(self, text: str, row: int, name: str | None = None) -> None:
+        self.sheet.left_out.append(self._place(text, row, name))
 
     # Columns that follow from others
 
     def _has(self, *names: str) -> bool:
         return all(bool(np.isfinite(self._get(name)).any()) for name in names)
 
-    def _get(self, name: str) -> Array:
-        return self.values.get(name, np.full(len(self.sheet), np.nan))
-
-    def _first(self, name: str, other: Array) -> Array:
+    def _get(self, name: str, other: Array | float = np.nan) -> Array:
         """A column, and another one where it has no value."""
-        return np.where(np.isfinite(self._get(name)), self._get(name), other)
+        found = self.values.get(name)
+        return np.full(len(self.sheet), other) if found is None else np.where(np.isfinite(found), found, other)
 
-    def _forces(self) -> None:
-        """Clamping forces from oil pressures."""
-        for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
-            pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
-            if not self._has(pressure) or self._has(force):
-                continue
-            title = self.sheet.title(pressure)
-            if not self.oil.of(pulley, "area"):
-                self.sheet.failed.add(force)
-                text = f"a pressure gives no force without the area of the piston: {pulley}.cylinder.area in the parameter set or by --set"
-                self.sheet.faults.append(Fault(text, None, title))
-                continue
-            turns = self._get("ratio.speed" if self._has("ratio.speed") else "ratio.geometric")
-            speed = self._first(f"{pulley}.speed", self._get(f"{other}.speed") * (turns if pulley == "primary" else 1.0 / turns))
-            self.values[force] = self.oil.forces(pulley, self.values[pressure], speed, self._first("ratio.geometric", turns))
-            low, high = CONDITIONS[force].low, CONDITIONS[force].high
-            bad = (self.values[force] < low) | (self.values[force] > high)
-            self._drop(force, bad, lambda value, ends=(low, high): "the force is {:.4g} N, not within {:g} to {:g} N".format(value, *ends), title)
-            self.remarks.append(f"{force} is the force of {pulley}.cylinder at {title}")
-            if not self.oil.of(pulley, "centrifugal"):
-                self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
+    def _force(self, pulley: str, other: str) -> None:
+        """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
+        pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
+        area, spring, stiffness, centrifugal = (
+            self.parameters.get(f"{pulley}.cylinder.{name}", 0.0) for name in ("area", "springForce", "springStiffness", "centrifugal")
+        )
+        if not area:
+            self.sheet.failed.add(force)
+            text = f"a pressure gives no force without the area of the piston: {pulley}.cylinder.area in the parameter set or by --set"
+            return self._fault(text, None, pressure)
+        turns = self._get("ratio.speed" if self._has("ratio.speed") else "ratio.geometric")
+        found = area * self.values[pressure] + spring
+        if centrifugal:
+            found += centrifugal * self._get(f"{pulley}.speed", self._get(f"{other}.speed") * turns ** (1 if pulley == "primary" else -1)) ** 2
+        if stiffness:
+            found -= stiffness * np.array([self._position(pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
+        self.values[force] = found
+        low, high = CONDITIONS[force].low, CONDITIONS[force].high
+        limits = f"not within {low:g} to {high:g} N"
+        self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
+        self.sheet.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
+        if not centrifugal:
+            self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
+
+    def _position(self, pulley: str, ratio: float) -> float:
+        """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
+        if not ratio > 0.0:
+            return math.nan
+        radius = pitch_radius(self.parameters, ratio) * (ratio if pulley == "secondary" else 1.0)
+        return 2.0 * math.tan(self.parameters["geometry.wedgeAngle"]) * (radius - pitch_radius(self.parameters, 1.0))
 
     def _ratios(self) -> None:
-        """The speed ratio from both speeds; agreement of the ratios with each other."""
+        """The speed ratio from both speeds; agreement of the ratios with each other; the slip from both ratios."""
         if self._has("primary.speed", "secondary.speed"):
             found = self.values["primary.speed"] / self.values["secondary.speed"]
             if self._has("ratio.speed"):
                 self._compare("ratio.speed", found, AGREE)
             else:
                 self.values["ratio.speed"] = found
-                self.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+                self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
         if self._has("ratio.geometric", "ratio.speed"):
             self._compare("ratio.geometric", self.values["ratio.speed"], 0.5)
+            if not self.recorded and not self._has("slip"):
+                self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
+                self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
 
     def _compare(self, name: str, speed_ratio: Array, tolerance: float) -> None:
         """Faults of rows whose ratio contradicts the speeds, unless most do: then the table is checked as a whole."""
@@ -223,26 +210,19 @@ class _Points:
         # The ratio 1 distinguishes nothing.
         there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
         off = np.abs(values / speed_ratio - 1.0)
-        if not there.any() or (off[there] > 2 * AGREE).mean() > MOST:
-            return
-        for row in np.flatnonzero(there & (off > tolerance)):
-            fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"
-            self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), self.sheet.title(name)))
+        if there.any() and (off[there] > 2 * AGREE).mean() <= MOST:
+            for row in np.flatnonzero(there & (off > tolerance)):
+                self._fault(f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}", row, name)
 
-    def _drop(self, name: str, bad: Array, why: Callable[[float], str], title: str) -> None:
-        """Rows with a bad value of a computed column: left out, or a fault of the column if most are bad."""
+    def _drop(self, name: str, bad: Array, why: Callable[[float], str], source: str) -> None:
+        """Rows with a bad value of a column that is computed from another one: left out, or a fault of the column if most are bad."""
         column, rows = self.values[name], np.flatnonzero(bad)
-        faults = [Fault(why(column[row]), int(self.sheet.lines[row]), title) for row in rows]
+        faults = [self._place(why(column[row]), row, source) for row in rows]
         if len(faults) > MOST * np.isfinite(column).sum():
             self.sheet.faults += of_the_column(faults, 0)
         else:
             self.sheet.left_out += faults
             self.lost.update(rows.tolist())
-
-    def _slip(self) -> None:
-        if self._has("ratio.geometric", "ratio.speed") and not self._has("slip"):
-            self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
-            self.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
 
     def _efficiency(self) -> None:
         """The efficiency of the driving direction, as it is given or from speeds and torques."""
@@ -251,15 +231,13 @@ class _Points:
             found, title = self.values["efficiency"], self.sheet.title("efficiency")
             turned = (found > HIGHEST) & (torque < 0.0)
             if turned.any():
-                self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
+                self.sheet.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
             text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
-            self._drop("efficiency", found > HIGHEST, lambda value: f"{value / factor:g} {text}", title)
+            self._drop("efficiency", found > HIGHEST, lambda value: f"{value / factor:g} {text}", "efficiency")
             return
-        if not self._has("secondary.torque", "primary.torque"):
-            return
-        turns = self._first("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
+        turns = self._get("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.abs(self._get("secondary.torque") / torque) / turns
             found = np.where(torque < 0.0, 1.0 / found, found)
@@ -269,10 +247,10 @@ class _Points:
         inside = known & (found > 0.01) & (found <= HIGHEST)
         self.values[POWER], self.values["efficiency"] = np.where(known, found, np.nan), np.where(inside, found, np.nan)
         one, other = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
-        self.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
+        self.sheet.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
         if (known & ~inside).any():
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
-            self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
+            self.sheet.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
 
     # Steady points
 
@@ -282,15 +260,11 @@ class _Points:
         points = [point for row in rows if (point := self._point(row)) is not None]
         refused = len(self.sheet.left_out) + len(self.sheet.faults) - before
         if empty := len(rows) - len(points) - refused:
-            self.remarks.append(f"{empty} rows without a measured value are not used")
+            self.sheet.remarks.append(f"{empty} rows without a measured value are not used")
         return points
-
-    def _leave_out(self, text: str, line: int, name: str | None = None) -> None:
-        self.sheet.left_out.append(Fault(text, line, self.sheet.title(name) if name is not None else None))
 
     def _point(self, row: int) -> Point | None:
         """The point of a row; None if nothing is measured in it, or if it is left out."""
-        line = int(self.sheet.lines[row])
         values = {name: float(column[row]) for name, column in self.values.items() if np.isfinite(column[row])}
         measured = {quantity: values[quantity] for quantity in QUANTITIES if quantity in values}
         shift = next((quantity for quantity in SHIFTS if quantity in measured), None)
@@ -298,73 +272,66 @@ class _Points:
             thrust, limits = values["primary.clampingForce"] / values["secondary.clampingForce"], QUANTITIES["thrustRatio"]
             if not limits.low <= thrust <= limits.high:
                 text = f"primary force/secondary force is {thrust:.4g}, not within {limits.low:g} to {limits.high:g}"
-                return self._leave_out(text, line, "primary.clampingForce")
+                return self._leave_out(text, row, "primary.clampingForce")
             measured = {"thrustRatio": thrust, **measured}
         if not measured:
             return None
         if absent := [name for name in REQUIRED if name not in values]:
-            return self._leave_out("the cell is empty", line, absent[0])
+            return self._leave_out("the cell is empty", row, absent[0])
         if not values.keys() & {"ratio.geometric", "ratio.speed"}:
-            return self._leave_out("neither ratio.geometric nor ratio.speed has a value", line)
+            return self._leave_out("neither ratio.geometric nor ratio.speed has a value", row)
         if shift and len(measured) > 1:
-            self.sheet.faults.append(Fault(f"with {shift} the ratio moves, so no other quantity is allowed", line))
-            return None
+            return self._fault(f"with {shift} the ratio moves, so no other quantity is allowed", row)
         if shift and (absent := [name for name in ("primary.clampingForce", "ratio.geometric") if name not in values]):
-            return self._leave_out(f"{shift} requires a value, but the cell is empty", line, absent[0])
-        found = tuple(self._measured(quantity, row, value) for quantity, value in measured.items())
-        name = self.sheet.texts[NAME][row] if NAME in self.sheet.texts else ""
-        ratio = values.get("ratio.geometric")
+            return self._leave_out(f"{shift} requires a value, but the cell is empty", row, absent[0])
+        line, ratio = int(self.sheet.lines[row]), values.get("ratio.geometric")
         return Point(
-            line, name or f"line {line}", ratio, values.get("ratio.speed") if ratio is None else None, *(values[name] for name in REQUIRED),
-            values["primary.clampingForce"] if shift else None, found,
+            line, self.sheet.texts.get(NAME, {row: ""})[row] or f"line {line}", ratio, values.get("ratio.speed") if ratio is None else None,
+            *(values[name] for name in REQUIRED), values["primary.clampingForce"] if shift else None,
+            tuple(self._measured(quantity, row, value) for quantity, value in measured.items()),
         )  # fmt: skip
 
     def _measured(self, quantity: str, row: int, value: float, key: str = "", time: float | None = None) -> Measured:
-        """A value with the standard deviation of the table, or else the assumed one."""
-        deviation = float(self._get(quantity + DEVIATION)[row])
-        if given := math.isfinite(deviation):
-            return Measured(quantity, value, deviation, given, key, time)
-        assumed = math.hypot(MEASURED[quantity].assumed(value), self._noise(quantity, row, value))
-        return Measured(quantity, value, assumed, given, key, time)
-
-    def _noise(self, quantity: str, row: int, value: float) -> float:
-        """Standard error of a value that is averaged, or computed from averages."""
-        taken = quantity in self.sheet.taken
-        parts = (quantity,) if taken else PARTS.get(quantity, ())
-        shares = [self.sheet.errors[name][row] / self.sheet.values[name][row] for name in parts if name in self.sheet.errors]
-        size = abs(1.0 - value) if quantity == "slip" and not taken else abs(value)
-        return size * math.sqrt(sum(share**2 for share in shares if math.isfinite(share)))
+        """A value with the standard deviation of the table, or else the assumed one with the standard error of averaged values."""
+        own = self.values.get(quantity + DEVIATION)
+        deviation = math.nan if own is None else float(own[row])
+        given = math.isfinite(deviation)
+        if not given:
+            sheet, taken = self.sheet, quantity in self.sheet.taken
+            parts = [name for name in ((quantity,) if taken else PARTS.get(quantity, ())) if name in sheet.errors]
+            size = abs(1.0 - value) if quantity == "slip" and not taken else abs(value)
+            errors = [size * sheet.errors[name][row] / sheet.values[name][row] for name in parts]
+            deviation = math.hypot(MEASURED[quantity].assumed(value), *filter(math.isfinite, errors))
+        return Measured(quantity, value, deviation, given, key, time)
 
     # Recorded shifts
 
     def _records(self) -> list[Point]:
         rows: dict[str, list[int]] = {}
         for row, name in enumerate(self.sheet.texts[SERIES]):
-            lost = next((column for column in (TIME, *RECORDED) if not np.isfinite(self._get(column)[row])), None)
+            lost = next((column for column in (TIME, *RECORDED) if not np.isfinite(self.values[column][row])), None)
             if lost is None:
                 rows.setdefault(name, []).append(row)
-            elif lost in self.values:
-                self._leave_out("the cell is empty", int(self.sheet.lines[row]), lost)
+            else:
+                self._leave_out("the cell is empty", row, lost)
         return [point for name, own in rows.items() if (point := self._record(name, own)) is not None]
 
-    def _record(self, name: str, rows: Sequence[int]) -> Record | None:
-        times, lines = self._get(TIME)[rows], self.sheet.lines[rows]
+    def _record(self, name: str, rows: Sequence[int]) -> Point | None:
+        times, line = self._get(TIME)[rows], int(self.sheet.lines[rows[0]])
         back = np.flatnonzero(np.diff(times) <= 0.0)
         if back.size:
-            row = int(back[0]) + 1
-            text = f"{times[row]:g} s is not after {times[row - 1]:g} s of the same series"
-            self.sheet.faults.append(Fault(text, int(lines[row]), self.sheet.title(TIME)))
-            return None
+            text = f"{times[back[0] + 1]:g} s is not after {times[back[0]]:g} s of the same series"
+            return self._fault(text, rows[back[0] + 1], TIME)
         if len(rows) < 2:
-            return self._leave_out(f"series {name} has one sample, and a shift has at least two", int(lines[0]))
+            return self._leave_out(f"series {name} has one sample, and a shift has at least two", rows[0])
         columns = [times - times[0], *(self._get(column)[rows] for column in RECORDED)]
         samples = tuple(tuple(map(float, sample)) for sample in zip(*columns, strict=True))
         measured = tuple(
             self._measured(SAMPLED, rows[k], sample[5], f"{SAMPLED}@{k}", sample[0]) for k, sample in enumerate(samples) if k
         )
         _, speed, torque, primary_force, force, ratio = samples[0]
-        title = f"series {name}" if name else f"line {lines[0]}"
-        return Record(int(lines[0]), title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
+        title = f"series {name}" if name else f"line {line}"
+        return Point(line, title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
 
 
 # Description of a table
@@ -378,7 +345,7 @@ def understood(rig: Rig) -> list[str]:
         found = [measured.quantity for point in rig.points for measured in point.measured]
         counts = ", ".join(f"{found.count(quantity)} {quantity}" for quantity in QUANTITIES if quantity in found)
         counted = f"{len(rig.points)} points: {counts}"
-    return [*described(rig.sheet), *(f"  {remark}" for remark in rig.remarks), f"  {counted}"]
+    return [*described(rig.sheet), f"  {counted}"]
 
 
 def described(sheet: Sheet) -> list[str]:
@@ -389,8 +356,7 @@ def described(sheet: Sheet) -> list[str]:
             lines.append(f"  {one.title}: {name}")
             continue
         values = sheet.values[name][np.isfinite(sheet.values[name])]
-        si = units.usual(one.column.dimension)[0]
-        extent = f"{values.min():.5g} to {values.max():.5g} {si}" if values.size else "no values"
+        extent = f"{values.min():.5g} to {values.max():.5g} {units.usual(one.column.dimension)[0]}" if values.size else "no values"
         unit = f" [{one.unit}]" if one.unit else ""
         lines.append(f"  {one.title}: {one.turned}{name}{unit}, {values.size} values, {extent}")
     return [*lines, *(f"  {note}" for note in notes(sheet))]

@@ -119,7 +119,7 @@ def _rows(
             parts[channel] = f"{one.title} {one.written(values[channel][row]):.5g}{spread}"
         ends = f"{start:.4g} to {end:.4g} s, lines {own_lines[0]} to {own_lines[-1]}, {own_lines.size} samples"
         described.append(f"plateau {row + 1}: {ends}: {'; '.join(parts[channel] for channel in channels)}")
-    texts = {name: np.array([f"plateau {row + 1}" for row in range(len(spans))], dtype=object)}
+    texts = {name: np.array([f"plateau {row}" for row in range(1, len(spans) + 1)], dtype=object)}
     remarks = [*sheet.remarks, *[f"{spikes} samples far from their plateau are not averaged"] * (spikes > 0)]
     return replace(sheet, values=values, texts=texts, lines=lines, errors=errors, remarks=remarks), described
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import files, numerals, units
 from .faults import Fault, TableError, of_the_column
-from .files import Cells
+from .files import Cells, TextError
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import NumeralError, Percent
 from .units import Unit
@@ -65,23 +65,25 @@ class Taken:
         if self.deviation:
             return self.scale.factor * written
         found = self.scale.si(written)
-        if self.turned == "1/":
-            return 1.0 / np.where(found == 0.0, np.nan, found)
-        return -found if self.turned else found
+        return 1.0 / np.where(found == 0.0, np.nan, found) if self.turned == "1/" else -found if self.turned else found
 
     def written(self, si: Array) -> Array:
         """Numbers of the file of SI values."""
         if self.deviation:
             return si / self.scale.factor
         with np.errstate(divide="ignore"):
-            found = 1.0 / si if self.turned == "1/" else -si if self.turned else si
-        return (found - self.scale.offset) / self.scale.factor
+            return ((1.0 / si if self.turned == "1/" else -si if self.turned else si) - self.scale.offset) / self.scale.factor
 
     @property
     def limits(self) -> tuple[float, float]:
         """Least and largest value, SI."""
         low, high = self.column.low, self.column.high
         return (0.0, high - low) if self.deviation else (low, high)
+
+    @property
+    def in_per_cent(self) -> Taken:
+        """The column if its numbers are in per cent."""
+        return replace(self, unit="%", scale=Unit(0.01))
 
 
 @dataclass
@@ -93,7 +95,7 @@ class Sheet:
     decimal: str = "unknown"
     taken: dict[str, Taken] = field(default_factory=dict)  # Columns by known name
     ignored: list[str] = field(default_factory=list)  # Titles of unknown columns
-    remarks: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)  # What was assumed or computed from other columns, and warnings
     values: dict[str, Array] = field(default_factory=dict)  # SI values by name; NaN where a cell is empty
     texts: dict[str, Array] = field(default_factory=dict)  # Columns of texts by name
     lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))  # Line of each row
@@ -123,8 +125,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
-        cells = files.read(path, names, reading.sheet)
-        return _Reader(path, cells, names, reading, misspelled).read()
+        return _Reader(path, files.read(path, names, reading.sheet), names, reading, misspelled).read()
     except TableError:
         raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
@@ -134,14 +135,14 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
 # Header
 
 
-def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]] | None:
-    """Titles, units, row of the titles, first row of values, and remarks; None for a table whose titles are below each other."""
+def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
+    """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
     head = cells.head()
     # The first of the rows with most names.
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
-        return None
+        raise TextError("the table is transposed: its titles are below each other. Exchange rows and columns")
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
@@ -182,20 +183,12 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
 # Columns and values
 
 
-def _shares(one: Taken) -> Taken:
-    """A column whose numbers are in per cent."""
-    return replace(one, unit="%", scale=Unit(0.01))
-
-
 class _Reader:
     """Fills a sheet with the columns of a file."""
 
     def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, misspelled: bool) -> None:
         self.cells, self.names, self.reading, self.misspelled = cells, names, reading, misspelled
-        found = header(cells, names)
-        if found is None:
-            raise TableError("the table is transposed: its titles are below each other. Exchange rows and columns", path)
-        self.titles, self.units, row, first, remarks = found
+        self.titles, self.units, row, first, remarks = header(cells, names)
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
         self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
@@ -212,12 +205,7 @@ class _Reader:
             if one.column.dimension == "text":
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
-                one = sheet.taken[name] = self._per_cent(one, column, decimal)
-                sheet.values[name], bad = self._values(one, column, decimal)
-                if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
-                    sheet.remarks.append(f"column {one.title} has no value")
-                else:
-                    sheet.left_out += bad
+                sheet.values[name] = self._values(name, column, decimal)
         if self.clocks and decimal is not None and not sheet.texts:
             self._on_one_clock(decimal)
             return sheet
@@ -234,7 +222,7 @@ class _Reader:
         sheet, parts, clock_name = self.sheet, [], self.clocks[0].name
         for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
             own = {name: column for name, column in sheet.values.items() if clock.place < sheet.taken[name].place < end}
-            own[clock_name] = self._values(clock, self.body[clock.place], decimal)[0]
+            own[clock_name] = numerals.seconds(self.body[clock.place], clock.scale, decimal)
             parts.append(pd.DataFrame(own, index=self.body.index).dropna(subset=[clock_name]))
         found = pd.concat(parts).reindex(columns=list(sheet.values)).sort_values(clock_name, kind="stable")
         sheet.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
@@ -256,39 +244,34 @@ class _Reader:
         for name in dict.fromkeys(one.name for one in found):
             own = [one for one in found if one.name == name]
             best = [one for one in own if rank(one) == min(map(rank, own))]
+            first = self.sheet.taken[name] = best[0]
             self.sheet.ignored += [one.title for one in own if one not in best]
-            if self.names.bare(best[0].title) and best[0].place not in renamed:
-                self.sheet.remarks.append(f"{best[0].title} is taken as {name}")
-            if len(best) > 1 and self._have_channels(best):
+            if self.names.bare(first.title) and first.place not in renamed:
+                self.sheet.remarks.append(f"{first.title} is taken as {name}")
+            # Equal titles of times, each with other columns to the right of it, are the clocks of these.
+            apart = np.diff([*(one.place for one in best), len(self.titles)])
+            if len(best) > 1 and first.column.dimension == "time" and len({key(one.title) for one in best}) == 1 and (apart > 1).all():
                 self.clocks = best
             elif len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
-            self.sheet.taken[name] = best[0]
 
     def _fault(self, text: str, column: str) -> None:
         """A fault of a title."""
         self.sheet.faults.append(Fault(text, self.line, column))
 
-    def _have_channels(self, clocks: Sequence[Taken]) -> bool:
-        """Whether these are equal titles of times, each with other columns to the right of it."""
-        apart = np.diff([*(clock.place for clock in clocks), len(self.titles)])
-        titles = {(clock.column.dimension, key(clock.title)) for clock in clocks}
-        return len(titles) == 1 and titles.pop()[0] == "time" and bool((apart > 1).all())
-
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
         found: dict[int, str] = {}
-        for pair in self.reading.renamed.items():
-            known = [bool(self.names.split(turned(side)[1])) for side in pair]
-            for (title, wanted), fits in zip((pair, pair[::-1]), known[::-1], strict=True):
+        for one, other in self.reading.renamed.items():
+            known = {side: bool(self.names.split(turned(side)[1])) for side in (one, other)}
+            for title, wanted in ((one, other), (other, one)):
                 places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
                 places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
-                if places and fits:
+                if places and known[wanted]:
                     found[places[0]] = wanted
                     break
             else:
-                one, other = pair
-                text = f"there is no column {one} in the file" if any(known) else f"neither {one} nor {other} is a known name"
+                text = f"there is no column {one} in the file" if any(known.values()) else f"neither {one} nor {other} is a known name"
                 self.sheet.faults.append(Fault(f"--map {one}={other}: {text}"))
         return found
 
@@ -307,7 +290,7 @@ class _Reader:
             column = self._column(name)
             if column.dimension == "text":
                 return Taken(title, name, "", place, Unit(1.0), column)
-            scale = units.find(written, column.dimension) if written else column.without_unit()
+            scale = units.find(written or column.default, column.dimension)
             if scale is not None:
                 return Taken(title, name, written, place, scale, column, sign)
         name = candidates[0][0]
@@ -340,7 +323,7 @@ class _Reader:
 
     def _unknown(self, title: str) -> None:
         near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
-        if title.startswith("#") or not title:
+        if not title or title.startswith("#"):
             return
         if near is None:
             self.sheet.ignored.append(title)
@@ -372,41 +355,39 @@ class _Reader:
             self.sheet.faults.append(Fault(str(error)))
             return None
 
-    def _per_cent(self, one: Taken, column: pd.Series, decimal: str) -> Taken:
-        """The column in per cent if it has no unit, or 1, and its values are no shares, like an efficiency of 97."""
-        if one.scale != Unit(1.0) or one.turned or one.name not in SHARES or any(isinstance(cell, Percent) for cell in column):
-            return one
-        found = np.abs(numerals.numbers(column, decimal))
-        found = found[np.isfinite(found)]
-        typical, low, high = SHARES[one.name]
-        if found.size < SEVERAL or not low < float(typical(found)) <= high:
-            return one
-        self.sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
-        return _shares(one)
-
-    def _values(self, one: Taken, column: pd.Series, decimal: str) -> tuple[Array, list[Fault]]:
-        """SI values of a column, NaN without one, and the rows to leave out. A cell that is empty is no fault."""
+    def _values(self, name: str, column: pd.Series, decimal: str) -> Array:
+        """SI values of a column, NaN without one; and its faults, and rows to leave out. A cell that is empty is no fault."""
+        sheet, one = self.sheet, self.sheet.taken[name]
         if one.column.dimension == "time" and not one.deviation:
-            return numerals.seconds(column, one.scale, decimal), []
+            return numerals.seconds(column, one.scale, decimal)
         numbers = numerals.numbers(column, decimal)
-        shares = np.array([str(cell).endswith("%") for cell in column], dtype=bool)
-        per_cent = _shares(one).si(numbers) if one.column.dimension == "ratio" else np.nan
-        values = np.where(shares, per_cent, one.si(numbers))
+        shares = column.map(lambda cell: str(cell).endswith("%")).to_numpy(dtype=bool)
+        if name in SHARES and one.scale == Unit(1.0) and not one.turned and not any(isinstance(cell, Percent) for cell in column):
+            # A column without a unit, or 1, whose values are no shares, like an efficiency of 97.
+            typical, low, high = SHARES[name]
+            sizes = np.abs(numbers[np.isfinite(numbers)])
+            if sizes.size >= SEVERAL and low < float(typical(sizes)) <= high:
+                sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
+                one = sheet.taken[name] = one.in_per_cent
+        values = np.where(shares, one.in_per_cent.si(numbers) if one.column.dimension == "ratio" else np.nan, one.si(numbers))
         low, high = one.limits
-        above = values > low if one.deviation else values >= low
-        inside = above & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
-        empty = column.isin(["", *"-–—"]).to_numpy(dtype=bool)
+        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
         faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
-        for row in np.flatnonzero(~inside & ~empty):
+        for row in np.flatnonzero(~inside & ~column.isin(["", *"-–—"]).to_numpy(dtype=bool)):
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
             faults[kind].append(Fault(text, int(column.index[row]), one.title))
-        self.sheet.faults += faults.pop("sign")
+        sheet.faults += faults.pop("sign")
         outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
         for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
             if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
-                self.sheet.faults += column_has
+                sheet.faults += column_has
                 faults[kind].clear()
-        return np.where(inside, values, np.nan), sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
+        bad = sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
+        if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
+            sheet.remarks.append(f"column {one.title} has no value")
+        else:
+            sheet.left_out += bad
+        return np.where(inside, values, np.nan)
 
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
@@ -421,11 +402,10 @@ class _Reader:
                 # A decimal sign unlike that of the other numbers is ambiguous.
                 return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
             return "word", f"'{cell}' is not a number"
-        scaled = _shares(one) if str(cell).endswith("%") else one
-        low, high = sorted(scaled.written(np.array(one.limits)))
-        written = one.unit or one.column.default or ""
-        unit = "" if written in ("", "1", "-") else f" {written}"
-        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{unit}"
+        low, high = sorted((one.in_per_cent if str(cell).endswith("%") else one).written(np.array(one.limits)))
+        unit = one.unit or one.column.default
+        shown = "" if unit in ("", "1", "-") else f" {unit}"
+        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
 
     @staticmethod
     def _other_unit(one: Taken, numbers: Array) -> str:
