@@ -9,8 +9,9 @@ import struct
 import subprocess
 import sys
 import zipfile
+from collections import Counter
 from pathlib import Path
-from xml.etree import ElementTree
+from typing import Any
 
 import fmpy
 import masters
@@ -24,9 +25,6 @@ from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 
 FMPY = Path(fmpy.__file__).parent
-SCHEMAS = FMPY / "schema" / "fmi3"
-HEADERS = FMPY / "c-code"
-MASTER = ROOT / "examples" / "fmi3" / "master.c"
 
 
 @pytest.fixture(scope="module")
@@ -38,14 +36,8 @@ def unpacked(fmu3: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def xml(unpacked: Path) -> ElementTree.Element:
-    return ElementTree.parse(unpacked / "modelDescription.xml").getroot()
-
-
-@pytest.fixture(scope="module")
-def xml2(fmu: Path) -> ElementTree.Element:
-    with zipfile.ZipFile(fmu) as archive:
-        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+def description3(fmu3: Path) -> Any:
+    return fmpy.read_model_description(str(fmu3))
 
 
 def library(unpacked: Path) -> Path:
@@ -79,37 +71,31 @@ def test_fmpy_finds_nothing_to_complain_about(fmu3: Path) -> None:
     assert validate_fmu(str(fmu3)) == []
 
 
-@pytest.mark.parametrize("schema", ["fmi3ModelDescription.xsd", "fmi3TerminalsAndIcons.xsd"])
-def test_the_files_follow_the_schemas(unpacked: Path, schema: str) -> None:
-    file = "terminalsAndIcons/terminalsAndIcons.xml" if "Icons" in schema else "modelDescription.xml"
-    etree.XMLSchema(etree.parse(SCHEMAS / schema)).assertValid(etree.parse(unpacked / file))
-
-
-def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, xml2: ElementTree.Element) -> None:
+def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, description: Any) -> None:
     """FMI 2.0.4 has the file of FMI 3.0, unchanged. Its variables and icons are there."""
-    files = {}
+    files = []
     for path in (fmu, fmu3):
         with zipfile.ZipFile(path) as archive:
-            names = [name for name in archive.namelist() if name.startswith("terminalsAndIcons/")]
-            files[path] = {name: archive.read(name) for name in names}
-    assert files[fmu] == files[fmu3]
-    terminals = ElementTree.fromstring(files[fmu]["terminalsAndIcons/terminalsAndIcons.xml"])
+            files.append({name: archive.read(name) for name in archive.namelist() if name.startswith("terminalsAndIcons/")})
+    assert files[0] == files[1]
+    terminals = etree.fromstring(files[0]["terminalsAndIcons/terminalsAndIcons.xml"])
+    etree.XMLSchema(etree.parse(FMPY / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd")).assertValid(terminals)
     found = {terminal.get("name"): terminal for terminal in terminals.iter("Terminal")}
     assert set(found) == {f"{pulley}{what}" for pulley in ("primary", "secondary") for what in ("Shaft", "Clamp", "Port")}
-    causalities = {v.get("name"): v.get("causality") for v in xml2.iter("ScalarVariable")}
+    causalities = {variable.name: variable.causality for variable in description.modelVariables}
     for terminal in found.values():
         members = [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]
         assert [causalities[name] for name in members] == ["input", "output"]
     for icon in {"icon"} | {node.get("iconBaseName") for node in terminals.iter("TerminalGraphicalRepresentation")}:
-        etree.fromstring(files[fmu][f"terminalsAndIcons/{icon}.svg"])
-        picture = files[fmu][f"terminalsAndIcons/{icon}.png"]
+        etree.fromstring(files[0][f"terminalsAndIcons/{icon}.svg"])
+        picture = files[0][f"terminalsAndIcons/{icon}.png"]
         assert picture.startswith(b"\x89PNG\r\n\x1a\n")
         assert min(struct.unpack(">II", picture[16:24])) >= 100
 
 
 def test_every_function_of_the_standard_is_exported(unpacked: Path) -> None:
     loaded = ctypes.CDLL(str(library(unpacked)))
-    functions = set(re.findall(r"^#define (fmi3\w+)\s+fmi3FullName", (HEADERS / "fmi3Functions.h").read_text(), re.M))
+    functions = set(re.findall(r"^#define (fmi3\w+)\s+fmi3FullName", (FMPY / "c-code" / "fmi3Functions.h").read_text(), re.M))
     assert len(functions) >= 75
     missing = [name for name in functions if not hasattr(loaded, name)]
     assert not missing
@@ -118,36 +104,25 @@ def test_every_function_of_the_standard_is_exported(unpacked: Path) -> None:
 # --------------------------------------------------------------------------------------------------- the description
 
 
-def test_variables_are_those_of_fmi_2(xml: ElementTree.Element, xml2: ElementTree.Element) -> None:
+def test_variables_are_those_of_fmi_2(unpacked: Path, description: Any, description3: Any) -> None:
     """Names, references, types, units, limits, start values; arrays in place of their elements."""
     types = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
-    expected, sizes = {}, {}
-    for variable in xml2.iter("ScalarVariable"):
-        (typed,) = variable
-        name = variable.get("name")
-        array = re.fullmatch(r"(.*)\[(\d+)\]", name)
-        if array:
-            sizes[array[1]] = sizes.get(array[1], 0) + 1
-            if array[2] != "1":
-                continue
-            name = array[1]
-        common = {key: variable.get(key) for key in ("valueReference", "causality", "variability", "initial")}
-        expected[name] = (types[typed.tag], {**common, **typed.attrib})
-    found, dimensions = {}, {}
-    for variable in xml.find("ModelVariables"):
-        attributes = {key: value for key, value in variable.attrib.items() if key not in ("name", "description")}
-        attributes.setdefault("initial", None)
-        updated = attributes.pop("intermediateUpdate", None)
-        causality = attributes["causality"]
-        assert (updated == "true") == (variable.tag == "Float64" and causality in ("input", "output"))
-        found[variable.get("name")] = (variable.tag, attributes)
-        for dimension in variable.iter("Dimension"):
-            dimensions[variable.get("name")] = int(dimension.get("start"))
+    alike = ("valueReference", "causality", "variability", "initial", "unit", "displayUnit", "min", "max", "nominal", "start")
+
+    def attributes(variable: Any) -> tuple[Any, ...]:
+        kind = variable.declaredType and [(item.name, item.value) for item in variable.declaredType.items or ()]
+        return (types.get(variable.type, variable.type), kind, *(getattr(variable, name) for name in alike))
+
+    first = {re.sub(r"\[1\]$", "", v.name): attributes(v) for v in description.modelVariables if not re.search(r"\[([2-9]|\d\d)\]$", v.name)}
+    found = {variable.name: variable for variable in description3.modelVariables}
     time = found.pop("time")
-    assert time[0] == "Float64" and time[1]["causality"] == "independent" and time[1]["unit"] == "s"
-    assert found == expected
-    assert dimensions == sizes
+    assert (time.type, time.causality, time.unit) == ("Float64", "independent", "s")
+    assert {name: attributes(variable) for name, variable in found.items()} == first
+    sizes = Counter(v.name.partition("[")[0] for v in description.modelVariables if "[" in v.name)
+    assert {v.name: int(v.dimensions[0].start) for v in found.values() if v.dimensions} == sizes
     assert len(sizes) == 9 and set(sizes.values()) == {72}
+    updated = etree.parse(unpacked / "modelDescription.xml").xpath("//*[@intermediateUpdate='true']/@name")
+    assert set(updated) == {v.name for v in found.values() if v.type == "Float64" and v.causality in ("input", "output")}
 
 
 # ------------------------------------------------------------------------------------------------------------- runs
@@ -195,27 +170,21 @@ def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the program needs Linux")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the address sanitiser")
-def test_a_host_in_c_finds_no_bad_access(unpacked: Path, xml: ElementTree.Element, tmp_path: Path) -> None:
+def test_a_host_in_c_finds_no_bad_access(unpacked: Path, description3: Any, tmp_path: Path) -> None:
     """With the address sanitiser, which also counts leaks: event mode, updates, rollback by way of bytes."""
-    program = tmp_path / "master"
-    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
-    warnings = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
-    subprocess.run(["gcc", *warnings, *checks, "-I", HEADERS, "-o", program, MASTER, "-ldl", "-lm"], check=True)
-    command = [program, library(unpacked), xml.get("instantiationToken")]
-    run = subprocess.run(command, capture_output=True, text=True)
+    program, source = tmp_path / "master", ROOT / "examples" / "fmi3" / "master.c"
+    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-std=c11", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(["gcc", *checks, "-I", FMPY / "c-code", "-o", program, source, "-ldl", "-lm"], check=True)
+    run = subprocess.run([program, library(unpacked), description3.guid], capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr
     assert "Sanitizer" not in run.stderr
     assert re.search(r"^slips at 0\.00\d+ s, event \w+ ?\w* at [\d.]+ s, push force up to \d+ N, \d+ own steps", run.stdout, re.M)
 
 
-@pytest.mark.parametrize("name", ["default experiment", "manoeuvre"])
-def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path, name: str) -> None:
+def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path) -> None:
+    """The launch of the manoeuvre."""
     needs("ecospy")
     outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
-    start, inputs, steps = {
-        "default experiment": ({}, lambda _time: {}, 1000),
-        "manoeuvre": (demo.START_VALUES, manoeuvre_inputs().at, 10_000),
-    }[name]
-    two, three = (masters.with_ecos(path, start, inputs, steps, outputs) for path in (fmu, fmu3))
+    two, three = (masters.with_ecos(path, demo.START_VALUES, manoeuvre_inputs().at, 1000, outputs) for path in (fmu, fmu3))
     assert np.all(np.isfinite(three)) and np.ptp(three[:, 0]) > 0.0
     assert np.array_equal(two, three)

@@ -7,10 +7,10 @@ import os
 import re
 import subprocess
 import zipfile
+from collections import Counter
 from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
-from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
@@ -83,20 +83,20 @@ def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"),
+    ("name", "value"),
     [
-        ("primary.clampingForce", -1.0, "primary.clampingForce = -1 is out of range: 0 to"),
-        ("secondary.torque", math.nan, "secondary.torque = NaN is not a finite number"),
-        ("primary.speedSetpoint", math.inf, "primary.speedSetpoint = inf is not a finite number"),
-        ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
-        ("ring.model", 5, "ring.model = 5 is out of range: 1 ALE0, 2 ALE"),
-        ("geometry.beltLength", 0.3, "geometry.beltLength = 0.3 is out of range: between 0.34"),
-        ("primary.minRadius", 0.09, "primary.minRadius = 0.09 is out of range: below primary.maxRadius"),
+        ("primary.clampingForce", -1.0),
+        ("secondary.torque", math.nan),
+        ("primary.speedSetpoint", math.inf),
+        ("mesh.strand", 0),
+        ("ring.model", 5),
+        ("geometry.beltLength", 0.3),
+        ("primary.minRadius", 0.09),
     ],
 )
-def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float, said: str) -> None:
+def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float) -> None:
     unit = variator()
-    with pytest.raises(UnitError, match=re.escape(said)):
+    with pytest.raises(UnitError, match=re.escape(f"{name} = {value:g}") if math.isfinite(value) else name):
         unit.set({name: value})
         unit.initialise()
     # A value out of its range is discarded; an inconsistent combination is detected at initialisation.
@@ -109,12 +109,6 @@ def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str
 # ----------------------------------------------------------------------------------------------------- description
 
 
-@pytest.fixture(scope="module")
-def xml(fmu: Path) -> ElementTree.Element:
-    with zipfile.ZipFile(fmu) as archive:
-        return ElementTree.fromstring(archive.read("modelDescription.xml"))
-
-
 def test_the_description_inside_is_the_one_checked_in(fmu: Path) -> None:
     with zipfile.ZipFile(fmu) as archive:
         inside = archive.read("modelDescription.xml")
@@ -123,42 +117,34 @@ def test_the_description_inside_is_the_one_checked_in(fmu: Path) -> None:
     assert undated == (ROOT / "modelDescription.xml").read_bytes()
 
 
-def test_units_are_declared_with_their_dimensions(xml: ElementTree.Element) -> None:
-    declared = {
-        unit.get("name"): {base: int(power) for base, power in unit.find("BaseUnit").attrib.items()}
-        for unit in xml.iter("Unit")
-    }
-    used = {real.get("unit") for real in xml.iter("Real")}
-    assert None not in used, "every real has a unit"
-    assert used == set(declared)
-    base = {"1": {}, "rad": {"rad": 1}, "s": {"s": 1}, "m": {"m": 1}, "kg": {"kg": 1}}
-    base |= {
-        "N": {"kg": 1, "m": 1, "s": -2},
-        "Pa": {"kg": 1, "m": -1, "s": -2},
-        "J": {"kg": 1, "m": 2, "s": -2},
-        "W": {"kg": 1, "m": 2, "s": -3},
-    }
+BASE = {"1": {}, "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "W": {"kg": 1, "m": 2, "s": -3}}
 
-    def dimensions(name: str) -> dict[str, int]:
-        """From the name, by the rules of the standard: `.` multiplies, `/` divides, a digit is a power."""
-        total: dict[str, int] = {}
-        for place, factor in enumerate(name.split("/")):
-            for part in factor.split("."):
-                symbol, power = (part[:-1], int(part[-1])) if part[-1] in "23" else (part, 1)
-                for unit, exponent in base[symbol].items():
-                    total[unit] = total.get(unit, 0) + exponent * power * (-1 if place else 1)
-        return {unit: exponent for unit, exponent in total.items() if exponent}
 
-    for name, found in declared.items():
-        assert found == (base["1"] if name == "1" else dimensions(name)), name
-    (rpm,) = (unit for unit in xml.iter("DisplayUnit") if unit.get("name") == "rpm")
-    assert float(rpm.get("factor")) * 209.43951023931953 == pytest.approx(2000.0)
-    for real in xml.iter("Real"):
-        assert (real.get("displayUnit") == "rpm") == (real.get("unit") == "rad/s")
+def dimensions(name: str) -> Counter[str]:
+    """From the name, by the rules of the standard: `.` multiplies, `/` divides, a digit is a power."""
+    total: Counter[str] = Counter()
+    for place, factor in enumerate(name.split("/")):
+        for part in factor.split(".") if name != "1" else ():
+            symbol, power = (part[:-1], int(part[-1])) if part[-1] in "23" else (part, 1)
+            for unit, exponent in BASE.get(symbol, {symbol: 1}).items():
+                total[unit] += exponent * power * (-1 if place else 1)
+    return total
+
+
+def test_units_are_declared_with_their_dimensions(description) -> None:
+    declared = {unit.name: unit for unit in description.unitDefinitions}
+    assert {v.unit for v in description.modelVariables if v.type == "Real"} == set(declared)
+    for name, unit in declared.items():
+        assert {base: int(getattr(unit.baseUnit, base) or 0) for base in ("kg", "m", "s", "rad")} == {
+            base: dimensions(name)[base] for base in ("kg", "m", "s", "rad")
+        }, name
+    (rpm,) = declared["rad/s"].displayUnits
+    assert float(rpm.factor) * 209.43951023931953 == pytest.approx(2000.0)
+    assert {v.displayUnit for v in description.modelVariables if v.unit == "rad/s"} == {rpm.name} == {"rpm"}
 
 
 @pytest.mark.parametrize("enumeration", [RingModel, Drive, Axial, StartState])
-def test_enumerations_are_those_of_the_package(xml: ElementTree.Element, enumeration: type[IntEnum]) -> None:
-    (declared,) = (found for found in xml.iter("SimpleType") if found.get("name") == enumeration.__name__)
-    items = {item.get("name").upper(): int(item.get("value")) for item in declared.iter("Item")}
+def test_enumerations_are_those_of_the_package(description, enumeration: type[IntEnum]) -> None:
+    (declared,) = (found for found in description.typeDefinitions if found.name == enumeration.__name__)
+    items = {item.name.upper(): int(item.value) for item in declared.items}
     assert items == {member.name.replace("_", ""): member.value for member in enumeration}
