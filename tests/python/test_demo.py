@@ -13,6 +13,7 @@ import tables_of_runs
 
 from pushbelt import tables
 from pushbelt.demo import __main__, events
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
 from pushbelt.fmu.intervals import intervals
@@ -58,11 +59,10 @@ def test_the_push_force_changes_from_strand_to_strand() -> None:
     assert gains == pytest.approx((50.0, 30.0, -90.0), abs=6.0)
 
 
-def test_impossible_belts_are_refused() -> None:
-    with pytest.raises(ValueError, match="is too short for two axes"):
-        primary_radius(0.0, 0.4, 0.7)
-    with pytest.raises(ValueError, match="between"):
-        primary_radius(1.0, 0.168, 0.703)
+@pytest.mark.parametrize("belt", [(0.0, 0.4, 0.7), (1.0, 0.168, 0.703)])
+def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
+    with pytest.raises(ArgumentError):
+        primary_radius(*belt)
 
 
 # Data
@@ -98,23 +98,16 @@ def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
 
 
 def test_load_is_found_in_a_few_evaluations() -> None:
-    def belt_torque(load: float) -> float:
-        return -load / 2.3 + 1.5 + 1e-4 * load**2
-
     tried: list[float] = []
 
-    def counted(load: float) -> float:
+    def belt_torque(load: float) -> float:
         tried.append(load)
-        return belt_torque(load)
+        return -load / 2.3 + 1.5 + 1e-4 * load**2
 
-    load = find_load(counted, 50.0, -100.0)
+    load = find_load(belt_torque, 50.0, -100.0)
+    assert tried[-1] == load and len(tried) <= 4
     assert belt_torque(load) == pytest.approx(50.0, rel=1e-4)
-    assert tried[-1] == load
-    assert len(tried) <= 4
-
-
-def test_load_beyond_capacity_is_reported() -> None:
-    with pytest.raises(NotFoundError, match="no load torque"):
+    with pytest.raises(NotFoundError):
         find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
 
 
@@ -161,19 +154,13 @@ def test_events_are_found_in_order() -> None:
     assert found[1].start == pytest.approx(2.05, abs=0.02)
 
 
-def test_events_that_fail_to_occur_say_why() -> None:
+def test_events_that_do_not_occur_are_shown() -> None:
     trace = synthetic_manoeuvre()
     still = {name: np.full_like(values, values[0]) for name, values in trace.columns.items()}
-    found = events.detect(Trace(trace.time, still))
-    assert not any(event.occurred for event in found)
-    assert "ratio stays" in next(event.evidence for event in found if event.name == "Shift to overdrive")
-
-
-def test_persistent_slip_is_not_a_recovery() -> None:
-    trace = synthetic_manoeuvre()
+    assert not any(event.occurred for event in events.detect(Trace(trace.time, still)))
     slip = np.where(trace.time > 8.505, 0.5, 0.01)
     found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
-    assert [event.name for event in found if not event.occurred] == ["Recovery"]
+    assert [event.name for event in found if not event.occurred] == ["Recovery"], "persistent slip"
 
 
 def test_intervals_close_small_gaps() -> None:

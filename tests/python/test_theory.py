@@ -6,7 +6,6 @@ from math import atan2, cos, exp, pi, radians, sin, tan
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from pushbelt_validation.theory import cmm
 
@@ -48,19 +47,6 @@ def test_groove_of_sattler() -> None:
 
 
 # ----------------------------------------------------------------------------------------------------- limit cases
-
-
-@pytest.mark.parametrize("wrap", WRAPS)
-def test_without_friction(wrap: float) -> None:
-    """S = F' alpha/(2 tan beta); the groove opens in the middle. The thrust deviates in the second order."""
-    deviations = []
-    for mu in (0.02, 0.01, 0.005):
-        arc = cmm.arc_at_traction(wrap, BETA, mu, 0.0)
-        deviations.append(abs(arc.thrust / (wrap / (2.0 * tan(BETA))) - 1.0))
-        assert arc.centre == pytest.approx(wrap / 2.0, abs=10.0 * mu)
-    assert deviations[-1] < 1e-3
-    assert deviations[0] / deviations[1] == pytest.approx(4.0, rel=0.1)
-    assert deviations[1] / deviations[2] == pytest.approx(4.0, rel=0.1)
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -124,32 +110,6 @@ def test_mirror_symmetry(ratio: float, traction: float) -> None:
     )
 
 
-# ----------------------------------------------------------------------------------------------------- convergence
-
-
-@pytest.mark.parametrize("creep", (-1.3, -0.9, 0.4))
-@pytest.mark.parametrize("shift", (0.0, 0.3))
-def test_against_an_ordinary_differential_equation(creep: float, shift: float) -> None:
-    """The same equations marched along the arc by a general integrator."""
-    wrap = 2.9
-    arc = cmm.arc_at_creep(wrap, BETA, MU, creep, shift)
-
-    def slope(theta: float, y: np.ndarray) -> list[float]:
-        v_r = shift + sin(theta - arc.centre)
-        v_t = creep + cos(theta - arc.centre) - shift * theta
-        psi = atan2(v_t, v_r)
-        beta_s = np.arctan(tan(BETA) * cos(psi))
-        p = y[0] / (2.0 * (sin(BETA) - MU * cos(beta_s) * cos(psi)))
-        p_ax = p * (cos(BETA) + MU * sin(beta_s))
-        return [2.0 * p * MU * cos(beta_s) * sin(psi), p_ax, p_ax * sin(theta), p_ax * cos(theta)]
-
-    end = solve_ivp(slope, (0.0, wrap), [arc.tension[0], 0.0, 0.0, 0.0], rtol=1e-10, atol=1e-12, max_step=0.01)
-    force, thrust, sine, cosine = end.y[:, -1]
-    assert force == pytest.approx(arc.tension[-1], rel=1e-7)
-    assert thrust == pytest.approx(arc.thrust, rel=1e-7)
-    assert atan2(sine, cosine) == pytest.approx(arc.centre, abs=1e-7)
-
-
 # -------------------------------------------------------------------------------------------------------- capacity
 
 
@@ -159,9 +119,6 @@ def test_beyond_capacity_is_refused() -> None:
     cmm.variator(*wraps, BETA, MU, 0.999 * limit)
     with pytest.raises(ValueError, match="capacity"):
         cmm.variator(*wraps, BETA, MU, 1.01 * limit)
-
-
-# --------------------------------------------------------------------- rigid pulleys and elastic belt, for contrast
 
 
 # --------------------------------------------------------------------- rigid pulleys and elastic belt, for contrast
