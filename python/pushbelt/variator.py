@@ -216,20 +216,11 @@ class Variator(LinearPoints):
     def snapshot(self) -> Snapshot:
         """The present state of the run, to which `restore` returns."""
         unit = self._running("the state")
-        state = unit.get_state()
-        try:
-            return Snapshot(unit.time, dict(self._values), unit.serialise(state))
-        finally:
-            unit.free_state(state)
+        return Snapshot(unit.time, dict(self._values), unit.state())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Returns to a state. The run continues from it as it did before, to the last bit. Later recorded outputs are removed."""
-        unit = self._open
-        state = unit.deserialise(snapshot.state, snapshot.time)
-        try:
-            unit.set_state(state)
-        finally:
-            unit.free_state(state)
+        self._open.restore(snapshot.state, snapshot.time)
         self._values = dict(snapshot.values)
         self._recording.cut(snapshot.time)
         self._read()

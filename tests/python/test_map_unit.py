@@ -85,11 +85,11 @@ def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Arch
     with Instance(maps_archive, LOADS) as unit:
         unit.initialise()
         unit.step_to(0.1)
-        data = unit.serialise(unit.get_state())
+        data = unit.state()
         unit.step_to(0.5)
         expected = unit.outputs()
     with Instance(maps_archive, LOADS) as other:
-        other.set_state(other.deserialise(data, 0.1))
+        other.restore(data, 0.1)
         other.step_to(0.5)
         assert other.outputs() == expected
     copy = tmp_path / "copy.fmu"
@@ -97,7 +97,7 @@ def test_stored_states_are_those_of_the_tables(map_fmu: Path, maps_archive: Arch
         tables = archive.read(map_unit.TABLES_FILE)
     map_unit.write_tables(map_fmu, copy, tables + b"\n")
     with Archive.unpack(copy) as archive, Instance(archive, {}) as other, pytest.raises(UnitError, match="GUID"):
-        other.deserialise(data, 0.1)
+        other.restore(data, 0.1)
 
 
 def test_the_state_beyond_the_tables_is_logged_once(maps_archive: Archive) -> None:

@@ -52,7 +52,7 @@ def unpacked(fmu: Path) -> Archive:
     if binaries_of(place) is None:
         others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
         raise InputFileError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
-    return Archive(place, description, VARIABLE)
+    return Archive(place, description)
 
 
 @lru_cache(maxsize=1)

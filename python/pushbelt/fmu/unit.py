@@ -7,8 +7,7 @@ import json
 import os
 import shutil
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -58,8 +57,6 @@ class Archive:
 
     directory: Path
     description: Any
-    moved_by: str = "TMPDIR"
-    """Environment variable that names another folder for it."""
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
@@ -85,17 +82,12 @@ class Archive:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of all variables by name."""
-        return units_of(self.description)
+        """Units of all variables by name; 1 for those without one."""
+        return {name: variable.unit or "1" for name, variable in self.variables.items()}
 
     def remove(self) -> None:
         """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
-
-
-def units_of(description: Any) -> dict[str, str]:
-    """Units of all variables of a model description by name; 1 for those without one."""
-    return {variable.name: variable.unit or "1" for variable in description.modelVariables}
 
 
 class Reals:
@@ -106,14 +98,6 @@ class Reals:
         references = list(references)
         self.references = (ctypes.c_uint32 * len(references))(*references)
         self.values = (ctypes.c_double * len(references))()
-
-
-class State(NamedTuple):
-    """A stored state of an instance."""
-
-    pointer: Any
-    time: float
-    """s."""
 
 
 class Instance:
@@ -170,12 +154,8 @@ class Instance:
 
     def initialise(self) -> None:
         """Computes the initial state."""
-        self.enter_initialisation()
-        self._call(self._slave.exitInitializationMode)
-
-    def enter_initialisation(self) -> None:
-        """First part of `initialise`. Afterwards outputs can be read, and parameters and inputs can still be set."""
         self._call(self._slave.enterInitializationMode)
+        self._call(self._slave.exitInitializationMode)
 
     @property
     def warnings(self) -> list[str]:
@@ -196,35 +176,22 @@ class Instance:
 
     # Stored states
 
-    def get_state(self) -> State:
-        """Stores the present state; `free_state` releases its memory."""
-        return State(self._call(self._slave.getFMUState), self.time)
-
-    def set_state(self, state: State) -> None:
-        """Restores a state that this or another instance has stored."""
-        self._call(self._slave.setFMUState, state.pointer)
-        self.time = state.time
-
-    def free_state(self, state: State) -> None:
-        """Frees a stored state."""
-        self._call(self._slave.freeFMUState, state.pointer)
-
-    def serialise(self, state: State) -> bytes:
-        """A stored state as bytes."""
-        return self._call(self._slave.serializeFMUstate, state.pointer)
-
-    def deserialise(self, data: bytes, time: float) -> State:
-        """Creates a stored state from its bytes and its time, s."""
-        return State(self._call(self._slave.deSerializeFMUstate, data), time)
-
-    @contextmanager
-    def stored(self) -> Iterator[Callable[[], None]]:
-        """Stores the present state. Returns a function that restores it and can be called repeatedly."""
-        state = self.get_state()
+    def state(self) -> bytes:
+        """The present state."""
+        pointer = self._call(self._slave.getFMUState)
         try:
-            yield lambda: self.set_state(state)
+            return self._call(self._slave.serializeFMUstate, pointer)
         finally:
-            self.free_state(state)
+            self._call(self._slave.freeFMUState, pointer)
+
+    def restore(self, state: bytes, time: float) -> None:
+        """Returns to a state that this or another instance of the FMU had at a time, s."""
+        pointer = self._call(self._slave.deSerializeFMUstate, state)
+        try:
+            self._call(self._slave.setFMUState, pointer)
+        finally:
+            self._call(self._slave.freeFMUState, pointer)
+        self.time = time
 
     # Variables
 
@@ -377,7 +344,7 @@ def _not_executable(archive: Archive) -> str | None:
     """Remark on a file system that does not allow execution; None otherwise."""
     if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
         return None
-    moved = f"let the environment variable {archive.moved_by} name another folder"
+    moved = "let the environment variable PUSHBELT_CACHE, or TMPDIR for a temporary one, name another folder"
     return f"the file system of {archive.directory} does not allow execution (noexec): {moved}"
 
 

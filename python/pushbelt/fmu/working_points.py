@@ -156,12 +156,11 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     load = at_torque(states, line, utilisation).get("secondary.externalTorque")
     unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")
-    with unit.stored() as restore:
-        rates = []
-        for excess in excesses:
-            restore()
-            unit.set({"primary.clampingForce": holding * math.exp(excess)})
-            rates.append(-_mean_slope(unit, line.speed) / line.speed)
+    begin, state, rates = unit.time, unit.state(), []
+    for excess in excesses:
+        unit.restore(state, begin)
+        unit.set({"primary.clampingForce": holding * math.exp(excess)})
+        rates.append(-_mean_slope(unit, line.speed) / line.speed)
     return rates
 
 
