@@ -8,14 +8,13 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
-from pushbelt.report.belt_view import Motion, over_time
+from pushbelt.fmu.results import LoadCaseResult, Profile, Trace
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .checks import energy_bound
 from .events import Event
-from .simulate import ManoeuvreResult, MeasuredPoint
+from .simulate import MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -174,19 +173,6 @@ def overload(trace: Trace, start: float, end: float) -> Chart:
     rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
     panels = [Panel(title, series, TIME, shades=shades, x_range=span) for title, series in rows]
     return Chart(panels, "Torque, speeds and losses during macro-slip", columns=3, linked=True)
-
-
-def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion:
-    """The belt during the manoeuvre."""
-    trace = run.trace
-    moments = np.array(sorted(run.snapshots))
-    names = ("reference.theta", "primary.radius", "secondary.radius")
-    at = {name: np.interp(moments, trace.time, trace[name]) for name in names}
-    states = {
-        float(moment): BeltState({name: float(at[name][k]) for name in names}, run.snapshots[moment])
-        for k, moment in enumerate(moments)
-    }
-    return over_time(trace.time, trace.columns, states, parameters)
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:

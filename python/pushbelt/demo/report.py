@@ -10,7 +10,7 @@ import numpy as np
 from pushbelt import tables
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view, steady
+from pushbelt.report.belt_view import belt_view, of_run, steady
 
 from . import checks, events, figures
 from .simulate import LEAST_FORCE, SAFETY, START_VALUES, STEP, DemoResults
@@ -37,7 +37,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "cases": figures.load_cases(results.cases, results.measured),
         "manoeuvre": figures.manoeuvre(trace, found),
         "moving_belt": belt_view(
-            figures.belt_over_time(results.manoeuvre, results.parameters),
+            of_run(trace, results.manoeuvre.snapshots, results.parameters),
             results.parameters,
             "The belt on its pulleys during the manoeuvre",
             group=figures.GROUP,

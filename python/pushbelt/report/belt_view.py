@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup, escape
+from scipy.integrate import cumulative_trapezoid
 
 from ..fmu.data import curve_of, is_chain
 from ..fmu.geometry import Array, TwoPulleyCurve
-from ..fmu.results import BeltState
+from ..fmu.results import BeltState, Profile, Trace
 from .charts import encoded
 from .style import COLOUR_SCALE
 
@@ -55,8 +56,7 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     offset = state.profile.radial_deviation
     for pulley in ("primary", "secondary"):
         on_arc = np.abs(curve.from_middle(pulley, state.profile.position)) < 0.5 * curve.arc_length(pulley)
-        mean = state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley)
-        offset = offset + np.where(on_arc, mean, 0.0)
+        offset = offset + on_arc * (state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley))
     return offset
 
 
@@ -66,17 +66,15 @@ ELEMENT_THICKNESS = 1.5e-3
 
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
     """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
-    rows = [(time, states[time]) for time in sorted(states)]
-    pitch = parameters["belt.pitchOffset"]
-    curves = [curve_of(parameters, state["reference.theta"]) for _, state in rows]
+    times, shown = zip(*sorted(states.items(), key=lambda one: one[0]), strict=True)
+    curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
     chain = is_chain(parameters)
-    force = [state.profile.ring_tension if chain else state.profile.push_force for _, state in rows]
     primary, secondary, way = turned
     return Motion(
-        time=np.array([time for time, _ in rows]),
-        force=np.array(force),
-        offset=np.array([belt_offset(s, curve, pitch) for (_, s), curve in zip(rows, curves, strict=True)]),
-        gap=np.array([state.profile.gap for _, state in rows]),
+        time=np.array(times),
+        force=np.array([state.profile.ring_tension if chain else state.profile.push_force for state in shown]),
+        offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
+        gap=np.array([state.profile.gap for state in shown]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
         angles=np.stack([secondary, primary], axis=1),
         way=np.asarray(way),
@@ -94,6 +92,17 @@ def over_time(
     return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
 
 
+OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
+"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
+
+
+def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
+    """The belt at the times of profiles of a run."""
+    outputs = {time: {name: float(np.interp(time, run.time, run[name])) for name in OUTPUTS} for time in profiles}
+    states = {time: BeltState(outputs[time], profile) for time, profile in profiles.items()}
+    return over_time(run.time, run.columns, states, parameters)
+
+
 def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
     """A steady state, in which only the pulleys and the belt move."""
     ends = np.array([0.0, STEADY_TIME])
@@ -102,8 +111,7 @@ def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
 
 def integrated(time: Array, values: Array, moments: Array) -> Array:
     """Integral of a column (a speed) from the first time to each of some later times."""
-    sums = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))
-    return np.interp(moments, time, sums)
+    return np.interp(moments, time, cumulative_trapezoid(values, time, initial=0.0))
 
 
 def magnification_for(offset: Array, least_radius: float) -> float:
