@@ -7,11 +7,9 @@ import io
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
-from pathlib import Path
 
 from .errors import PushbeltError
 
@@ -43,26 +41,14 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
                 if not error.name or error.name.startswith("pushbelt"):
                     raise
                 said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
-            except (OSError, ValueError, RuntimeError, KeyError) as error:
-                if not (isinstance(error, (OSError, PushbeltError)) or raised_here(error)):
-                    raise
-                said = f"{name}: {error.args[0] if isinstance(error, KeyError) else error}"
+            except (OSError, PushbeltError) as error:
+                said = f"{name}: {error}"
             print(f"pushbelt {said}", file=sys.stderr)
             return 1
 
         return started
 
     return made
-
-
-def raised_here(error: BaseException) -> bool:
-    """Whether a statement of this package raised an error, so that its message is complete without a traceback."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return (
-        bool(frames)
-        and Path(__file__).parent in Path(frames[-1].filename).parents
-        and bool(frames[-1].line and frames[-1].line.startswith("raise"))
-    )
 
 
 @contextmanager

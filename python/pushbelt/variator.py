@@ -299,7 +299,6 @@ class Variator(LinearPoints):
         return self._unit
 
     def _running(self, what: str) -> calls.Instance:
-        """The instance of a run that has started."""
         unit = self._open
         if self._now is None:
             raise UnitError(f"{what} has no value before the start: call start() or step() first")

@@ -29,7 +29,6 @@ def needed(parameters: Mapping[str, float]) -> list[str]:
 
 
 def shows_belt(run: Trace, parameters: Mapping[str, float]) -> bool:
-    """Whether the file has all these columns."""
     return all(name in run.columns for name in needed(parameters))
 
 

@@ -25,8 +25,6 @@ class CompareError(PushbeltError, ValueError):
 
 @dataclass(frozen=True)
 class Difference:
-    """Difference of two runs in one column."""
-
     name: str
     span: float
     """Largest minus least value of both runs."""
@@ -37,14 +35,11 @@ class Difference:
 
     @property
     def share(self) -> float:
-        """Largest difference relative to the range."""
         return self.largest / self.span if self.span > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs."""
-
     name: str
     paths: tuple[Path, Path]
     runs: tuple[Trace, Trace]
@@ -53,7 +48,6 @@ class Pair:
 
     @cached_property
     def names(self) -> list[str]:
-        """Common columns."""
         return [name for name in self.runs[0].columns if name in self.runs[1].columns]
 
     @cached_property

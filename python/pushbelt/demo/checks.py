@@ -96,7 +96,6 @@ def _manoeuvre(trace: Trace) -> list[Check]:
 
 
 def evaluate(results: DemoResults) -> list[Check]:
-    """All checks."""
     cases, parameters = results.cases, results.parameters
     constant, slips = "Push force is constant in the push strand within 1 %", "Slip lies between 0 and 4 %, the largest measured in underdrive"
     closed = "Losses sum to the net power of both shafts within 0.2 % of the driving power"

@@ -95,7 +95,6 @@ def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) ->
 
 
 def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
-    """The whole manoeuvre over time."""
     moving = np.abs(trace["secondary.speed"]) > STANDSTILL
 
     def line(name: str, values: Array, colour: str, dash: str = "") -> Series:

@@ -22,7 +22,6 @@ SHOWN_TIME = 4.0
 
 
 def write_html(results: DemoResults, path: Path) -> None:
-    """Writes the report."""
     page.write_html("demo/report.html.j2", _context(results), path)
 
 

@@ -54,7 +54,6 @@ class MeasuredPoint:
 
     @property
     def margin(self) -> float:
-        """Efficiency of the FMU minus the measured one."""
         return self.efficiency - self.measured.efficiency
 
 
@@ -88,8 +87,6 @@ class DemoResults:
 
 @dataclass(frozen=True)
 class Plan:
-    """Extent of the run."""
-
     torques: tuple[float, ...] | None = None
     """Torques of the load cases, N·m; None for all."""
     duration: float | None = None

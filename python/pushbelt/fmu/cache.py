@@ -29,7 +29,6 @@ def folder() -> Path:
 
 
 def clear() -> None:
-    """Removes the cache."""
     if folder().exists():
         shutil.rmtree(folder())
 

@@ -43,7 +43,6 @@ def parameter_set(name: str) -> dict[str, float]:
 
 
 def is_chain(parameters: Mapping[str, float]) -> bool:
-    """Whether the belt is a pull chain."""
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
 
 
@@ -77,7 +76,6 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
 
 
 def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
-    """Reference curve of a variator in a computed state."""
     return curve_of(parameters, state["reference.theta"])
 
 
@@ -150,13 +148,11 @@ class EfficiencyPoint(NamedTuple):
 
 
 def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
-    """All measured points of the transmission."""
     keys = ("ratio", "rpm", "torque", "efficiency")
     return tuple(EfficiencyPoint(*(float(point[key]) for key in keys)) for point in published_data()["measuredEfficiency"]["points"])
 
 
 def manoeuvre_inputs() -> Trace:
-    """The inputs of `manoeuvre.csv`."""
     table = np.genfromtxt(RESOURCES / "manoeuvre.csv", delimiter=",", names=True, deletechars="", encoding="utf-8")
     time, *names = table.dtype.names
     return Trace(table[time], {name: table[name] for name in names})

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UnknownNameError, package
+from ..errors import UnknownNameError, package, similar
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -23,13 +22,9 @@ def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
     """A value by name. Raises UnknownNameError with similar names."""
-    try:
-        return values[name]
-    except KeyError:
-        near = difflib.get_close_matches(name, values, n=3)
-        raise UnknownNameError(
-            f"the {what} has no {kind} {name}" + (f"; similar names: {', '.join(near)}" if near else "")
-        ) from None
+    if name not in values:
+        raise UnknownNameError(f"the {what} has no {kind} {name}{similar(name, values)}")
+    return values[name]
 
 
 @dataclass(frozen=True, repr=False)

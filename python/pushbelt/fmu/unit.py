@@ -43,8 +43,6 @@ class UnitError(PushbeltError, RuntimeError):
 
 
 class Message(NamedTuple):
-    """A message of the FMU's log."""
-
     status: int
     """`fmi2Status`."""
     category: str
@@ -72,12 +70,10 @@ class Archive:
 
     @property
     def version(self) -> str:
-        """Version in the model description."""
         return self.description.version or ""
 
     @property
     def variables(self) -> dict[str, Any]:
-        """The variables of the model description by name."""
         return {variable.name: variable for variable in self.description.modelVariables}
 
     @property
@@ -86,7 +82,6 @@ class Archive:
         return {name: variable.unit or "1" for name, variable in self.variables.items()}
 
     def remove(self) -> None:
-        """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
 
 
@@ -142,7 +137,7 @@ class Instance:
     # Initialisation and steps
 
     def restart(self, start_values: Mapping[str, float]) -> None:
-        """Resets to the state of a new instance with these start values."""
+        """Resets to the state of a new instance."""
         self._call(self._slave.reset)
         self.log.clear()
         self.time = 0.0
@@ -153,13 +148,11 @@ class Instance:
         self.set(start_values)
 
     def initialise(self) -> None:
-        """Computes the initial state."""
         self._call(self._slave.enterInitializationMode)
         self._call(self._slave.exitInitializationMode)
 
     @property
     def warnings(self) -> list[str]:
-        """Texts of all warnings so far."""
         return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
 
     @property
@@ -170,14 +163,13 @@ class Instance:
         return "; ".join(self.warnings) or "no steady state was requested"
 
     def step_to(self, time: float) -> None:
-        """Advances to a time, s, with the present inputs."""
+        """Advances to a time, s."""
         self._call(self._slave.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
         self.time = time
 
     # Stored states
 
     def state(self) -> bytes:
-        """The present state."""
         pointer = self._call(self._slave.getFMUState)
         try:
             return self._call(self._slave.serializeFMUstate, pointer)
@@ -196,13 +188,11 @@ class Instance:
     # Variables
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Sets variables of any type by name."""
         for name, value in values.items():
             variable = self.variables[name]
             self._call(getattr(self._slave, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
-        """Value of a variable of any type."""
         variable = self.variables[name]
         value = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])[0]
         return bool(value) if variable.type == "Boolean" else value
@@ -213,7 +203,6 @@ class Instance:
         return Reals(names, (self.variables[name].valueReference for name in names))
 
     def get_reals(self, reals: Reals) -> Array:
-        """Values of real variables."""
         count = len(reals.names)
         self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, count, reals.values)
         return np.array(reals.values)
@@ -228,14 +217,12 @@ class Instance:
         self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
 
     def outputs(self) -> dict[str, float]:
-        """All outputs and the energies at the present time."""
         reals = self.reals(output_names(self.variables.values()))
         values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
         values["macroSlip"] = float(self.get("macroSlip"))
         return values
 
     def profile(self) -> Profile:
-        """Fields along the belt at the present time."""
         fields = {}
         for field, variable in PROFILE_FIELDS.items():
             names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Variable:
-    """A variable of the FMU."""
-
     name: str
     type: str
     """`Real`, `Integer`, `Boolean` or `Enumeration`."""

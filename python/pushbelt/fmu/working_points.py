@@ -65,8 +65,6 @@ class Line:
 
 @dataclass(frozen=True)
 class Along:
-    """What is measured on a line."""
-
     utilisations: Sequence[float]
     """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
     shares: Sequence[float]
@@ -78,19 +76,16 @@ class Along:
 
 
 def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Instance:
-    """The steady state at a utilisation."""
     torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
     return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
 
 
 def utilisation_at_slip(states: SteadyStates, line: Line, slip: float) -> float:
-    """The utilisation in the steady state at a slip."""
     unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
     return -unit.get("primary.shaftTorque") / torque_capacity(states.parameters, line.ratio, line.force)
 
 
 def point(unit: Instance, ratio: float) -> dict[str, float]:
-    """The recorded values in a steady state."""
     found = {name: float(unit.get(name)) for name in OUTPUTS}
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
     speed = unit.get("secondary.speed")

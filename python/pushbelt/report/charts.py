@@ -138,8 +138,6 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """A group of panels."""
-
     panels: Sequence[Panel]
     label: str
     """Description of the chart for screen readers."""
@@ -168,7 +166,6 @@ def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label:
 
 
 def html(chart: Chart) -> Markup:
-    """The chart as an HTML fragment."""
     specification = {
         "linked": chart.linked,
         "group": chart.group,

@@ -53,14 +53,8 @@ def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -
     """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is
     raised at once. `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most
     one per processor."""
-    with progress_bar(total, title) as bar:
-        return run_in_workers(calls, bar.update, max(1, min(os.cpu_count() or 1, workers)))
-
-
-def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], workers: int) -> list[Any]:
-    """Results of the calls, in their order. `update` is called with the amounts of `tick`. The first failure is raised at once."""
-    with worker_pool(workers) as run:
-        return run(calls, update)
+    with progress_bar(total, title) as bar, worker_pool(max(1, min(os.cpu_count() or 1, workers))) as run:
+        return run(calls, bar.update)
 
 
 @contextmanager

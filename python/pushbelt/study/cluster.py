@@ -75,7 +75,6 @@ class UnitPlugin(WorkerPlugin):
         self._fmu, self._load = fmu, load
 
     def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's folder and loads it."""
         self._cleanup = ExitStack()
         folder = Path(worker.local_directory) / self.name
         folder.mkdir(parents=True, exist_ok=True)
@@ -87,7 +86,6 @@ class UnitPlugin(WorkerPlugin):
         self._cleanup.callback(self.solver.close)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
-        """Frees the instances and removes the unpacked FMU."""
         self._cleanup.close()
 
 

@@ -27,8 +27,6 @@ MOST_CHUNKS = 5000
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a study."""
-
     tasks: int
     done: int
     """Number of finished tasks, including earlier runs."""
@@ -39,8 +37,6 @@ class Progress:
 
 @dataclass(frozen=True)
 class Effort:
-    """Effort of a run."""
-
     tasks: int
     """Number of tasks solved in this run."""
     seconds: float
