@@ -46,6 +46,7 @@ def test_the_chain_agrees_with_the_continuum_theory(archive: Archive) -> None:
     assert sum(check.verdict is Verdict.MET for check in section.checks) == 5
 
 
+@pytest.mark.slow
 def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:
     assert demo(["--fmu", str(fmu), "--output", str(tmp_path), "--variator", "chain168", "--short"]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -73,7 +73,7 @@ TABLE = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],slip [%]\n" + "".join(
 
 @INTERRUPTIBLE
 @pytest.mark.slow
-@pytest.mark.parametrize("words", [["demo"], ["drive"], ["calibrate", "table.csv"]], ids=lambda words: words[0])
+@pytest.mark.parametrize("words", [["demo"], ["calibrate", "table.csv"]], ids=lambda words: words[0])
 def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
     """Two processes besides that of resources: workers that have started or are about to."""
     (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
