@@ -16,9 +16,8 @@ from pushbelt.demo import __main__, events
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
-from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.load_cases import NotFoundError, find_load
-from pushbelt.fmu.results import Trace
+from pushbelt.fmu.results import Trace, intervals
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")

@@ -87,7 +87,7 @@ def test_an_hour_in_milliseconds_fits_in_a_hundred_megabytes(belt: Variator, row
     assert most < 100e6
     assert table["time"][[0, -1]].tolist() == [0.0, rows * 1e-3]
     steps = np.diff(table["time"])
-    assert np.ptp(steps[:-1]) < 1e-9 and steps[0] == pytest.approx(0.008 if rows == 150_000 else 0.064)
+    assert np.ptp(steps[:-1]) < 1e-9 and steps[0] == pytest.approx(0.004 if rows == 150_000 else 0.064)
 
 
 def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:

@@ -44,7 +44,7 @@ class Pair:
     paths: tuple[Path, Path]
     runs: tuple[Trace, Trace]
     units: Mapping[str, str]
-    """Units of columns as the files have them."""
+    """Units of columns that have one other than 1."""
 
     @cached_property
     def names(self) -> list[str]:
@@ -89,8 +89,8 @@ def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:
     return Difference(name, float(np.ptp(both)), mean_square, float(apart[largest]), float(time[largest]))
 
 
-def pairs(a: Path, b: Path) -> list[Pair]:
-    """Pairs of runs: two files, or files of the same name in two folders."""
+def pairs(a: Path, b: Path, units: Mapping[str, str] | None = None) -> list[Pair]:
+    """Pairs of runs: two files, or files of the same name in two folders. `units` are those of columns without one in the files."""
     files = [_files(path) for path in (a, b)]
     if a.is_file() and b.is_file():
         both = {f"{a.stem} and {b.stem}" if a.stem != b.stem else a.stem: (a, b)}
@@ -101,10 +101,10 @@ def pairs(a: Path, b: Path) -> list[Pair]:
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
         raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
-    return [_pair(name, *paths) for name, paths in both.items()]
+    return [_pair(name, *paths, units or {}) for name, paths in both.items()]
 
 
-def _pair(name: str, a: Path, b: Path) -> Pair:
+def _pair(name: str, a: Path, b: Path, known: Mapping[str, str]) -> Pair:
     """Raises CompareError if the files have different units in their headers."""
     units: dict[str, str] = {}
     runs = []
@@ -114,7 +114,7 @@ def _pair(name: str, a: Path, b: Path) -> Pair:
         for column, unit in own.items():
             if unit is not None and units.setdefault(column, unit) != unit:
                 raise CompareError(f"{column} is in {units[column]} in {a}, and in {unit} in {path}")
-    return Pair(name, (a, b), (runs[0], runs[1]), units)
+    return Pair(name, (a, b), (runs[0], runs[1]), {column: unit for column, unit in {**known, **units}.items() if unit != "1"})
 
 
 def _files(path: Path) -> Mapping[str, Path]:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import Trace
+from pushbelt.fmu.results import Trace, intervals
 from pushbelt.report.style import RPM
 
 OVERLOAD = "Over-torque with macro-slip"

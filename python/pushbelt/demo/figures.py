@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
-from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import LoadCaseResult, Profile, Trace
+from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 

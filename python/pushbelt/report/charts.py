@@ -7,6 +7,7 @@ draws each panel; `charts.js.j2` adds the legend, the cursor and the keys. Panel
 from __future__ import annotations
 
 import base64
+import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..fmu.geometry import Array
 from .style import GRID, INK, MUTED, colour_stops
 
-BUCKETS = 900
+BUCKETS = 500
 """Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
 SYMLOG_SHARE = 1.5
 """Height of the linear part of a symlog axis, in decades."""
@@ -217,38 +218,18 @@ def encoded(values: ArrayLike) -> Any:
 
 
 def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
-    """The first, least, greatest and last value of each part of a long line. Peaks and jumps remain."""
+    """The first, least, greatest and last value of each part of a long line, and both ends of its gaps. Peaks and jumps remain."""
     if len(x) <= 4 * buckets:
         return x, y
-    edges = np.linspace(0, len(x), buckets + 1).astype(int)
-    keep = {0, len(x) - 1}
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    gaps = np.flatnonzero(np.diff(np.isnan(y)))
+    keep = {*gaps, *(gaps + 1)}
+    for start, end in itertools.pairwise(np.linspace(0, len(x), buckets + 1).astype(int)):
         part = y[start:end]
-        if np.isnan(part).all():
-            keep |= {start}
-            continue
-        keep |= {start, end - 1, start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
-        keep |= {start + int(k) for k in np.flatnonzero(np.diff(np.isnan(part)))}
-    order = np.array(sorted(keep))
-    # A point that is visually on the line between its neighbours is left out.
-    finite = y[np.isfinite(y)]
-    eye = 2e-4 * float(np.ptp(finite)) if finite.size else 0.0
-    return _without_straight(x[order], y[order], eye)
-
-
-def _without_straight(x: Array, y: Array, eye: float) -> tuple[Array, Array]:
-    """Repeatedly removes every other point that linear interpolation of its neighbours reproduces within `eye`."""
-    while len(x) > 4:
-        middle = np.arange(1, len(x) - 1, 2)
-        share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
-        off = np.abs(y[middle] - y[middle - 1] - share * (y[middle + 1] - y[middle - 1]))
-        straight = middle[off < eye]
-        if len(straight) < 0.02 * len(x):
-            return x, y
-        keep = np.ones(len(x), dtype=bool)
-        keep[straight] = False
-        x, y = x[keep], y[keep]
-    return x, y
+        # NaN is sorted to the end.
+        order = np.argsort(part)
+        keep |= {start, end - 1, start + order[0], start + order[np.isfinite(part).sum() - 1]}
+    kept = np.array(sorted(keep))
+    return x[kept], y[kept]
 
 
 def symlog(values: ArrayLike, linear_to: float) -> Array:
