@@ -187,10 +187,10 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
     folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
-    assert folded == [("checks", " open", "8 of 9 hold")]
+    assert folded == [("checks", " open", "7 of 8 hold")]
     section = report[report.index('id="checks"') : report.index('id="sources"')]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', section)
-    assert len(verdicts) == 9
+    assert len(verdicts) == 8
     # Most events come after the first second.
     assert [statement for mark, statement in verdicts if mark == "✗"] == ["Every event of the manoeuvre occurs"]
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.

@@ -13,7 +13,6 @@ from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIO
 
 from .checks import energy_bound
 from .events import Event
-from .simulate import MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -36,8 +35,8 @@ GROUP = "manoeuvre"
 """Group name of charts and belt that share a cursor."""
 
 
-def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> Chart:
-    """Thrust ratio, efficiency including that of the measured transmission, and shares of the loss."""
+def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
+    """Thrust ratio, efficiency, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():
@@ -48,34 +47,10 @@ def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoi
     x_label = "primary torque (N·m)"
     panels = [
         Panel("Thrust ratio", thrust, x_label),
-        Panel("Efficiency of the shafts (%)", efficiency + _measured(measured, results), x_label),
+        Panel("Efficiency of the shafts (%)", efficiency, x_label),
         _loss_shares(results, torques),
     ]
     return Chart(panels, "Thrust ratio, efficiency and losses of the load cases", columns=3)
-
-
-def _measured(measured: Sequence[MeasuredPoint], results: Sequence[LoadCaseResult]) -> list[Series]:
-    """The measured transmission, and the FMU at its points."""
-    series = []
-    for name, colour in RATIO_COLOURS.items():
-        points = [point for point in measured if nearest_case(point, results) == name]
-        torques = [point.measured.torque for point in points]
-        labels = [f"ratio {point.measured.ratio:g}, {point.measured.torque:g} N·m" for point in points]
-        for who, marker, values in (
-            ("at the measured points", "circle-open", [100 * point.efficiency for point in points]),
-            ("measured transmission", "x-thin-open", [100 * point.measured.efficiency for point in points]),
-        ):
-            series.append(Series(who, torques, values, colour, "points", marker=marker, size=8, labels=labels))
-    return series
-
-
-def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str:
-    """The ratio of the load cases that is closest to a measured point."""
-
-    def distance(result: LoadCaseResult) -> float:
-        return abs(np.log(point.measured.ratio / result.steady["ratio.geometric"]))
-
-    return min(results, key=distance).case.ratio_name
 
 
 def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) -> Panel:

@@ -13,7 +13,7 @@ from pushbelt.report import page
 from pushbelt.report.belt_view import belt_view, of_run, steady
 
 from . import checks, events, figures
-from .simulate import LEAST_FORCE, SAFETY, START_VALUES, STEP, DemoResults
+from .simulate import START_VALUES, STEP, DemoResults
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
@@ -33,7 +33,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": figures.load_cases(results.cases, results.measured),
+        "cases": figures.load_cases(results.cases),
         "manoeuvre": figures.manoeuvre(trace, found),
         "moving_belt": belt_view(
             of_run(trace, results.manoeuvre.snapshots, results.parameters),
@@ -54,9 +54,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
     return {
         "version": results.fmu_version,
         "rows": [{"result": result, "imbalance": checks.power_imbalance(result)} for result in results.cases],
-        "measured": results.measured,
-        "safety": SAFETY,
-        "least_force": LEAST_FORCE,
         "events": found,
         "checks": checks.evaluate(results),
         "manoeuvre": results.manoeuvre,

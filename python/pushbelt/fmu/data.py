@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -134,22 +134,6 @@ def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:
 def load_case_speed() -> float:
     """Primary speed of the load cases, rad/s."""
     return published_data()["loadCases"]["primarySpeedRpm"] * 2.0 * np.pi / 60.0
-
-
-class EfficiencyPoint(NamedTuple):
-    """A measured point of a production transmission (variator and final drive together)."""
-
-    ratio: float
-    speed: float
-    """Primary speed, rpm."""
-    torque: float
-    """Primary torque, N·m."""
-    efficiency: float
-
-
-def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
-    keys = ("ratio", "rpm", "torque", "efficiency")
-    return tuple(EfficiencyPoint(*(float(point[key]) for key in keys)) for point in published_data()["measuredEfficiency"]["points"])
 
 
 def manoeuvre_inputs() -> Trace:
