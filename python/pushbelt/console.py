@@ -13,8 +13,7 @@ from multiprocessing import resource_tracker
 
 from .errors import PushbeltError
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
+INTERRUPTED = 130  # Exit code after Ctrl-C
 
 
 def run(main: Callable[[], int | None]) -> int:

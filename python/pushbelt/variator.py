@@ -41,12 +41,9 @@ Parameters = str | os.PathLike[str] | Values
 class Snapshot:
     """A state of a run. It can be stored, and restored in another variator of the same FMU, also in another process."""
 
-    time: float
-    """s."""
-    values: Mapping[str, float]
-    """Parameters and inputs."""
-    state: bytes
-    """State of the FMU."""
+    time: float  # s
+    values: Mapping[str, float]  # Parameters and inputs
+    state: bytes  # State of the FMU
 
     def __repr__(self) -> str:
         return f"<Snapshot at {self.time:g} s: {len(self.state)} bytes>"

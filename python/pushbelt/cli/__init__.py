@@ -24,8 +24,7 @@ PROGRAMS = {
     "belt": "parameter set for a belt of given dimensions, with checks of ratio and stress",
     "calibrate": "parameters from a table of measured points, and a report",
 }
-KINDS = ("parameter", "input", "output", "local")
-"""Causalities of variables."""
+KINDS = ("parameter", "input", "output", "local")  # Causalities of variables
 
 
 def parser() -> argparse.ArgumentParser:

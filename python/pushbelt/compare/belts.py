@@ -11,10 +11,8 @@ from pushbelt.fmu.results import Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 from pushbelt.report.belt_view import OUTPUTS, SPEEDS, Motion, of_run
 
-FIELD = "profile."
-"""Prefix of the names of fields along the belt."""
-MOMENTS = 300
-"""Largest number of times of a run in the animation."""
+FIELD = "profile."  # Prefix of the names of fields along the belt
+MOMENTS = 300  # Largest number of times of a run in the animation
 
 
 def places(field: str) -> list[str]:

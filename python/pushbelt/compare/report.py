@@ -16,8 +16,7 @@ from pushbelt.report.style import BLUE, ORANGE, in_figures
 from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
 
-MOST = 24
-"""Largest number of columns in the figures of a pair. The table has all columns."""
+MOST = 24  # Largest number of columns in the figures of a pair. The table has all columns.
 
 
 def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:

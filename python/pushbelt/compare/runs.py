@@ -15,8 +15,7 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
 
 TIME = "time"
-SAME = 1e-9
-"""Tolerance relative to the range, within which runs are equal. Files have nine digits."""
+SAME = 1e-9  # Tolerance relative to the range, within which runs are equal. Files have nine digits.
 
 
 class CompareError(PushbeltError, ValueError):
@@ -26,12 +25,10 @@ class CompareError(PushbeltError, ValueError):
 @dataclass(frozen=True)
 class Difference:
     name: str
-    span: float
-    """Largest minus least value of both runs."""
+    span: float  # Largest minus least value of both runs
     root_mean_square: float
     largest: float
-    when: float
-    """Time of the largest difference, s."""
+    when: float  # Time of the largest difference, s
 
     @property
     def share(self) -> float:
@@ -43,8 +40,7 @@ class Pair:
     name: str
     paths: tuple[Path, Path]
     runs: tuple[Trace, Trace]
-    units: Mapping[str, str]
-    """Units of columns that have one other than 1."""
+    units: Mapping[str, str]  # Units of columns that have one other than 1
 
     @cached_property
     def names(self) -> list[str]:

@@ -27,12 +27,10 @@ LOSSES = (
 )
 """Output, name and colour of each loss. Those that a belt does not have are not shown."""
 
-STANDSTILL = 1.0
-"""Least secondary speed for quotients of speeds, rad/s."""
+STANDSTILL = 1.0  # Least secondary speed for quotients of speeds, rad/s
 
 TIME = "time (s)"
-GROUP = "manoeuvre"
-"""Group name of charts and belt that share a cursor."""
+GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 
 
 def load_cases(results: Sequence[LoadCaseResult]) -> Chart:

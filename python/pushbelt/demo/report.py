@@ -15,10 +15,8 @@ from pushbelt.report.belt_view import belt_view, of_run, steady
 from . import checks, events, figures
 from .simulate import START_VALUES, STEP, DemoResults
 
-CHOSEN_CASE = "overdrive-100"
-"""The load case whose fields along the belt are shown."""
-SHOWN_TIME = 4.0
-"""Initial time of the belt animation in the manoeuvre, s."""
+CHOSEN_CASE = "overdrive-100"  # The load case whose fields along the belt are shown
+SHOWN_TIME = 4.0  # Initial time of the belt animation in the manoeuvre, s
 
 
 def write_html(results: DemoResults, path: Path) -> None:

@@ -17,10 +17,8 @@ from pushbelt.fmu.unit import Archive, Instance, output_names
 from pushbelt.report.side_by_side import run_all as run_side_by_side
 from pushbelt.report.side_by_side import tick
 
-STEP = 1e-3
-"""Communication step of the manoeuvre, s."""
-SNAPSHOT_STEP = 0.025
-"""Time between records of the fields along the belt, s."""
+STEP = 1e-3  # Communication step of the manoeuvre, s
+SNAPSHOT_STEP = 0.025  # Time between records of the fields along the belt, s
 START_VALUES: Mapping[str, float] = {"secondary.inertia": 4.0, "initial.ratio": 2.2, "initial.primarySpeed": 0.0}
 """Start values of the manoeuvre: the vehicle as an inertia on the secondary shaft, at standstill in underdrive."""
 _CASE_TICKS, _MANOEUVRE_TICKS = 5, 100
@@ -31,12 +29,9 @@ class ManoeuvreResult:
     """The manoeuvre: launch from standstill, shift, torque steps, over-torque and recovery, defined by its inputs."""
 
     trace: Trace
-    wall_time: float
-    """Wall-clock time of the run, including reading all outputs at every step, s."""
-    snapshots: Mapping[float, Profile]
-    """Fields along the belt, by time, s."""
-    messages: tuple[str, ...] = ()
-    """Warnings of the FMU."""
+    wall_time: float  # Wall-clock time of the run, including reading all outputs at every step, s
+    snapshots: Mapping[float, Profile]  # Fields along the belt, by time, s
+    messages: tuple[str, ...] = ()  # Warnings of the FMU
 
 
 @dataclass(frozen=True)
@@ -46,19 +41,15 @@ class DemoResults:
     fmu_version: str
     cases: tuple[LoadCaseResult, ...]
     manoeuvre: ManoeuvreResult
-    parameters: Mapping[str, float]
-    """Parameters of the variator in the load cases and the manoeuvre."""
+    parameters: Mapping[str, float]  # Parameters of the variator in the load cases and the manoeuvre
     units: Mapping[str, str]
-    variator: str
-    """Name or file of the parameter set."""
+    variator: str  # Name or file of the parameter set
 
 
 @dataclass(frozen=True)
 class Plan:
-    torques: tuple[float, ...] | None = None
-    """Torques of the load cases, N·m; None for all."""
-    duration: float | None = None
-    """Duration of the manoeuvre, s; None for all of it."""
+    torques: tuple[float, ...] | None = None  # Torques of the load cases, N·m; None for all
+    duration: float | None = None  # Duration of the manoeuvre, s; None for all of it
 
 
 FULL = Plan()

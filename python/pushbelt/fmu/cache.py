@@ -18,8 +18,7 @@ from ..errors import warn
 from .unit import Archive, binaries_of, refuse_others
 from .untrusted import InputFileError, described, named
 
-VARIABLE = "PUSHBELT_CACHE"
-"""Environment variable with the folder of the cache."""
+VARIABLE = "PUSHBELT_CACHE"  # Environment variable with the folder of the cache
 
 
 def folder() -> Path:

@@ -98,10 +98,8 @@ def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius:
     return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
 
 
-SAFETY_RANGE = 1.0, 10.0
-"""Range of a safety factor of the clamping force."""
-BELT_LENGTH = 0.2, 5.0
-"""Range of the length of a belt, m."""
+SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
+BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:

@@ -56,12 +56,9 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
 class TwoPulleyCurve:
     """The reference curve of the ring's centre line at one ratio."""
 
-    center_distance: float
-    """Distance of the axes, m."""
-    length: float
-    """Length of the ring's centre line, m."""
-    theta: float
-    """Ratio coordinate Θ."""
+    center_distance: float  # Distance of the axes, m
+    length: float  # Length of the ring's centre line, m
+    theta: float  # Ratio coordinate Θ
 
     @cached_property
     def primary_radius(self) -> float:

@@ -15,14 +15,10 @@ from .results import LoadCase, LoadCaseResult, SteadyState
 from .starts import driven_at_speed
 from .unit import Archive, Instance
 
-TORQUE_TOLERANCE = 1e-4
-"""Relative tolerance of the belt torque."""
-MOST_EVALUATIONS = 20
-"""Largest number of evaluations in the search."""
-DRIFT_TIME = 0.2
-"""Simulated time in the check that a steady state persists, s."""
-DRIFT_STEP = 0.01
-"""Communication step of this check, s."""
+TORQUE_TOLERANCE = 1e-4  # Relative tolerance of the belt torque
+MOST_EVALUATIONS = 20  # Largest number of evaluations in the search
+DRIFT_TIME = 0.2  # Simulated time in the check that a steady state persists, s
+DRIFT_STEP = 0.01  # Communication step of this check, s
 
 
 class NotFoundError(PushbeltError, RuntimeError):

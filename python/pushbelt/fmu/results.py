@@ -31,20 +31,14 @@ def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") 
 class Profile:
     """Fields along the belt, one value per place."""
 
-    position: Array
-    """Place ξ on the ring's centre line, m."""
-    push_force: Array
-    """Push force between the elements, N."""
-    ring_tension: Array
-    """Tension of the ring, N."""
-    normal_force: Array
-    """Normal force per flank and unit of length, N/m."""
+    position: Array  # Place ξ on the ring's centre line, m
+    push_force: Array  # Push force between the elements, N
+    ring_tension: Array  # Tension of the ring, N
+    normal_force: Array  # Normal force per flank and unit of length, N/m
     radial_deviation: Array
     """Radius minus the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
-    sliding_speed: Array
-    """Tangential sliding speed of the flanks, m/s; 0 off the pulleys."""
-    gap: Array
-    """Gap between neighbouring elements, m; 0 in contact."""
+    sliding_speed: Array  # Tangential sliding speed of the flanks, m/s; 0 off the pulleys
+    gap: Array  # Gap between neighbouring elements, m; 0 in contact
 
     def __repr__(self) -> str:
         return (
@@ -82,22 +76,17 @@ class BeltState:
 class SteadyState(BeltState):
     """A steady state of the FMU at a specified belt torque."""
 
-    load_torque: float
-    """Secondary torque of the steady state, N·m."""
+    load_torque: float  # Secondary torque of the steady state, N·m
 
 
 @dataclass(frozen=True)
 class LoadCase:
     """One of the nine load cases."""
 
-    ratio_name: str
-    """`overdrive`, `medium` or `underdrive`."""
-    theta: float
-    """Ratio coordinate."""
-    torque: float
-    """Steady belt torque on the primary pulley, N·m."""
-    clamping_force: float
-    """Secondary clamping force, N."""
+    ratio_name: str  # `overdrive`, `medium` or `underdrive`
+    theta: float  # Ratio coordinate
+    torque: float  # Steady belt torque on the primary pulley, N·m
+    clamping_force: float  # Secondary clamping force, N
 
     @property
     def name(self) -> str:
@@ -111,8 +100,7 @@ class LoadCaseResult:
 
     case: LoadCase
     steady: SteadyState
-    drift: float
-    """Relative change of the thrust ratio when the simulation continues from the steady state."""
+    drift: float  # Relative change of the thrust ratio when the simulation continues from the steady state
 
 
 @dataclass(frozen=True, repr=False)

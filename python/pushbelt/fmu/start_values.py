@@ -15,12 +15,10 @@ from ..errors import PushbeltError, similar
 from ..whole_file import copy_archive
 
 DESCRIPTION = "modelDescription.xml"
-LIST = "resources/start-values.txt"
-"""File of start values that the library reads: one line `name = value` each."""
+LIST = "resources/start-values.txt"  # File of start values that the library reads: one line `name = value` each
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
-SETTABLE = ("parameter", "input")
-"""Causalities of variables with a start value that can be set."""
+SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
 
 
 class StartValueError(PushbeltError, ValueError):

@@ -43,8 +43,7 @@ class UnitError(PushbeltError, RuntimeError):
 
 
 class Message(NamedTuple):
-    status: int
-    """`fmi2Status`."""
+    status: int  # `fmi2Status`
     category: str
     text: str
 

@@ -15,13 +15,10 @@ import fmpy
 
 from ..errors import PushbeltError
 
-LARGEST_FILE = 500_000_000
-"""Largest unpacked size of an archive, bytes."""
+LARGEST_FILE = 500_000_000  # Largest unpacked size of an archive, bytes
 MOST_FILES = 10_000
-IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")
-"""A name in C."""
-LARGEST_JSON = 50_000_000
-"""Largest size of a JSON file, bytes. A parameter set has 7 kB."""
+IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")  # A name in C
+LARGEST_JSON = 50_000_000  # Largest size of a JSON file, bytes. A parameter set has 7 kB.
 
 
 class InputFileError(PushbeltError, ValueError):

@@ -16,22 +16,16 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, repr=False)
 class Variable:
     name: str
-    type: str
-    """`Real`, `Integer`, `Boolean` or `Enumeration`."""
-    causality: str
-    """`parameter`, `input`, `output` or `local`."""
-    variability: str
-    """`fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run."""
-    unit: str
-    """Unit; `1` without one."""
+    type: str  # `Real`, `Integer`, `Boolean` or `Enumeration`
+    causality: str  # `parameter`, `input`, `output` or `local`
+    variability: str  # `fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run.
+    unit: str  # Unit; `1` without one
     description: str
-    start: float | None
-    """Start value. Booleans are True and False, enumerations have the number of an item."""
+    start: float | None  # Start value. Booleans are True and False, enumerations have the number of an item.
     min: float | None
     max: float | None
     nominal: float | None
-    items: Mapping[str, int]
-    """Names and numbers of an enumeration."""
+    items: Mapping[str, int]  # Names and numbers of an enumeration
 
     @classmethod
     def of(cls, declared: Any) -> Variable:

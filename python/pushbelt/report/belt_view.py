@@ -17,18 +17,12 @@ from ..fmu.results import BeltState, Profile, Trace
 from .charts import encoded
 from .style import COLOUR_SCALE
 
-ELEMENTS_TOGETHER = 3
-"""Number of elements of the belt per drawn element. The pins of a chain are drawn one by one."""
-TURNS_A_SECOND = 0.35
-"""Speed of the faster pulley in the animation, turns per second."""
-LONGEST = 60.0
-"""Longest duration of the animation, s."""
-STEADY_TIME = 20.0
-"""Duration of the animation of a steady state, s."""
-STEPS = 1000
-"""Number of steps of the slider."""
-ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-"""Magnifications to choose from."""
+ELEMENTS_TOGETHER = 3  # Number of elements of the belt per drawn element. The pins of a chain are drawn one by one.
+TURNS_A_SECOND = 0.35  # Speed of the faster pulley in the animation, turns per second
+LONGEST = 60.0  # Longest duration of the animation, s
+STEADY_TIME = 20.0  # Duration of the animation of a steady state, s
+STEPS = 1000  # Number of steps of the slider
+ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Magnifications to choose from
 
 
 @dataclass(frozen=True)
@@ -36,18 +30,12 @@ class Motion:
     """States of the belt over time. Arrays have one row per time, and one column per place of the profile for fields."""
 
     time: Array
-    force: Array
-    """Push force, or tension of a chain, N."""
-    offset: Array
-    """Distance of the ring from its reference curve, outward positive, m."""
-    gap: Array
-    """Gap between neighbouring elements, m."""
-    radii: Array
-    """Radii of the reference curve on S and P, m."""
-    angles: Array
-    """Angles of rotation of S and P, rad."""
-    way: Array
-    """Displacement of the belt, m."""
+    force: Array  # Push force, or tension of a chain, N
+    offset: Array  # Distance of the ring from its reference curve, outward positive, m
+    gap: Array  # Gap between neighbouring elements, m
+    radii: Array  # Radii of the reference curve on S and P, m
+    angles: Array  # Angles of rotation of S and P, rad
+    way: Array  # Displacement of the belt, m
 
 
 def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:

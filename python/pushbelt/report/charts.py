@@ -20,12 +20,9 @@ from numpy.typing import ArrayLike
 from ..fmu.geometry import Array
 from .style import GRID, INK, MUTED, colour_stops
 
-BUCKETS = 500
-"""Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
-SYMLOG_SHARE = 1.5
-"""Height of the linear part of a symlog axis, in decades."""
-MARGIN = 0.06
-"""Empty part of the axes on each side of a figure whose axes have the same scale."""
+BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
+SYMLOG_SHARE = 1.5  # Height of the linear part of a symlog axis, in decades
+MARGIN = 0.06  # Empty part of the axes on each side of a figure whose axes have the same scale
 
 FONT = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif"
 
@@ -40,8 +37,7 @@ class Series:
     x: ArrayLike
     y: ArrayLike
     colour: str = INK
-    kind: str = "line"
-    """`line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)."""
+    kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
     dash: str = ""
     marker: str = ""
     """Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line."""
@@ -49,16 +45,11 @@ class Series:
     width: float = 1.5
     opacity: float = 1.0
     upper: ArrayLike | None = None
-    errors: tuple[ArrayLike, ArrayLike] | None = None
-    """Error bars: lengths below and above."""
-    hatched: Sequence[bool] | None = None
-    """Which bars are hatched."""
-    labels: Sequence[str] | None = None
-    """Hover text of each point, before the values."""
-    texts: Sequence[str] | None = None
-    """Text beside each point."""
-    text_sides: Sequence[str] = ()
-    """Side of each text: `middle left`, `middle right` and so on."""
+    errors: tuple[ArrayLike, ArrayLike] | None = None  # Error bars: lengths below and above
+    hatched: Sequence[bool] | None = None  # Which bars are hatched
+    labels: Sequence[str] | None = None  # Hover text of each point, before the values
+    texts: Sequence[str] | None = None  # Text beside each point
+    text_sides: Sequence[str] = ()  # Side of each text: `middle left`, `middle right` and so on
     bar_width: float | None = None
 
 
@@ -69,16 +60,11 @@ class Field:
     name: str
     x: ArrayLike
     y: ArrayLike
-    values: ArrayLike
-    """Values, shape (len(y), len(x)); NaN leaves a gap."""
-    levels: tuple[float, float, float] | None = None
-    """First level, last level and spacing of the contours."""
-    ticks: tuple[Tick, ...] = ()
-    """Ticks of the colour bar."""
-    unit: str = ""
-    """Unit above the colour bar."""
-    middle: float | None = None
-    """Value from which the colours diverge."""
+    values: ArrayLike  # Values, shape (len(y), len(x)); NaN leaves a gap
+    levels: tuple[float, float, float] | None = None  # First level, last level and spacing of the contours
+    ticks: tuple[Tick, ...] = ()  # Ticks of the colour bar
+    unit: str = ""  # Unit above the colour bar
+    middle: float | None = None  # Value from which the colours diverge
     lines_only: bool = False
 
 
@@ -119,8 +105,7 @@ class Panel:
     x_label: str = ""
     y_label: str = ""
     fields: Sequence[Field] = ()
-    scale: str = "linear"
-    """Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`."""
+    scale: str = "linear"  # Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`
     x_scale: str = "linear"
     linear_to: float = 1.0
     x_range: tuple[float, float] | None = None
@@ -140,18 +125,12 @@ class Panel:
 @dataclass(frozen=True)
 class Chart:
     panels: Sequence[Panel]
-    label: str
-    """Description of the chart for screen readers."""
-    columns: int = 1
-    """Largest number of panels per row."""
-    linked: bool = False
-    """Whether the panels share cursor and zoom along x."""
-    group: str = ""
-    """Charts and belts of the same group share the cursor."""
-    common_legend: bool = False
-    """Whether all panels share one legend."""
-    least_width: int = 260
-    """Least width of a panel, px. Narrow pages have fewer panels per row."""
+    label: str  # Description of the chart for screen readers
+    columns: int = 1  # Largest number of panels per row
+    linked: bool = False  # Whether the panels share cursor and zoom along x
+    group: str = ""  # Charts and belts of the same group share the cursor
+    common_legend: bool = False  # Whether all panels share one legend
+    least_width: int = 260  # Least width of a panel, px. Narrow pages have fewer panels per row.
 
     def __html__(self) -> str:
         return str(html(self))

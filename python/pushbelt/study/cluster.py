@@ -30,17 +30,12 @@ from pushbelt.console import interrupts_ignored
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
-Chunk = Sequence[tuple[int, Any]]
-"""Numbered tasks that a worker solves together."""
-Rows = list[tuple[int, dict[str, Any]]]
-"""Their numbers and results."""
+Chunk = Sequence[tuple[int, Any]]  # Numbered tasks that a worker solves together
+Rows = list[tuple[int, dict[str, Any]]]  # Their numbers and results
 
-CONNECT_TIMEOUT = 10.0
-"""Timeout for the connection to a scheduler, s."""
-WORKERS_TIMEOUT = 60.0
-"""Timeout for the first worker of a cluster, s."""
-QUEUE_TIMEOUT = 7 * 86400.0
-"""Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s."""
+CONNECT_TIMEOUT = 10.0  # Timeout for the connection to a scheduler, s
+WORKERS_TIMEOUT = 60.0  # Timeout for the first worker of a cluster, s
+QUEUE_TIMEOUT = 7 * 86400.0  # Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s
 
 
 class ClusterError(PushbeltError, RuntimeError):

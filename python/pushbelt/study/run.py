@@ -21,28 +21,22 @@ from . import worker
 from .store import Store
 from .tasks import Row, Tasks
 
-MOST_CHUNKS = 5000
-"""Largest number of chunks. Larger studies have larger chunks, because each chunk is a file."""
+MOST_CHUNKS = 5000  # Largest number of chunks. Larger studies have larger chunks, because each chunk is a file.
 
 
 @dataclass(frozen=True)
 class Progress:
     tasks: int
-    done: int
-    """Number of finished tasks, including earlier runs."""
-    failed: int
-    """Number of finished tasks without a result."""
+    done: int  # Number of finished tasks, including earlier runs
+    failed: int  # Number of finished tasks without a result
     workers: int
 
 
 @dataclass(frozen=True)
 class Effort:
-    tasks: int
-    """Number of tasks solved in this run."""
-    seconds: float
-    """Wall-clock time including the start of the cluster, s."""
-    processor_time: float
-    """Processor time of all tasks, also of earlier runs, s."""
+    tasks: int  # Number of tasks solved in this run
+    seconds: float  # Wall-clock time including the start of the cluster, s
+    processor_time: float  # Processor time of all tasks, also of earlier runs, s
 
     def __str__(self) -> str:
         each = f", {self.tasks / self.seconds:.2f} a second" if self.tasks else ""

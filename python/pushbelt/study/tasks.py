@@ -20,15 +20,13 @@ from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.untrusted import described
 
-Row = dict[str, Any]
-"""The result of a task. `reason` is why it has none; `time` is its processor time, s."""
+Row = dict[str, Any]  # The result of a task. `reason` is why it has none; `time` is its processor time, s.
 
 
 @dataclass(frozen=True)
 class Tasks(ABC):
     fmu: Path
-    parameters: Mapping[str, float]
-    """Start values of the FMU by name."""
+    parameters: Mapping[str, float]  # Start values of the FMU by name
 
     @cached_property
     def archive(self) -> bytes:
