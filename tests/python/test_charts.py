@@ -127,12 +127,13 @@ def test_a_thinned_line_keeps_what_a_reader_sees() -> None:
     time = np.linspace(0.0, 10.0, 10001)
     values = np.sin(time)
     values[4321] = 7.0
-    values[6000:6100] = np.nan
+    values[6000:6100] = values[8007] = np.nan
     x, y = charts.thinned(time, values)
     assert len(x) < 2500
     assert {x[0], x[-1]} == {0.0, 10.0}
     assert np.nanmax(y) == 7.0
     assert np.isnan(y[(x > 6.0005) & (x < 6.099)]).all()
+    assert np.isnan(y[x == time[8007]]).tolist() == [True]
     known = np.isfinite(values) & (np.abs(time - time[4321]) > 0.02) & (np.abs(time - 6.05) > 0.07)
     solid = np.isfinite(y)
     assert np.interp(time[known], x[solid], y[solid]) == pytest.approx(values[known], abs=3e-3)

@@ -160,7 +160,7 @@ def test_variables_are_a_typed_table(belt: Variator) -> None:
     assert (inertia.causality, inertia.variability, inertia.unit, inertia.type) == ("parameter", "fixed", "kg.m2", "Real")
     assert all(isinstance(one, float) for one in (inertia.start, inertia.min, inertia.max))
     assert ring.items == {"ALE0": 1, "ALE": 2} and ring.start == 2 and inertia.items == {}
-    assert steady.start is True and slip.start is None and slip.unit == "1"
+    assert steady.start is True and belt.variables["initial.equilibrium"].start is False and slip.start is None and slip.unit == "1"
     assert len(belt.variables) == len(list(belt.variables)) and "slips" not in belt.variables
     with pytest.raises(pushbelt.UnknownNameError, match="similar names: secondary.inertia"):
         belt.variables["secondary.inertias"]
