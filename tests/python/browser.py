@@ -12,8 +12,7 @@ import pytest
 from playwright.sync_api import ConsoleMessage, Page, Request, sync_playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 120e3
-"""Timeout, ms. It only ends tests that hang."""
+PATIENCE = 120e3  # Timeout, ms. It only ends tests that hang.
 
 
 @contextmanager

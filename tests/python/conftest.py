@@ -30,8 +30,7 @@ SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
 """A coarse ring model without load at the start, for tests of the interface."""
 MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-COARSE = {"ring.model": "ALE0", **MESH}
-"""A coarse mesh, for tests of what is made of the FMU's results."""
+COARSE = {"ring.model": "ALE0", **MESH}  # A coarse mesh, for tests of what is made of the FMU's results
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 
 

@@ -14,20 +14,16 @@ from pathlib import Path
 import browser
 
 ROOT = Path(__file__).parents[2]
-WIDTH, HEIGHT = 1206, 1090
-"""Size of the part of the page, px."""
-MARGIN = 50
-"""Empty height above the belt that is left out, px."""
+WIDTH, HEIGHT = 1206, 1090  # Size of the part of the page, px
+MARGIN = 50  # Empty height above the belt that is left out, px
 FIGURES = {
     "paper": {f"#figure-{name}": f"paper-figure-{name}.png" for name in ("6-7", "7", "8ab", "8c", "8d", "9")},
     "validate": {"#steps-figure": "validation-steps.png"},
     "drive": {"#drive + figure": "drive.png"},
 }
 """Figures of each report that the docs show, by selector, and their files."""
-TITLE = 14
-"""Height by which the title of a first panel stands out of its figure, px."""
-SHOWN = 4.0
-"""Time of the manoeuvre in the picture, s."""
+TITLE = 14  # Height by which the title of a first panel stands out of its figure, px
+SHOWN = 4.0  # Time of the manoeuvre in the picture, s
 
 
 def take(report: Path, picture: Path, figures: Mapping[str, str] | None) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 import shutil
@@ -69,8 +68,3 @@ def test_the_source_needs_no_later_python(python: Path) -> None:
     command = [python.with_name("vermin"), f"--target={PYTHON}-", "--no-tips", "--violations", "--quiet", PACKAGE]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
-
-
-def test_the_syntax_is_that_of_the_lowest_python() -> None:
-    for path in PACKAGE.rglob("*.py"):
-        ast.parse(path.read_text(encoding="utf-8"), path, feature_version=tuple(map(int, PYTHON.split("."))))

@@ -45,8 +45,7 @@ def ale(fmu: Path) -> np.ndarray:
     return run(fmu, "ALE", 1e-3)
 
 
-OF_FMU = ("ALE0", "ALE")
-"""Models of PushbeltVariator.fmu; the others are those of PushbeltPaper.fmu."""
+OF_FMU = ("ALE0", "ALE")  # Models of PushbeltVariator.fmu; the others are those of PushbeltPaper.fmu
 
 
 @pytest.mark.parametrize(("model", "off"), list(zip(MODELS, (0.15, 1e-9, 3e-3, 3e-3, 0.05, 0.1), strict=True)))

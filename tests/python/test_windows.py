@@ -24,8 +24,7 @@ OF_LINUX = "binaries/linux64/PushbeltVariator.so"
 ASKED = "PUSHBELT_ZIG" in os.environ
 """Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine."""
 
-Build = tuple[Path, bool]
-"""A library, and whether it may open its variant for AVX2."""
+Build = tuple[Path, bool]  # A library, and whether it may open its variant for AVX2
 Host = Callable[[Build, "Path | None", str], tuple[np.ndarray, Path]]
 """Runs the program: build, stored state to start from, name → readings at both stops, and the state stored at the first."""
 
