@@ -17,11 +17,12 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
+from pushbelt_cosim.masters import leave  # noqa: E402
+
 from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
-from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}

@@ -6,8 +6,7 @@ import csv
 from pathlib import Path
 
 from pushbelt.fmu.untrusted import described
-from pushbelt.tables import sheet, units
-from pushbelt.tables import split
+from pushbelt.tables import sheet, split, units
 from pushbelt.tables.names import Column
 
 

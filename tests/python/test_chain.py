@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 from conftest import MESH
+from pushbelt_validation.bench import Bench, Plan
+from pushbelt_validation.outcome import Verdict
+from pushbelt_validation.sections import chain
 
 import pushbelt
 from pushbelt.demo.__main__ import main as demo
 from pushbelt.durability.__main__ import main as durability
 from pushbelt.fmu.data import is_chain, parameter_set
 from pushbelt.fmu.unit import Archive
-from pushbelt_validation.bench import Bench, Plan
-from pushbelt_validation.outcome import Verdict
-from pushbelt_validation.sections import chain
 
 ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
 

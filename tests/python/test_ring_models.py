@@ -7,10 +7,10 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from pushbelt_paper.cases import RingModel
 
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.unit import Archive, Instance, UnitError
-from pushbelt_paper.cases import RingModel
 
 RIG = {
     "primary.drive": Drive.SPEED,

@@ -7,15 +7,15 @@ from math import atan2, cos, exp, log, pi, radians, sin, tan
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-
-from pushbelt.fmu import data
-from pushbelt.fmu.results import BeltState, Profile
 from pushbelt_validation.outcome import Verdict
 from pushbelt_validation.sections.default_belt import _spiral_checks, spiral_running
 from pushbelt_validation.theory import cmm
 from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
 from pushbelt_validation.tilt import tilt_under
+from scipy.integrate import solve_ivp
+
+from pushbelt.fmu import data
+from pushbelt.fmu.results import BeltState, Profile
 
 BETA, MU = radians(11.0), 0.09
 BENCH = (0.168, 0.703)  # Pulley distance and belt length of the laboratory variator, m

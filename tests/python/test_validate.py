@@ -12,11 +12,6 @@ from typing import Any
 
 import pytest
 import reports
-
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
-from pushbelt.fmu.unit import Archive
-from pushbelt.tables import split
-from pushbelt.tables.units import dimensions
 from pushbelt_validation import __main__, measured, report, results
 from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import (
@@ -31,6 +26,11 @@ from pushbelt_validation.outcome import (
     within,
 )
 from pushbelt_validation.runs import SECTIONS, Results
+
+from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.unit import Archive
+from pushbelt.tables import split
+from pushbelt.tables.units import dimensions
 
 SOURCE = Source("somebody 2007", "fitted")
 

@@ -14,8 +14,8 @@ from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
 from ..provenance import COMMAND
-from ..tables import units
 from ..steel import Material
+from ..tables import units
 
 VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 

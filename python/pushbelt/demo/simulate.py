@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.fmu import load_cases
-from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.data import load_cases as all_load_cases
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, Trace
 from pushbelt.fmu.unit import Archive, Instance, output_names
 from pushbelt.report.side_by_side import run_all as run_side_by_side
