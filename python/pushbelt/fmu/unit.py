@@ -20,7 +20,7 @@ from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
-from .untrusted import InputFileError, unpacked
+from .untrusted import InputFileError, described, named
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -59,7 +59,9 @@ class Archive:
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
         """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
         OSError if it cannot be read."""
-        return cls(*unpacked(fmu, directory))
+        description = described(fmu)
+        with named(fmu):
+            return cls(Path(fmpy.extract(str(fmu), directory)), description)
 
     def __enter__(self) -> Archive:
         return self
