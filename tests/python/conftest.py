@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -75,6 +77,14 @@ def module_of(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     return module
+
+
+def built(package: str, *examples: str) -> dict[str, Path]:
+    """What cargo builds for the examples of a package: libraries or programs."""
+    command = ["cargo", "build", "--release", "--package", package, "--message-format=json", *(f"--example={one}" for one in examples)]
+    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    found = [message for message in map(json.loads, output.splitlines()) if message["reason"] == "compiler-artifact"]
+    return {one["target"]["name"]: Path(one["executable"] or one["filenames"][0]) for one in found if one["target"]["name"] in examples}
 
 
 def needs(package: str) -> None:
@@ -152,13 +162,9 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Removes the second tier. pytest prints how many tests that are."""
     if config.getoption("--first-tier"):
-        second = [
-            item
-            for item in items
-            if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
-        ]
+        second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
         config.hook.pytest_deselected(items=second)
-        items[:] = [item for item in items if item not in set(second)]
+        items[:] = [one for one in items if one not in second]
 
 
 @pytest.hookimpl(trylast=True)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import re
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import reports
+from conftest import built
 from pushbelt_paper import __main__, cases, profiles, rings, runs, times
 from pushbelt_paper.results import Window
 from pushbelt_paper.statements import Statement, Verdict, compared
@@ -24,7 +23,6 @@ from pushbelt.fmu.results import Trace
 from pushbelt.fmu.unit import Archive
 from pushbelt.tables import split
 
-ROOT = Path(__file__).parents[2]
 CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
 OFFSET = 1e-3
 
@@ -152,20 +150,9 @@ def test_an_evenly_spaced_mesh_gets_near_when_fine_and_balances_energy_less_well
 # All of it
 
 
-@pytest.fixture(scope="session")
-def rings_program() -> Path:
-    """The example for rings alone, compiled as the FMU's library is."""
-    command = ["cargo", "build", "--release", "--package", "pushbelt-paper", "--example", "paper_rings", "--message-format=json"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
-    programs = [
-        m["executable"] for m in messages if m.get("target", {}).get("name") == "paper_rings" and m["executable"]
-    ]
-    return Path(programs[-1])
-
-
-def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path, tmp_path: Path) -> None:
-    arguments = ["--fmu", paper_fmu, "--rings", rings_program, "--output", tmp_path, "--short"]
+def test_short_run_writes_report_and_tables(paper_fmu: Path, tmp_path: Path) -> None:
+    """The example for rings alone is compiled as the FMU's library is."""
+    arguments = ["--fmu", paper_fmu, "--rings", built("pushbelt-paper", "paper_rings")["paper_rings"], "--output", tmp_path, "--short"]
     assert __main__.main([str(argument) for argument in arguments]) == 0
     page = reports.stands_alone(tmp_path / "report.html")
     assert reports.figures(page) >= 3 + 4 + 3 + 2 + 1 + 4 + 1 + 2 + 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import zipfile
 from pathlib import Path
@@ -10,37 +9,26 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from conftest import built
 from fmpy.validation import validate_fmu
 
-ROOT = Path(__file__).parents[2]
-EXAMPLES = ("lag", "lag_description")
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
 
 @pytest.fixture(scope="module")
-def built() -> dict[str, Path]:
-    """What cargo builds for each example: the library, and the program that prints the model description."""
-    command = ["cargo", "build", "--release", "--package", "pushbelt-fmi", "--message-format=json"]
-    for example in EXAMPLES:
-        command += ["--example", example]
-    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    artifacts = [json.loads(line) for line in output.splitlines()]
-    return {
-        artifact["target"]["name"]: Path(artifact["executable"] or artifact["filenames"][0])
-        for artifact in artifacts
-        if artifact["reason"] == "compiler-artifact" and artifact["target"]["name"] in EXAMPLES
-    }
+def artifacts() -> dict[str, Path]:
+    return built("pushbelt-fmi", "lag", "lag_description")
 
 
 @pytest.fixture(params=[2, 3])
-def lag(request: pytest.FixtureRequest, built: dict[str, Path], tmp_path: Path) -> Path:
+def lag(request: pytest.FixtureRequest, artifacts: dict[str, Path], tmp_path: Path) -> Path:
     """The packed FMU."""
     version = request.param
-    command = [built["lag_description"], str(version)]
+    command = [artifacts["lag_description"], str(version)]
     fmu = tmp_path / "Lag.fmu"
     with zipfile.ZipFile(fmu, "w") as archive:
         archive.writestr("modelDescription.xml", subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-        archive.write(built["lag"], f"binaries/{PLATFORM[version]}/Lag{fmpy.sharedLibraryExtension}")
+        archive.write(artifacts["lag"], f"binaries/{PLATFORM[version]}/Lag{fmpy.sharedLibraryExtension}")
     return fmu
 
 
