@@ -15,6 +15,7 @@ import fmpy
 import platformdirs
 
 from ..errors import warn
+from ..whole_file import write_whole
 from .unit import Archive, binaries_of, refuse_others
 from .untrusted import InputFileError, described, named
 
@@ -69,11 +70,4 @@ def _complete(fmu: Path, place: Path) -> None:
             if entry.is_dir() or (path.is_file() and path.stat().st_size == entry.file_size):
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
-            draft, name = tempfile.mkstemp(dir=path.parent, prefix="unpacking-")
-            try:
-                with os.fdopen(draft, "wb") as target, archive.open(entry) as source:
-                    shutil.copyfileobj(source, target)
-                os.chmod(name, 0o755)
-                os.replace(name, path)
-            finally:
-                Path(name).unlink(missing_ok=True)
+            write_whole(path, archive.read(entry))
