@@ -9,7 +9,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from multiprocessing import resource_tracker
 
 from .errors import PushbeltError
 
@@ -52,22 +51,12 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
 
 @contextmanager
 def interrupts_ignored() -> Iterator[None]:
-    """Processes that are started in this context ignore Ctrl-C. This process handles it afterwards. Without effect on Windows."""
-    if not hasattr(signal, "pthread_sigmask"):
+    """Processes that are started in this context ignore Ctrl-C; so does this one, until they are. Without effect on Windows."""
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    # The start of the tracker removes the mask that it finds.
-    resource_tracker.ensure_running()
-    # A process inherits the mask of the thread that starts it. The signal may still reach another thread of this process.
-    held: list[int] = []
-    main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, lambda number, _: held.append(number)) if main else None
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if main:
-            signal.signal(signal.SIGINT, handler)
-        if held:
-            signal.raise_signal(signal.SIGINT)
+        signal.signal(signal.SIGINT, handler)

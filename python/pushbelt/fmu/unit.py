@@ -5,10 +5,11 @@ from __future__ import annotations
 import ctypes
 import json
 import os
+import re
 import shutil
 import threading
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -23,17 +24,8 @@ from .results import Profile
 from .untrusted import InputFileError, described, named
 
 PROFILE_POINTS = 72
-PROFILE_FIELDS = {
-    "position": "position",
-    "push_force": "pushForce",
-    "ring_tension": "ringTension",
-    "normal_force": "normalForce",
-    "radial_deviation": "radialDeviation",
-    "sliding_speed": "slidingSpeed",
-    "gap": "gap",
-}
-
-
+PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
+"""Names of the fields along the belt in the FMU."""
 CALLED = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
 """Type in the names of the functions that set and get a variable of a type."""
 
@@ -224,11 +216,8 @@ class Instance:
         return values
 
     def profile(self) -> Profile:
-        fields = {}
-        for field, variable in PROFILE_FIELDS.items():
-            names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
-            fields[field] = self.get_reals(self.reals(names))
-        return Profile(**fields)
+        names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}
+        return Profile(**{name: self.get_reals(self.reals(places)) for name, places in names.items()})
 
     # Beyond the standard
 
@@ -290,15 +279,15 @@ _LOADING = _Lock()
 
 def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
-    described = archive.description
-    refuse_others(described.modelName, described)
-    identifier = described.coSimulation.modelIdentifier
+    description = archive.description
+    refuse_others(description.modelName, description)
+    identifier = description.coSimulation.modelIdentifier
     binaries = binaries_of(archive.directory)
     with _LOADING.lock:
         here = os.getcwd()
         try:
             return fmi2.FMU2Slave(
-                guid=described.guid,
+                guid=description.guid,
                 unzipDirectory=str(archive.directory),
                 modelIdentifier=identifier,
                 instanceName=name,
