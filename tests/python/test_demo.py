@@ -41,16 +41,6 @@ def test_radii_are_those_derived_for_the_published_variator() -> None:
     assert wraps == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
 
 
-@pytest.mark.parametrize("theta", [-0.45, -0.1, 0.0, 0.3, 0.45])
-def test_belt_is_as_long_as_it_is(theta: float) -> None:
-    curve = data.curve_of(BENCH, theta)
-    points, normals = curve.frame(np.linspace(0.0, curve.length, 20001))
-    assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(curve.length, rel=1e-7)
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
-    along = np.gradient(points, axis=0)
-    assert np.abs((along * normals).sum(axis=1)).max() < 1e-3 * np.linalg.norm(along, axis=1).max()
-
-
 def test_the_push_force_changes_from_strand_to_strand() -> None:
     curve = data.curve_of(BENCH, 0.2)
     _, upper, p_start, p_end, lower, length = curve.borders
