@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from pushbelt.errors import ArgumentError
-
 from .control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from .piecewise import clip
 from .thrust_map import ThrustMap
@@ -88,7 +86,7 @@ def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: 
     """
     strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, flywheel)}
     if name not in strategies:
-        raise ArgumentError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
+        raise ValueError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
     return strategies[name]()
 
 
