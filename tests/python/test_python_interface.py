@@ -49,7 +49,10 @@ def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
     texts += map(repr, (belt, state, state.profile, grid, grid[0, 0], Trace(np.array([0.0, 0.5]), {"slip": np.zeros(2)})))
     belt.close()
     texts.append(repr(belt))
-    parts = ("not started", "at 0.002 s, 2 rows", "ratio 1.3", "72 places", "2 of 4 points have a model", "ratio 0.9, primary.torque 30 N.m", "0 to 0.5 s", "closed")
+    parts = (
+        "not started", "at 0.002 s, 2 rows", "ratio 1.3", "72 places", "2 of 4 points have a model",
+        "ratio 0.9, primary.torque 30 N.m", "0 to 0.5 s", "closed",
+    )  # fmt: skip
     for text, part in zip(texts, parts, strict=True):
         assert part in text and text[0] == "<" and len(text) < 260 and "\n" not in text
 

@@ -23,9 +23,15 @@ from pushbelt.report.page import write_html
 
 X = np.linspace(0.0, 1800.0, 50)
 NARROW = [
-    Panel("Large numbers", [Series("a", X, 1e5 * np.sin(X))], "time since the beginning of the whole driving cycle in seconds (s)", "a long title of an axis (kN)"),
+    Panel(
+        "Large numbers", [Series("a", X, 1e5 * np.sin(X))],
+        "time since the beginning of the whole driving cycle in seconds (s)", "a long title of an axis (kN)",
+    ),
     Panel("Named", [Series("b", [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])], x_ticks=tuple((float(k), f"underdrive {k}") for k in range(4))),
-    Panel("Shaded", [Series("d", X, X)], x_range=(0.0, 1800.0), shades=[Shade(200.0 * k, 200.0 * k + 200.0, style.BLUE, f"secondary arc {k}") for k in range(9)]),
+    Panel(
+        "Shaded", [Series("d", X, X)], x_range=(0.0, 1800.0),
+        shades=[Shade(200.0 * k, 200.0 * k + 200.0, style.BLUE, f"secondary arc {k}") for k in range(9)],
+    ),
     Panel("Logarithmic", [Series("c", X + 1.0, 1e-3 * X + 1e-6)], "frequency (Hz)", x_scale="log", scale="log"),
 ]  # fmt: skip
 """Long names of ticks, large numbers and long titles of axes."""
@@ -180,7 +186,8 @@ def test_the_pointer_moves_one_cursor_through_panels_and_belt(opened: Page) -> N
 
     move(0.2)
     move(0.5)
-    values = "[...document.querySelector('.chart').querySelectorAll('.keys button output')].map((one) => Number(one.textContent.replace('\u2212', '-').replaceAll('\u202f', '')))"
+    shown = "[...document.querySelector('.chart').querySelectorAll('.keys button output')].map((one) => one.textContent"
+    values = f"{shown}.replace('\u2212', '-').replaceAll('\u202f', '')).map(Number)"
     opened.wait_for_function(f"Math.abs({values}[0] - 0.5) < 0.02")
     a, b, c, d = opened.evaluate(values)
     assert (b, d) == pytest.approx((2.0 * a, -a), abs=2e-3)

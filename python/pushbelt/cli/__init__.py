@@ -67,7 +67,8 @@ def parser() -> argparse.ArgumentParser:
     maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")
     cache = command("cache", "show.show_cache", "show the folder of unpacked FMUs and its size")
     cache.add_argument("--clear", action="store_true", help="remove them")
-    variables = command("variables", "show.show_variables", "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range")
+    text = "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range"
+    variables = command("variables", "show.show_variables", text)
     variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
