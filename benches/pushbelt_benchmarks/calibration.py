@@ -22,7 +22,6 @@ from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.tables.points import Measured, Point
 
-
 FACTORS = {
     "friction.pulley": 1.09, "friction.ring": 1.4, "belt.play": 3.0, "belt.pushStiffness": 1.25,
     "primary.tiltStiffness": 0.8, "secondary.tiltStiffness": 0.8, "contact.stiffness": 1.2,

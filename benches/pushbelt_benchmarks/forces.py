@@ -20,20 +20,16 @@ from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
 RATIOS = (0.5, 0.8, 1.0, 1.5, 2.2)
-TORQUES = (-100.0, -30.0, 30.0, 100.0, 150.0)
-"""Primary torque, N·m."""
+TORQUES = (-100.0, -30.0, 30.0, 100.0, 150.0)  # Primary torque, N·m
 
 
 @dataclass
 class Work:
     """Work of one of the two parts."""
 
-    states: int = 0
-    """Initial states that the FMU solved."""
-    most: int = 0
-    """Of them at one point."""
-    seconds: float = 0.0
-    """Processor time."""
+    states: int = 0  # Initial states that the FMU solved
+    most: int = 0  # Of them at one point
+    seconds: float = 0.0  # Processor time
 
 
 class Counter:

@@ -98,9 +98,25 @@ def swing(step: float) -> tuple[float, float]:
     return 0.5 * (len(crossings) - 1) / (crossings[-1] - crossings[0]), spent
 
 
+def frame(curve: TwoPulleyCurve, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points and outward unit normals of a curve at places ξ, each of shape (n, 2)."""
+    lower = xi > 0.5 * curve.length
+    upper_xi = np.where(lower, curve.length - xi, xi)
+    _, arc_end, strand_end, *_ = curve.borders
+    on_s, on_strand = upper_xi < arc_end, upper_xi < strand_end
+    on_p = curve.phi + (upper_xi - strand_end) / curve.primary_radius
+    angle = np.where(on_s, upper_xi / curve.secondary_radius, np.where(on_strand, curve.phi, on_p))
+    normal = np.stack([-np.cos(angle), np.sin(angle)], axis=1)
+    along = np.where(on_s, 0.0, upper_xi - arc_end)[:, None] * [np.sin(curve.phi), np.cos(curve.phi)]
+    from_p = np.array([curve.center_distance, 0.0]) + curve.primary_radius * normal
+    point = np.where((on_s | on_strand)[:, None], curve.secondary_radius * normal + along, from_p)
+    mirror = np.stack([np.ones_like(xi), np.where(lower, -1.0, 1.0)], axis=1)
+    return mirror * point, mirror * normal
+
+
 def large_swing(elements: int, step: float) -> float:
     """Frequency from the two-arc shape at rest (Θ = 0.4, axes 0.155 m apart), Hz. The ring is free of stress where it is straight."""
-    places, normals = TwoPulleyCurve(0.155, LENGTH, 0.4).frame(LENGTH * np.arange(elements) / elements)
+    places, normals = frame(TwoPulleyCurve(0.155, LENGTH, 0.4), LENGTH * np.arange(elements) / elements)
     system = exudyn.SystemContainer().AddSystem()
     nodes = [
         system.AddNode(NodePoint2DSlope1(referenceCoordinates=[*place, normal[1], -normal[0]]))

@@ -38,29 +38,24 @@ if TYPE_CHECKING:
     from .variator import Snapshot as Snapshot, Variator as Variator
 
 _MODULES = {
-    "ArgumentError": "errors",
-    "InputFileError": "fmu.untrusted",
-    "LinearGrid": "linear.grid",
-    "LinearModel": "linear.model",
-    "LinearPointError": "linear.model",
-    "MapError": "maps.data",
-    "MapVariator": "maps.variator",
-    "Maps": "maps.data",
-    "MissingFileError": "errors",
-    "MissingPackageError": "errors",
-    "NotPhysicalError": "linear.physical",
-    "PushbeltError": "errors",
-    "Record": "recording",
-    "Snapshot": "variator",
-    "StartValueError": "fmu.start_values",
-    "SteadyStateError": "points",
-    "UnitError": "fmu.unit",
-    "UnknownNameError": "errors",
-    "Variator": "variator",
-    "VariatorWarning": "errors",
-    "default_fmu": "fmu.files",
-    "load_linear": "linear.grid",
-    "parameter_set": "fmu.data",
+    name: module
+    for module, names in {
+        "errors": "ArgumentError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
+        "fmu.data": "parameter_set",
+        "fmu.files": "default_fmu",
+        "fmu.start_values": "StartValueError",
+        "fmu.unit": "UnitError",
+        "fmu.untrusted": "InputFileError",
+        "linear.grid": "LinearGrid load_linear",
+        "linear.model": "LinearModel LinearPointError",
+        "linear.physical": "NotPhysicalError",
+        "maps.data": "MapError Maps",
+        "maps.variator": "MapVariator",
+        "points": "SteadyStateError",
+        "recording": "Record",
+        "variator": "Snapshot Variator",
+    }.items()
+    for name in names.split()
 }
 """Names that are imported on first use, so that the processes of the programs start quickly."""
 __all__ = sorted(["__version__", *_MODULES])  # noqa: PLE0605

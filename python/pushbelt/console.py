@@ -7,16 +7,12 @@ import io
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from multiprocessing import resource_tracker
-from pathlib import Path
 
 from .errors import PushbeltError
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
+INTERRUPTED = 130  # Exit code after Ctrl-C
 
 
 def run(main: Callable[[], int | None]) -> int:
@@ -43,10 +39,8 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
                 if not error.name or error.name.startswith("pushbelt"):
                     raise
                 said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
-            except (OSError, ValueError, RuntimeError, KeyError) as error:
-                if not (isinstance(error, (OSError, PushbeltError)) or raised_here(error)):
-                    raise
-                said = f"{name}: {error.args[0] if isinstance(error, KeyError) else error}"
+            except (OSError, PushbeltError) as error:
+                said = f"{name}: {error}"
             print(f"pushbelt {said}", file=sys.stderr)
             return 1
 
@@ -55,34 +49,14 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
     return made
 
 
-def raised_here(error: BaseException) -> bool:
-    """Whether a statement of this package raised an error, so that its message is complete without a traceback."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return (
-        bool(frames)
-        and Path(__file__).parent in Path(frames[-1].filename).parents
-        and bool(frames[-1].line and frames[-1].line.startswith("raise"))
-    )
-
-
 @contextmanager
 def interrupts_ignored() -> Iterator[None]:
-    """Processes that are started in this context ignore Ctrl-C. This process handles it afterwards. Without effect on Windows."""
-    if not hasattr(signal, "pthread_sigmask"):
+    """Processes that are started in this context ignore Ctrl-C; so does this one, until they are. Without effect on Windows."""
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    # The start of the tracker removes the mask that it finds.
-    resource_tracker.ensure_running()
-    # A process inherits the mask of the thread that starts it. The signal may still reach another thread of this process.
-    held: list[int] = []
-    main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, lambda number, _: held.append(number)) if main else None
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if main:
-            signal.signal(signal.SIGINT, handler)
-        if held:
-            signal.raise_signal(signal.SIGINT)
+        signal.signal(signal.SIGINT, handler)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import sys
 import warnings
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -29,6 +31,12 @@ class MissingFileError(PushbeltError, FileNotFoundError):
 
 class MissingPackageError(PushbeltError, ModuleNotFoundError):
     """A package is not installed. The message names the extra that installs it."""
+
+
+def similar(name: str, names: Iterable[str]) -> str:
+    """Similar names, as the end of a message; empty if there is none."""
+    near = difflib.get_close_matches(name, list(names), n=3)
+    return f"; similar names: {', '.join(near)}" if near else ""
 
 
 class VariatorWarning(UserWarning):

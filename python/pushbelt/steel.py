@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.geometry import Array
 
 RANGES = {
@@ -22,7 +23,7 @@ def check_ranges(one: object, what: str, ranges: Mapping[str, tuple[float, float
     for name, (low, high, unit) in ranges.items():
         value = getattr(one, name) * (1e-6 if unit == " MPa" else 1.0)
         if not low <= value <= high:
-            raise ValueError(f"{name} of {what}: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
+            raise ArgumentError(f"{name} of {what}: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Material:
     def __post_init__(self) -> None:
         check_ranges(self, "the steel", RANGES)
         if self.limit >= self.strength:
-            raise ValueError(f"limit of the steel: {1e-6 * self.limit:g} MPa is not below its strength, {1e-6 * self.strength:g} MPa")
+            raise ArgumentError(f"limit of the steel: {1e-6 * self.limit:g} MPa is not below its strength, {1e-6 * self.strength:g} MPa")
 
     @property
     def allowed(self) -> float:

@@ -41,12 +41,9 @@ Parameters = str | os.PathLike[str] | Values
 class Snapshot:
     """A state of a run. It can be stored, and restored in another variator of the same FMU, also in another process."""
 
-    time: float
-    """s."""
-    values: Mapping[str, float]
-    """Parameters and inputs."""
-    state: bytes
-    """State of the FMU."""
+    time: float  # s
+    values: Mapping[str, float]  # Parameters and inputs
+    state: bytes  # State of the FMU
 
     def __repr__(self) -> str:
         return f"<Snapshot at {self.time:g} s: {len(self.state)} bytes>"
@@ -216,20 +213,11 @@ class Variator(LinearPoints):
     def snapshot(self) -> Snapshot:
         """The present state of the run, to which `restore` returns."""
         unit = self._running("the state")
-        state = unit.get_state()
-        try:
-            return Snapshot(unit.time, dict(self._values), unit.serialise(state))
-        finally:
-            unit.free_state(state)
+        return Snapshot(unit.time, dict(self._values), unit.state())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Returns to a state. The run continues from it as it did before, to the last bit. Later recorded outputs are removed."""
-        unit = self._open
-        state = unit.deserialise(snapshot.state, snapshot.time)
-        try:
-            unit.set_state(state)
-        finally:
-            unit.free_state(state)
+        self._open.restore(snapshot.state, snapshot.time)
         self._values = dict(snapshot.values)
         self._recording.cut(snapshot.time)
         self._read()
@@ -308,7 +296,6 @@ class Variator(LinearPoints):
         return self._unit
 
     def _running(self, what: str) -> calls.Instance:
-        """The instance of a run that has started."""
         unit = self._open
         if self._now is None:
             raise UnitError(f"{what} has no value before the start: call start() or step() first")

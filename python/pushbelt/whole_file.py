@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 
 def write_whole(path: Path, contents: bytes) -> None:
     """Writes a file completely or not at all, even if the process ends at any time. After an error, such as a full disk, nothing remains."""
-    passing = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    passing = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}.partial")
     try:
         with passing.open("wb") as file:
             file.write(contents)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -17,11 +19,12 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
+from pushbelt_cosim.masters import leave  # noqa: E402
+
 from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
-from pushbelt_cosim.masters import leave  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
@@ -30,8 +33,7 @@ SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
 CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
 """A coarse ring model without load at the start, for tests of the interface."""
 MESH = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-COARSE = {"ring.model": "ALE0", **MESH}
-"""A coarse mesh, for tests of what is made of the FMU's results."""
+COARSE = {"ring.model": "ALE0", **MESH}  # A coarse mesh, for tests of what is made of the FMU's results
 WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
 
 
@@ -75,6 +77,14 @@ def module_of(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     return module
+
+
+def built(package: str, *examples: str) -> dict[str, Path]:
+    """What cargo builds for the examples of a package: libraries or programs."""
+    command = ["cargo", "build", "--release", "--package", package, "--message-format=json", *(f"--example={one}" for one in examples)]
+    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    found = [message for message in map(json.loads, output.splitlines()) if message["reason"] == "compiler-artifact"]
+    return {one["target"]["name"]: Path(one["executable"] or one["filenames"][0]) for one in found if one["target"]["name"] in examples}
 
 
 def needs(package: str) -> None:
@@ -152,13 +162,9 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Removes the second tier. pytest prints how many tests that are."""
     if config.getoption("--first-tier"):
-        second = [
-            item
-            for item in items
-            if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
-        ]
+        second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
         config.hook.pytest_deselected(items=second)
-        items[:] = [item for item in items if item not in set(second)]
+        items[:] = [one for one in items if one not in second]
 
 
 @pytest.hookimpl(trylast=True)

@@ -8,56 +8,37 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 
 import browser
 
 ROOT = Path(__file__).parents[2]
-WIDTH, HEIGHT = 1206, 1090
-"""Size of the part of the page, px."""
-MARGIN = 50
-"""Empty height above the belt that is left out, px."""
+WIDTH, HEIGHT = 1206, 1090  # Size of the part of the page, px
+MARGIN = 50  # Empty height above the belt that is left out, px
 FIGURES = {
     "paper": {f"#figure-{name}": f"paper-figure-{name}.png" for name in ("6-7", "7", "8ab", "8c", "8d", "9")},
     "validate": {"#steps-figure": "validation-steps.png"},
     "drive": {"#drive + figure": "drive.png"},
 }
 """Figures of each report that the docs show, by selector, and their files."""
-TITLE = 14
-"""Height by which the title of a first panel stands out of its figure, px."""
-SHOWN = 4.0
-"""Time of the manoeuvre in the picture, s."""
+TITLE = 14  # Height by which the title of a first panel stands out of its figure, px
+SHOWN = 4.0  # Time of the manoeuvre in the picture, s
 
 
-@contextmanager
-def opened(report: Path) -> Iterator[browser.Page]:
-    """The report in Chromium."""
-    program = browser.find()
-    if program is None:
-        raise SystemExit("no Chromium on the search path: install the package chromium")
-    with browser.page(program) as page:
-        page.open(report, WIDTH)
-        yield page
-
-
-def take(report: Path, picture: Path) -> None:
-    """Saves the beginning of the manoeuvre's figures: the belt, and the first panels."""
-    with opened(report) as page:
-        page.run(f"pushbelt.belts[0].show({SHOWN}, true)")
-        top = page.run("document.querySelector('.belt').getBoundingClientRect().top + scrollY") + MARGIN
-        page.picture(picture, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": HEIGHT, "scale": 1})
-
-
-def take_figures(report: Path, folder: Path, figures: Mapping[str, str]) -> None:
-    """Saves figures of a report without their captions."""
-    with opened(report) as page:
-        page.run("document.querySelectorAll('figcaption, .tools > button, .tools > output').forEach((one) => { one.style.display = 'none'; })")
+def take(report: Path, picture: Path, figures: Mapping[str, str] | None) -> None:
+    """Saves the beginning of the manoeuvre's figures: the belt, and the first panels. Or saves figures without their captions to a folder."""
+    with browser.page() as (page, _):
+        browser.show(page, report, WIDTH)
+        if figures is None:
+            page.evaluate(f"pushbelt.belts[0].show({SHOWN}, true)")
+            top = page.evaluate("document.querySelector('.belt').getBoundingClientRect().top + scrollY") + MARGIN
+            page.screenshot(path=picture, full_page=True, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": HEIGHT})
+            return
+        page.add_style_tag(content="figcaption, .tools > button, .tools > output { display: none !important; }")
         for name, file in figures.items():
-            box = f"document.querySelector('{name}').getBoundingClientRect()"
-            clip = {key: page.run(f"{box}.{key}") for key in ("x", "width", "height")}
-            page.picture(folder / file, clip={**clip, "y": page.run(f"{box}.top + scrollY") - TITLE, "scale": 1})
+            box = page.locator(name).bounding_box()
+            page.screenshot(path=picture / file, full_page=True, clip={**box, "y": box["y"] - TITLE})
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -73,10 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not report.is_file():
         print(f"{report} is missing: run `cargo fmu {name}`", file=sys.stderr)
         return 1
-    if figures:
-        take_figures(report, picture, figures)
-    else:
-        take(report, picture)
+    take(report, picture, figures)
     print(picture)
     return 0
 

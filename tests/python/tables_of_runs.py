@@ -5,16 +5,14 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-from pushbelt.fmu.unit import units_of
 from pushbelt.fmu.untrusted import described
-from pushbelt.tables import sheet, units
-from pushbelt.tables import split
+from pushbelt.tables import sheet, split, units
 from pushbelt.tables.names import Column
 
 
 def units_are_those_of(fmu: Path, *paths: Path) -> None:
     """Every column of numbers has a unit, and that of a variable is the FMU's. Readers of tables take all titles."""
-    known = units_of(described(fmu))
+    known = {one.name: one.unit or "1" for one in described(fmu).modelVariables}
     for path in paths:
         with path.open(encoding="utf-8", newline="") as file:
             titles = next(csv.reader(file))

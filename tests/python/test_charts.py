@@ -6,14 +6,10 @@ import base64
 import itertools
 import json
 import re
-from collections.abc import Iterator
-from pathlib import Path
 
-import browser
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from conftest import ROOT
 
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import Array, theta_of
@@ -131,12 +127,13 @@ def test_a_thinned_line_keeps_what_a_reader_sees() -> None:
     time = np.linspace(0.0, 10.0, 10001)
     values = np.sin(time)
     values[4321] = 7.0
-    values[6000:6100] = np.nan
+    values[6000:6100] = values[8007] = np.nan
     x, y = charts.thinned(time, values)
     assert len(x) < 2500
     assert {x[0], x[-1]} == {0.0, 10.0}
     assert np.nanmax(y) == 7.0
     assert np.isnan(y[(x > 6.0005) & (x < 6.099)]).all()
+    assert np.isnan(y[x == time[8007]]).tolist() == [True]
     known = np.isfinite(values) & (np.abs(time - time[4321]) > 0.02) & (np.abs(time - 6.05) > 0.07)
     solid = np.isfinite(y)
     assert np.interp(time[known], x[solid], y[solid]) == pytest.approx(values[known], abs=3e-3)
@@ -150,53 +147,3 @@ def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
     outputs = {f"{p}.radius": curve.radius(p) - pitch + 2e-4 for p in ("primary", "secondary")}
     offset = belt_view.belt_offset(BeltState(outputs, Profile(position, none, none, none, outward, none, none)), curve, pitch)
     assert set(np.round(offset, 9)) == {1e-4, 3e-4}
-
-
-# In a browser
-
-
-@pytest.fixture
-def page() -> Iterator[browser.Page]:
-    program = browser.find()
-    if program is None:
-        pytest.skip("no Chromium on the search path")
-    with browser.page(program) as opened:
-        yield opened
-
-
-TABLE = (
-    "<table><tr><th>Name</th><th>Value</th></tr>"
-    "<tr><td>c</td><td>\N{MINUS SIGN}2.5 %</td></tr><tr><td>a</td><td>1\N{NARROW NO-BREAK SPACE}200</td></tr>"
-    "<tr><td>b</td><td>\N{EN DASH}</td></tr><tr><td>d</td><td>30 <small>kN</small></td></tr></table>"
-)
-
-
-def template(name: str) -> str:
-    return (ROOT / "python" / "pushbelt" / "report" / name).read_text(encoding="utf-8")
-
-
-def test_a_table_is_sorted_by_value(page: browser.Page, tmp_path: Path) -> None:
-    """Short and irregular tables stay as they are."""
-    irregular = TABLE.replace("<td>b</td>", "<td colspan='2'>b</td>")
-    short = "<table><tr><th>A</th></tr><tr><td>2</td></tr><tr><td>1</td></tr></table>"
-    script = f"<script>{template('tables.js.j2')}</script><script>const pushbelt = {{ready: Promise.resolve(), draw: () => 0}};</script>"
-    path = tmp_path / "table.html"
-    path.write_text(f"<!DOCTYPE html><meta charset='utf-8'>{TABLE}{irregular}{short}{script}", encoding="utf-8")
-    page.open(path, 400)
-    assert page.run("document.querySelectorAll('th[aria-sort]').length") == 2
-    names = "[...document.querySelector('table').querySelectorAll('td:first-child')].map((one) => one.textContent).join('')"
-    for column, order in ((1, "cdab"), (1, "adcb"), (0, "abcd")):
-        page.run(f"document.querySelectorAll('th')[{column}].click()")
-        assert page.run(names) == order
-    assert page.run("document.querySelectorAll('th')[1].getAttribute('aria-sort')") == "none"
-    assert page.complaints == []
-
-
-X = np.linspace(0.0, 1800.0, 50)
-NARROW = [
-    Panel("Large numbers", [Series("a", X, 1e5 * np.sin(X))], "time since the beginning of the whole driving cycle in seconds (s)", "a long title of an axis (kN)"),
-    Panel("Named", [Series("b", [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])], x_ticks=tuple((float(k), f"underdrive {k}") for k in range(4))),
-    Panel("Shaded", [Series("d", X, X)], x_range=(0.0, 1800.0), shades=[Shade(200.0 * k, 200.0 * k + 200.0, style.BLUE, f"secondary arc {k}") for k in range(9)]),
-    Panel("Logarithmic", [Series("c", X + 1.0, 1e-3 * X + 1e-6)], "frequency (Hz)", x_scale="log", scale="log"),
-]  # fmt: skip
-"""Long names of ticks, large numbers and long titles of axes."""

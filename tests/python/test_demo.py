@@ -13,11 +13,11 @@ import tables_of_runs
 
 from pushbelt import tables
 from pushbelt.demo import __main__, events
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
-from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.load_cases import NotFoundError, find_load
-from pushbelt.fmu.results import Trace
+from pushbelt.fmu.results import Trace, intervals
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
@@ -41,16 +41,6 @@ def test_radii_are_those_derived_for_the_published_variator() -> None:
     assert wraps == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
 
 
-@pytest.mark.parametrize("theta", [-0.45, -0.1, 0.0, 0.3, 0.45])
-def test_belt_is_as_long_as_it_is(theta: float) -> None:
-    curve = data.curve_of(BENCH, theta)
-    points, normals = curve.frame(np.linspace(0.0, curve.length, 20001))
-    assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(curve.length, rel=1e-7)
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
-    along = np.gradient(points, axis=0)
-    assert np.abs((along * normals).sum(axis=1)).max() < 1e-3 * np.linalg.norm(along, axis=1).max()
-
-
 def test_the_push_force_changes_from_strand_to_strand() -> None:
     curve = data.curve_of(BENCH, 0.2)
     _, upper, p_start, p_end, lower, length = curve.borders
@@ -58,11 +48,10 @@ def test_the_push_force_changes_from_strand_to_strand() -> None:
     assert gains == pytest.approx((50.0, 30.0, -90.0), abs=6.0)
 
 
-def test_impossible_belts_are_refused() -> None:
-    with pytest.raises(ValueError, match="is too short for two axes"):
-        primary_radius(0.0, 0.4, 0.7)
-    with pytest.raises(ValueError, match="between"):
-        primary_radius(1.0, 0.168, 0.703)
+@pytest.mark.parametrize("belt", [(0.0, 0.4, 0.7), (1.0, 0.168, 0.703)])
+def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
+    with pytest.raises(ArgumentError):
+        primary_radius(*belt)
 
 
 # Data
@@ -98,23 +87,16 @@ def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
 
 
 def test_load_is_found_in_a_few_evaluations() -> None:
-    def belt_torque(load: float) -> float:
-        return -load / 2.3 + 1.5 + 1e-4 * load**2
-
     tried: list[float] = []
 
-    def counted(load: float) -> float:
+    def belt_torque(load: float) -> float:
         tried.append(load)
-        return belt_torque(load)
+        return -load / 2.3 + 1.5 + 1e-4 * load**2
 
-    load = find_load(counted, 50.0, -100.0)
+    load = find_load(belt_torque, 50.0, -100.0)
+    assert tried[-1] == load and len(tried) <= 4
     assert belt_torque(load) == pytest.approx(50.0, rel=1e-4)
-    assert tried[-1] == load
-    assert len(tried) <= 4
-
-
-def test_load_beyond_capacity_is_reported() -> None:
-    with pytest.raises(NotFoundError, match="no load torque"):
+    with pytest.raises(NotFoundError):
         find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
 
 
@@ -161,19 +143,13 @@ def test_events_are_found_in_order() -> None:
     assert found[1].start == pytest.approx(2.05, abs=0.02)
 
 
-def test_events_that_fail_to_occur_say_why() -> None:
+def test_events_that_do_not_occur_are_shown() -> None:
     trace = synthetic_manoeuvre()
     still = {name: np.full_like(values, values[0]) for name, values in trace.columns.items()}
-    found = events.detect(Trace(trace.time, still))
-    assert not any(event.occurred for event in found)
-    assert "ratio stays" in next(event.evidence for event in found if event.name == "Shift to overdrive")
-
-
-def test_persistent_slip_is_not_a_recovery() -> None:
-    trace = synthetic_manoeuvre()
+    assert not any(event.occurred for event in events.detect(Trace(trace.time, still)))
     slip = np.where(trace.time > 8.505, 0.5, 0.01)
     found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
-    assert [event.name for event in found if not event.occurred] == ["Recovery"]
+    assert [event.name for event in found if not event.occurred] == ["Recovery"], "persistent slip"
 
 
 def test_intervals_close_small_gaps() -> None:
@@ -201,10 +177,10 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
     folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
-    assert folded == [("checks", " open", "8 of 9 hold")]
+    assert folded == [("checks", " open", "7 of 8 hold")]
     section = report[report.index('id="checks"') : report.index('id="sources"')]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', section)
-    assert len(verdicts) == 9
+    assert len(verdicts) == 8
     # Most events come after the first second.
     assert [statement for mark, statement in verdicts if mark == "✗"] == ["Every event of the manoeuvre occurs"]
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.

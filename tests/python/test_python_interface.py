@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COARSE, ROOT
+from conftest import ROOT
 from test_wheel import EXTRA_OF, declared, imported  # noqa: F401
 
 import pushbelt
@@ -43,43 +43,37 @@ def test_the_package_completes_to_what_is_public() -> None:
 
 
 def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
-    assert repr(belt) == "<Variator bench168: ring ALE0, not started, 0 rows of outputs>"
+    texts = [repr(belt)]
     belt.step(0.002)
     state, grid = belt.steady(1.3, 33.0), belt.linear_grid([0.9, 1.2], [30.0, 800.0], force=9e3)
-    trace = Trace(np.array([0.0, 0.5]), {"slip": np.zeros(2)})
-    texts = [repr(one) for one in (belt, state, state.profile, grid, grid[0, 0], trace)]
-    assert "at 0.002 s, 2 rows" in texts[0] and "ratio 1.3" in texts[1] and "72 places" in texts[2]
-    assert "ratio 0.9 to 1.2 (2)" in texts[3] and "2 of 4 points have a model" in texts[3]
-    assert "ratio 0.9, primary.torque 30 N.m" in texts[4] and "0 to 0.5 s; 1 variables" in texts[5]
-    assert all(len(one) < 260 and "\n" not in one and one[0] == "<" for one in texts)
+    texts += map(repr, (belt, state, state.profile, grid, grid[0, 0], Trace(np.array([0.0, 0.5]), {"slip": np.zeros(2)})))
     belt.close()
-    assert "closed" in repr(belt)
+    texts.append(repr(belt))
+    parts = (
+        "not started", "at 0.002 s, 2 rows", "ratio 1.3", "72 places", "2 of 4 points have a model",
+        "ratio 0.9, primary.torque 30 N.m", "0 to 0.5 s", "closed",
+    )  # fmt: skip
+    for text, part in zip(texts, parts, strict=True):
+        assert part in text and text[0] == "<" and len(text) < 260 and "\n" not in text
 
 
 # Tables
 
 
-def test_a_table_of_inputs_gives_a_table_of_outputs(fmu: Path, belt: Variator) -> None:
+def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
     times = [0.0, 0.013, 0.03]
-    inputs = pd.DataFrame(
-        {"primary.torque": [44.0, 52.0, 52.0], "primary.clampingForce": [12e3, 12e3, 13.5e3]}, index=times
-    )
+    inputs = pd.DataFrame({"primary.torque": [44.0, 52.0, 52.0], "primary.clampingForce": [12e3, 12e3, 13.5e3]}, index=times)
     found = belt.simulate(inputs, step=4e-3)
     assert found.index.name == "time" and set(times) <= set(found.index.to_numpy().round(12))
     assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
     assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
-    with Variator("bench168", {**COARSE, "inputs.ramp": -1.0}, fmu=fmu) as other:
-        other.set({"primary.torque": 44.0, "primary.clampingForce": 12e3})
-        other.start()
-        for at, before in zip(found.index[1:], found.index[:-1], strict=True):
-            values = {name: np.interp(at, times, inputs[name]) for name in inputs}
-            state = other.step(at - before, values)
-    assert found["ratio.geometric"].iloc[-1] == pytest.approx(state["ratio.geometric"], rel=1e-9)
     # It continues, with time as a column and a selection of outputs.
     more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0]})
     rest = belt.simulate(more, outputs=["slip", "macroSlip"])
     assert list(rest.columns) == ["slip", "macroSlip"] and rest.index[[0, -1]].tolist() == pytest.approx([0.03, 0.05])
     assert belt.to_dataframe().shape == (len(found) + len(rest) - 1, len(belt.outputs.dtype.names) - 1)
+    with pytest.raises(pushbelt.ArgumentError):
+        belt.simulate(inputs)
 
 
 @pytest.mark.parametrize(
@@ -121,25 +115,25 @@ def test_similar_names_are_given(belt: Variator) -> None:
 
 
 def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["variables", "inertia", "--kind", "parameter", "--fmu", str(fmu)]) == 0
-    said = capsys.readouterr().out
+    def listed(*words: str) -> str:
+        assert cli.main(["variables", *words, "--fmu", str(fmu)]) == 0
+        return capsys.readouterr().out
+
+    said = listed("inertia", "--kind", "parameter")
     assert "secondary.inertia\n    parameter, start " in said and " kg.m2, range 0" in said
-    assert cli.main(["variables", "ring.model", "--fmu", str(fmu)]) == 0
-    assert "start ALE, one of ALE0, ALE\n" in capsys.readouterr().out
-    assert cli.main(["variables", "--kind", "output", "--fmu", str(fmu)]) == 0
-    said = capsys.readouterr().out
+    assert "start ALE, one of ALE0, ALE\n" in listed("ring.model")
+    said = listed("--kind", "output")
     assert said.startswith("thrustRatio\n    output, ") and "profile.pushForce[1]" not in said and "primary.torque\n" not in said
     assert cli.main(["variables", "thrustRaito", "--fmu", str(fmu)]) == 1
-    assert "similar names: thrustRatio" in capsys.readouterr().err
+    assert "thrustRatio" in capsys.readouterr().err
 
 
 def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["docs"]) == 0
-    assert "linear, " in capsys.readouterr().out
-    assert cli.main(["docs", "limits"]) == 0
-    assert capsys.readouterr().out.startswith("# ")
+    assert cli.main(["docs"]) == cli.main(["docs", "limits"]) == 0
+    said = capsys.readouterr().out
+    assert "linear, " in said and "\n# " in said
     assert cli.main(["docs", "variabels"]) == 1
-    assert "no page variabels; similar names: variables" in capsys.readouterr().err
+    assert "variables" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("program", [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"])
@@ -155,26 +149,18 @@ def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_pa
 
 def test_a_program_without_its_packages_names_the_extra(fmu: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-c", WITHOUT, "jinja2,plotly,tqdm", "demo", "--fmu", str(fmu)]
-    run = subprocess.run(
-        command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT / "python")}, cwd=tmp_path
-    )
+    run = subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT / "python")}, cwd=tmp_path)
     assert (run.returncode, run.stdout) == (1, "") and "pip install 'pushbelt[reports]'" in run.stderr
 
 
-def test_an_error_of_a_program_has_no_traceback(
+def test_only_an_error_of_the_package_has_no_traceback(
     fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     old = tmp_path / "old.json"
     old.write_text(json.dumps({"parameters": {"belt.contactStrain": {"value": 1.0}}}), encoding="utf-8")
-    for name in ("demo", "drive", "sweep", "linearize"):
-        assert cli.main([name, "--variator", str(old), "--fmu", str(fmu)]) == 1
-        assert "belt.contactStrain has been removed" in capsys.readouterr().err
-
-    def broken(_: list[str]) -> int:
-        return int("an error within the program")
-
-    monkeypatch.setattr("pushbelt.demo.__main__.main", console.program("demo", "reports")(broken))
+    assert cli.main(["demo", "--variator", str(old), "--fmu", str(fmu), "--output", str(tmp_path)]) == 1
+    assert "belt.contactStrain" in capsys.readouterr().err
+    monkeypatch.setattr("pushbelt.demo.__main__.main", console.program("demo", "reports")(lambda _: int("an error within the program")))
     with pytest.raises(ValueError, match="invalid literal"):
         cli.main(["demo", "--fmu", str(fmu)])
 

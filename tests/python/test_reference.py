@@ -167,7 +167,7 @@ def test_the_command_takes_a_set(fmu: Path, tmp_path: Path, capsys: pytest.Captu
     assert cli.main(words) == 0
     expected = {**parameter_set("belt155"), "belt.play": 3e-4}
     with Archive.unpack(copy) as archive, Instance(archive, {}) as unit:
-        unit.enter_initialisation()
+        unit.initialise()
         assert {name: unit.get(name) for name in expected} == expected
     capsys.readouterr()
     assert cli.main([*words[:4], "--ssv", str(tmp_path / "none.ssv")]) == 1

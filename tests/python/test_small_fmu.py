@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import zipfile
 from pathlib import Path
@@ -10,59 +9,38 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from conftest import built
 from fmpy.validation import validate_fmu
 
-ROOT = Path(__file__).parents[2]
-EXAMPLES = ("lag", "lag_description")
-PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
-"""The folder of the library in an archive of each version."""
+PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
 
 @pytest.fixture(scope="module")
-def built() -> dict[str, Path]:
-    """What cargo builds for each example: the library, and the program that prints the model description."""
-    command = ["cargo", "build", "--release", "--package", "pushbelt-fmi", "--message-format=json"]
-    for example in EXAMPLES:
-        command += ["--example", example]
-    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    artifacts = [json.loads(line) for line in output.splitlines()]
-    return {
-        artifact["target"]["name"]: Path(artifact["executable"] or artifact["filenames"][0])
-        for artifact in artifacts
-        if artifact["reason"] == "compiler-artifact" and artifact["target"]["name"] in EXAMPLES
-    }
+def artifacts() -> dict[str, Path]:
+    return built("pushbelt-fmi", "lag", "lag_description")
 
 
 @pytest.fixture(params=[2, 3])
-def lag(request: pytest.FixtureRequest, built: dict[str, Path], tmp_path: Path) -> Path:
+def lag(request: pytest.FixtureRequest, artifacts: dict[str, Path], tmp_path: Path) -> Path:
     """The packed FMU."""
     version = request.param
-    command = [built["lag_description"], str(version)]
-    description = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    command = [artifacts["lag_description"], str(version)]
     fmu = tmp_path / "Lag.fmu"
-    library = f"binaries/{PLATFORM[version]}/Lag{fmpy.sharedLibraryExtension}"
     with zipfile.ZipFile(fmu, "w") as archive:
-        archive.writestr("modelDescription.xml", description)
-        archive.write(built["lag"], library)
+        archive.writestr("modelDescription.xml", subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        archive.write(artifacts["lag"], f"binaries/{PLATFORM[version]}/Lag{fmpy.sharedLibraryExtension}")
     return fmu
 
 
 def test_it_follows_the_exact_solution(lag: Path) -> None:
+    """An input is held from one communication point to the next."""
     assert validate_fmu(lag) == []
-    constant, start, value = 0.5, 3.0, 1.0
-    result = fmpy.simulate_fmu(
-        lag, stop_time=2.0, output_interval=0.01, start_values={"T": constant, "start": start, "u": value}, output=["y"]
-    )
-    exact = value + (start - value) * np.exp(-result["time"] / constant)
-    assert len(result) == 201
-    np.testing.assert_allclose(result["y"], exact, rtol=1e-12)
-
-
-def test_an_input_is_held_from_one_communication_point_to_the_next(lag: Path) -> None:
-    input_ = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (2.0, 2.0)], dtype=[("time", float), ("u", float)])
-    result = fmpy.simulate_fmu(lag, stop_time=2.0, output_interval=0.25, input=input_, output=["y"])
-    since = np.maximum(result["time"] - 1.0, 0.0)
-    np.testing.assert_allclose(result["y"], 2.0 * (1.0 - np.exp(-since / 2.0)), atol=1e-12)
+    constant, start = 0.5, 3.0
+    steps = np.array([(0.0, 1.0), (1.0, 1.0), (1.0, 2.0), (2.0, 2.0)], dtype=[("time", float), ("u", float)])
+    result = fmpy.simulate_fmu(lag, stop_time=2.0, output_interval=0.25, start_values={"T": constant, "start": start}, input=steps, output=["y"])
+    assert len(result) == 9
+    first, second = (np.exp(-np.maximum(result["time"] - begin, 0.0) / constant) for begin in (0.0, 1.0))
+    np.testing.assert_allclose(result["y"], 1.0 + (start - 1.0) * first + (1.0 - second), rtol=1e-12)
 
 
 def test_a_limit_of_the_table_holds(lag: Path) -> None:

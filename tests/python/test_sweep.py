@@ -331,7 +331,7 @@ def test_a_point_that_crashes_its_worker_is_identified() -> None:
 
     work = [[(index, {}) for index in range(start, start + 2)] for start in range(0, 8, 2)]
     with dask.config.set({"distributed.scheduler.allowed-failures": 0}), cluster.connect(None, 1) as client:
-        found = dict(row for rows in cluster.rows(client, solve, work, lambda: None) for row in rows)
+        found = dict(row for rows in cluster.rows(client, solve, work) for row in rows)
     assert sorted(found) == list(range(8))
     assert {index: row["reason"] for index, row in found.items() if row["reason"]} == {3: cluster.WORKER_LOST}
 

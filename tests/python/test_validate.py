@@ -12,11 +12,6 @@ from typing import Any
 
 import pytest
 import reports
-
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
-from pushbelt.fmu.unit import Archive
-from pushbelt.tables import split
-from pushbelt.tables.units import dimensions
 from pushbelt_validation import __main__, measured, report, results
 from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import (
@@ -32,6 +27,11 @@ from pushbelt_validation.outcome import (
 )
 from pushbelt_validation.runs import SECTIONS, Results
 
+from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.unit import Archive
+from pushbelt.tables import split
+from pushbelt.tables.units import dimensions
+
 SOURCE = Source("somebody 2007", "fitted")
 
 
@@ -44,15 +44,6 @@ def bench(archive: Archive) -> Iterator[Bench]:
 # Judging
 
 
-def test_what_lies_outside_is_named_with_its_distance() -> None:
-    values = [("a", 0.8), ("b", 1.3), ("c", 1.0), ("d", 2.0)]
-    check = within("key", "statement", SOURCE, values, 0.9, 1.1, Unit("N", 1))
-    assert check.verdict is Verdict.MISSED
-    assert check.found == "0.8 to 2.0\N{NO-BREAK SPACE}N, 4 values"
-    assert check.goal == "0.9 to 1.1\N{NO-BREAK SPACE}N"
-    assert check.by.startswith("3 of 4 outside, by up to 0.9\N{NO-BREAK SPACE}N: d: 2.0")
-
-
 @pytest.mark.parametrize(
     ("values", "limits", "used"),
     [
@@ -61,38 +52,35 @@ def test_what_lies_outside_is_named_with_its_distance() -> None:
         ((0.98, 0.97), (0.97, None), 1.0),
         ((0.873,), (0.97, None), 1.1),
         ((0.2, 0.5), (None, 2.0), 0.25),
-        ((5.0,), (None, 2.0), 2.5),
         ((9.0,), (0.5, None), 0.0),
         ((0.1,), (0.0, None), None),
         ((), (0.9, 1.1), None),
     ],
 )
-def test_a_check_says_how_much_of_its_tolerance_is_used(values: tuple, limits: tuple, used: float | None) -> None:
+def test_a_check_has_the_share_of_its_tolerance_that_is_used(values: tuple, limits: tuple, used: float | None) -> None:
     check = within("key", "statement", SOURCE, [(str(v), v) for v in values], *limits)
     assert check.used == (None if used is None else pytest.approx(used))
     if used is not None:
         assert (check.used > 1.0 + 1e-12) == (check.verdict is Verdict.MISSED)
 
 
-def test_a_point_without_a_steady_state_misses() -> None:
-    for missing in (None, math.nan):
-        check = within("key", "statement", SOURCE, [("a", 1.0), ("gone", missing)], 0.0, 2.0)
-        assert check.verdict is Verdict.MISSED
-        assert check.found == "1.00" and check.by == "1 of 2 without a steady state: gone"
+@pytest.mark.parametrize(("outside", "why"), [(2.0, "1 of 2 outside, by up to 0.9"), (None, "without a steady state"), (math.nan, "without a steady state")])
+def test_a_point_that_misses_is_named(outside: float | None, why: str) -> None:
+    check = within("key", "statement", SOURCE, [("a", 1.0), ("gone", outside)], 0.9, 1.1, Unit("N", 1))
+    assert check.verdict is Verdict.MISSED
+    assert why in check.by and ": gone" in check.by
     assert within("key", "statement", SOURCE, [], 0.0, 2.0).verdict is Verdict.MISSED
 
 
-def test_tables_show_units_and_keep_si_values(tmp_path: Path) -> None:
-    found = table("key", "title", [Column("F", "kN", 1, 1e-3), Column("x", digits=2, signed=True)], [[1234.0, 0.5]])
-    assert found.shown() == [["1.2", "+0.50"]]
-    assert Column("x").show(None) == "–" == Column("x").show(math.nan)
-    assert results.rows([c.heading for c in found.columns], found.shown()) == "| F (kN) | x |\n| --- | --- |\n| 1.2 | +0.50 |\n"
+def test_tables_show_units_and_keep_si_values() -> None:
+    found = table("key", "title", [Column("F", "kN", 1, 1e-3), Column("x", digits=2, signed=True)], [[1234.0, 0.5], [None, math.nan]])
+    assert found.shown() == [["1.2", "+0.50"], ["–", "–"]]
+    assert results.rows([c.heading for c in found.columns], found.shown()[:1]) == "| F (kN) | x |\n| --- | --- |\n| 1.2 | +0.50 |\n"
 
 
 def test_a_short_plan_keeps_the_ends() -> None:
-    assert Plan(short=True).thin([1, 2, 3, 4, 5]) == [1, 3, 5]
-    assert Plan(short=True).thin([1, 2, 3, 4, 5], 2) == [1, 5]
-    assert Plan(short=True).thin([1, 2, 3, 4, 5], 1) == [3]
+    short = Plan(short=True)
+    assert [short.thin([1, 2, 3, 4, 5], *most) for most in ((), (2,), (1,))] == [[1, 3, 5], [1, 5], [3]]
     assert Plan().thin([1, 2, 3, 4, 5]) == [1, 2, 3, 4, 5]
 
 
@@ -102,15 +90,10 @@ def of_verdicts(*verdicts: Verdict, part: Part = Part.MEASUREMENTS) -> Section:
 
 
 def test_a_quantity_meets_its_goals_if_it_meets_all() -> None:
-    met, missed, reported_ = Verdict.MET, Verdict.MISSED, Verdict.REPORTED
-
-    def summary(*verdicts: Verdict) -> tuple[str, int, int]:
+    met, missed, reported = Verdict.MET, Verdict.MISSED, Verdict.REPORTED
+    for verdicts, expected in (((met, reported), ("met", 1, 1)), ((met, missed, missed), ("missed", 1, 3)), ((reported,), ("reported", 0, 0))):
         found = report.summary(of_verdicts(*verdicts))
-        return found["verdict"], found["met"], found["goals"]
-
-    assert summary(met, reported_) == ("met", 1, 1)
-    assert summary(met, missed, missed) == ("missed", 1, 3)
-    assert summary(reported_) == ("reported", 0, 0)
+        assert (found["verdict"], found["met"], found["goals"]) == expected
 
 
 @pytest.mark.parametrize(("unmet", "code"), [(Verdict.MET, 0), (Verdict.MISSED, __main__.UNMET)])
@@ -126,20 +109,13 @@ def test_only_an_unmet_theory_fails(unmet: Verdict, code: int, monkeypatch: pyte
 # Measurements
 
 
-def test_every_measurement_has_a_source_and_says_how_sure_it_is() -> None:
+def test_measurements_are_read_with_their_source_and_certainty() -> None:
     entries = [entry for key, entry in measured.data().items() if isinstance(entry, dict) and key != "causes"]
     entries += measured.data()["bounds"]
-    assert len(entries) > 8
-    for entry in entries:
-        assert entry["source"] and entry["certainty"]
-
-
-def test_the_measured_map_is_read() -> None:
+    assert len(entries) > 8 and all(entry["source"] and entry["certainty"] for entry in entries)
     points = measured.transmission_map()
-    assert len(points) == 117
-    assert {point.ratio for point in points} == {2.5, 2.0, 1.5, 1.0, 0.5}
-    for point in points:
-        assert 1000.0 <= point.rpm <= 5000.0 and 10.0 < point.torque < 100.0 and 0.7 < point.efficiency < 1.0
+    assert len(points) == 117 and {point.ratio for point in points} == {2.5, 2.0, 1.5, 1.0, 0.5}
+    assert all(1000.0 <= one.rpm <= 5000.0 and 10.0 < one.torque < 100.0 and 0.7 < one.efficiency < 1.0 for one in points)
 
 
 # Points of the FMU
@@ -169,11 +145,14 @@ def test_a_point_without_a_steady_state_leaves_its_reason(bench: Bench) -> None:
 # The report
 
 
-def test_a_section_alone_makes_a_report(fmu: Path, tmp_path: Path) -> None:
-    assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short", "--section", "thrust"]) == 0
+def test_sections_alone_meet_the_theory_and_make_a_report(fmu: Path, tmp_path: Path) -> None:
+    words = ["--short", "--section", "thrust", "--section", "continuum"]
+    assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), *words]) == 0
     page = reports.stands_alone(tmp_path / "report.html")
     assert page.count('<tr><td class="text"><a href="#thrust') == 1
     assert "force or speed" in page and "Wedge angle</h3>" not in page
+    found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["verification"]
+    assert found["met"] == found["goals"] > 6
     reports.look_at(tmp_path / "report.html")
 
 

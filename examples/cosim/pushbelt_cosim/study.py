@@ -18,7 +18,7 @@ from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.maps.data import Maps
-from pushbelt.report.side_by_side import progress_bar, run_in_workers, tick
+from pushbelt.report.side_by_side import progress_bar, tick, worker_pool
 
 from . import fmus, package
 from .masters import MASTERS, Progress
@@ -166,7 +166,8 @@ def _loop(
 def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[float, Array]:
     """Runs a master in a separate process, so that a crash of its library does not end this process."""
     try:
-        (found,) = run_in_workers([(_work, (name, ssp, plan))], progress, 1)
+        with worker_pool(1) as run:
+            (found,) = run([(_work, (name, ssp, plan))], progress)
     except BrokenProcessPool:
         raise UnitError(f"{name} crashed while it ran {ssp.name}") from None
     return found

@@ -17,8 +17,9 @@ import numpy as np
 from pushbelt.fmu.data import load_case_speed
 from pushbelt.fmu.enumerations import Drive
 from pushbelt.fmu.geometry import Array, ratio_of
-from pushbelt.fmu.load_cases import held_primary, steady_state
+from pushbelt.fmu.load_cases import solve
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
+from pushbelt.fmu.starts import driven_at_speed
 from pushbelt.fmu.unit import Archive, Instance, output_names
 
 from . import times
@@ -60,7 +61,9 @@ def steady(
     """The steady state of a model with the belt torque of the case on P; primary speed in rad/s."""
     values = {**parameters, "ring.model": RingModel[model]}
     speed = load_case_speed() if speed is None else speed
-    return steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
+    start = driven_at_speed(values, ratio_of(case.theta), speed, 0.0, case.clamping_force, held=True)
+    with Instance(archive, start) as unit:
+        return solve(unit, start, case.torque)
 
 
 def at_speeds(archive: Archive, parameters: Parameters, case: LoadCase, speeds: tuple[float, ...]) -> dict[float, float]:
@@ -153,7 +156,7 @@ def run(
 
 def _start_values(parameters: Parameters, variant: str, case: LoadCase, load: float, turn: float) -> dict[str, float]:
     """The primary sheave and the primary speed are held."""
-    values = held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force)
+    values = driven_at_speed(parameters, ratio_of(case.theta), load_case_speed(), 0.0, case.clamping_force, held=True)
     model = {"ring.model": RingModel[variant.partition(",")[0]], "secondary.torque": load}
     return {**values, **model, **times.changes(variant, turn)}
 

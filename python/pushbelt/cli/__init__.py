@@ -24,8 +24,7 @@ PROGRAMS = {
     "belt": "parameter set for a belt of given dimensions, with checks of ratio and stress",
     "calibrate": "parameters from a table of measured points, and a report",
 }
-KINDS = ("parameter", "input", "output", "local")
-"""Causalities of variables."""
+KINDS = ("parameter", "input", "output", "local")  # Causalities of variables
 
 
 def parser() -> argparse.ArgumentParser:
@@ -42,10 +41,12 @@ def parser() -> argparse.ArgumentParser:
     for name, text in PROGRAMS.items():
         commands.add_parser(name, help=text, add_help=False)
 
-    def command(name: str, text: str) -> argparse.ArgumentParser:
-        return commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    def command(name: str, runs: str, text: str) -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+        made.set_defaults(runs=runs)
+        return made
 
-    fmu = command("fmu", "write a copy of the FMU with other start values, or with flat names")
+    fmu = command("fmu", "write.write_fmu", "write a copy of the FMU with other start values, or with flat names")
     fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     options.add_set(fmu, "start value of a parameter or an input")
     fmu.add_argument("--variator", metavar="NAME", help=f"applied first, {options.VARIATOR}")
@@ -57,26 +58,26 @@ def parser() -> argparse.ArgumentParser:
         "--set and --ssv have the names with dots",
     )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
-    maps = command("map-fmu", "write an FMU of a variator from maps")
+    maps = command("map-fmu", "write.write_map_fmu", "write an FMU of a variator from maps")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
     maps.add_argument("--variator", metavar="NAME", help=f"solve for the maps of a {options.VARIATOR}, in 4 minutes of processor time")
     options.add_short(maps, "with --variator, 12 lines of steady states instead of 84")
     options.add_set(maps, "start value")
     maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")
-    cache = command("cache", "show the folder of unpacked FMUs and its size")
+    cache = command("cache", "show.show_cache", "show the folder of unpacked FMUs and its size")
     cache.add_argument("--clear", action="store_true", help="remove them")
-    variables = command("variables", "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range")
+    text = "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range"
+    variables = command("variables", "show.show_variables", text)
     variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
-    docs = command("docs", "show the pages of the documentation, or one of them")
+    docs = command("docs", "show.show_docs", "show the pages of the documentation, or one of them")
     docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
     return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a command and returns its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and words[0] in PROGRAMS:
         return run_program(words[0], words[1:])
@@ -85,14 +86,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from . import show, write
-
-    commands = {
-        "fmu": write.write_fmu, "map-fmu": write.write_map_fmu,
-        "cache": show.show_cache, "variables": show.show_variables, "docs": show.show_docs,
-    }  # fmt: skip
+    module, _, function = options.runs.partition(".")
     try:
-        return commands[options.command](options)
+        return getattr(importlib.import_module(f".{module}", __name__), function)(options)
     except BrokenPipeError:
         # The reader of the output, such as `head`, has enough.
         sys.stdout = None

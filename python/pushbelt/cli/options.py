@@ -14,8 +14,8 @@ from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
 from ..provenance import COMMAND
-from ..tables import units
 from ..steel import Material
+from ..tables import units
 
 VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 
@@ -58,7 +58,6 @@ def add_variator(parser: argparse.ArgumentParser, default: str | None = "bench16
 
 
 def add_set(parser: argparse.ArgumentParser, what: str = "value of a parameter") -> None:
-    """`--set`."""
     text = f"{what}, in SI units; enumerations by name; can be repeated"
     parser.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help=text)
 
@@ -74,7 +73,6 @@ def add_short(parser: argparse.ArgumentParser, what: str) -> None:
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
-    """`--workers`."""
     parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
 
 
@@ -99,17 +97,14 @@ def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
 
 
 def material(options: argparse.Namespace) -> Material:
-    """The steel of `add_material`."""
     return Material(**{name: getattr(options, "stress_safety" if name == "safety" else name) for name in STEEL})
 
 
 def numbers(text: str) -> tuple[float, ...]:
-    """Comma-separated numbers."""
     return tuple(float(number) for number in text.split(","))
 
 
 def assignment(text: str) -> tuple[str, str]:
-    """`NAME=VALUE`."""
     name, separator, value = text.partition("=")
     if not separator or not name.strip():
         raise argparse.ArgumentTypeError(f"{text} is not of the form NAME=VALUE")
@@ -145,7 +140,6 @@ STEEL = {
 
 
 def count(text: str) -> int:
-    """A whole number above 0."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a whole number above 0")
     return int(text)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 
-from ..errors import ArgumentError
+from ..errors import ArgumentError, similar
 
 
 def show_cache(options: argparse.Namespace) -> int:
-    """`pushbelt cache`."""
     from ..fmu import cache
 
     folder = cache.folder()
@@ -23,7 +21,6 @@ def show_cache(options: argparse.Namespace) -> int:
 
 
 def show_variables(options: argparse.Namespace) -> int:
-    """`pushbelt variables`."""
     from ..fmu.files import default_fmu
     from ..fmu.untrusted import described
     from ..fmu.variables import Variables
@@ -39,10 +36,9 @@ def show_variables(options: argparse.Namespace) -> int:
         and (fields or not one.name.startswith(("profile.", "profile_")))
     ]
     if not found:
-        near = difflib.get_close_matches(" ".join(options.words), variables, n=3)
-        hint = f"; similar names: {', '.join(near)}" if near else ""
+        wanted = " ".join(options.words)
         raise ArgumentError(
-            f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{hint}"
+            f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{similar(wanted, variables)}"
         )
     for one in found:
         print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
@@ -51,7 +47,6 @@ def show_variables(options: argparse.Namespace) -> int:
 
 
 def show_docs(options: argparse.Namespace) -> int:
-    """`pushbelt docs`."""
     from ..fmu.files import DOCS
 
     # Pages that consist of a file of the source tree are left out.
@@ -62,9 +57,6 @@ def show_docs(options: argparse.Namespace) -> int:
         return 0
     name = options.page.removesuffix(".md")
     if name not in pages:
-        near = difflib.get_close_matches(name, pages, n=3)
-        raise ArgumentError(
-            f"no page {name}; " + (f"similar names: {', '.join(near)}" if near else f"there are {', '.join(pages)}")
-        )
+        raise ArgumentError(f"no page {name}{similar(name, pages) or '; there are ' + ', '.join(pages)}")
     print(texts[name])
     return 0

@@ -74,8 +74,8 @@ def _print(copy: Path, remarks: list[str], more: str = "") -> None:
 
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
-    from ..maps import unit as map_unit
     from ..fmu.unit import Archive
+    from ..maps import unit as map_unit
     from ..maps.data import Maps
 
     _check_name(options.copy)

@@ -29,7 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_variator(parser)
     options = parser.parse_args(arguments)
     provenance.begin("compare", arguments)
-    pairs = runs.pairs(options.a, options.b)
+    variables = described(options.fmu).modelVariables if options.fmu else ()
+    pairs = runs.pairs(options.a, options.b, {one.name: one.unit for one in variables if one.unit})
     wanted = {name for pair in pairs for name in pair.names}
     unknown = [name for name in options.variables if name not in wanted]
     if unknown:
@@ -41,9 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Imported here, so that the help needs no packages of the extras.
     from . import report
 
-    variables = described(options.fmu).modelVariables if options.fmu else ()
-    units = {one.name: one.unit for one in variables if one.unit not in (None, "1")}
-    path = report.write(pairs, units, options.output, options.variables, parameter_set(options.variator))
+    path = report.write(pairs, options.output, options.variables, parameter_set(options.variator))
     for pair in pairs:
         differing = pair.differing
         worst = f", most in {differing[0].name}: {100.0 * differing[0].share:.3g} % of its range" if differing else ""

@@ -7,15 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from pushbelt.fmu.data import is_chain
-from pushbelt.fmu.results import BeltState, Profile, Trace
+from pushbelt.fmu.results import Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
-from pushbelt.report.belt_view import SPEEDS, Motion, over_time
+from pushbelt.report.belt_view import OUTPUTS, SPEEDS, Motion, of_run
 
-FIELD = "profile."
-"""Prefix of the names of fields along the belt."""
-OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius", *SPEEDS)
-MOMENTS = 300
-"""Largest number of times of a run in the animation."""
+FIELD = "profile."  # Prefix of the names of fields along the belt
+MOMENTS = 300  # Largest number of times of a run in the animation
 
 
 def places(field: str) -> list[str]:
@@ -26,11 +23,10 @@ def places(field: str) -> list[str]:
 def needed(parameters: Mapping[str, float]) -> list[str]:
     """Columns that the animation of the belt requires. Other fields are optional."""
     fields = ("position", "ringTension" if is_chain(parameters) else "pushForce", "radialDeviation")
-    return [*OUTPUTS, *(name for field in fields for name in places(field))]
+    return [*OUTPUTS, *SPEEDS, *(name for field in fields for name in places(field))]
 
 
 def shows_belt(run: Trace, parameters: Mapping[str, float]) -> bool:
-    """Whether the file has all these columns."""
     return all(name in run.columns for name in needed(parameters))
 
 
@@ -42,10 +38,5 @@ def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
         name: np.column_stack([run[column] for column in places(field)]) if places(field)[0] in run.columns else none
         for name, field in PROFILE_FIELDS.items()
     }
-    states = {
-        float(run.time[k]): BeltState(
-            {name: float(run[name][k]) for name in OUTPUTS}, Profile(**{name: of[k] for name, of in tables.items()})
-        )
-        for k in rows
-    }
-    return over_time(run.time, run.columns, states, parameters)
+    profiles = {float(run.time[k]): Profile(**{name: of[k] for name, of in tables.items()}) for k in rows}
+    return of_run(run, profiles, parameters)

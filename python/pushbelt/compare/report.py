@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup
 
@@ -17,54 +16,33 @@ from pushbelt.report.style import BLUE, ORANGE, in_figures
 from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
 
-MOST = 24
-"""Largest number of columns in the figures of a pair. The table has all columns."""
+MOST = 24  # Largest number of columns in the figures of a pair. The table has all columns.
 
 
-def write(
-    pairs: Sequence[Pair],
-    units: Mapping[str, str],
-    folder: Path,
-    wanted: Sequence[str] = (),
-    parameters: Mapping[str, float] | None = None,
-) -> Path:
-    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both
-    belts if both files have the fields along the belt."""
+def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:
+    """Writes report and differences; returns the path of the report. It shows both belts of a pair if both files have the fields along the
+    belt; `parameters` are those of the variator."""
     folder.mkdir(parents=True, exist_ok=True)
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     rows = (
-        [pair.name, d.name, _units_of(pair, units).get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
+        [pair.name, d.name, pair.units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
         for pair in pairs
         for d in pair.differences
     )
     header = ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"]
     tables.write(folder / "differences.csv", header, rows)
+    shown = [
+        (key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters))
+        for key, pair in ((f"run-{k}", pair) for k, pair in enumerate(pairs, start=1))
+    ]
     path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path)
+    page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, path)
     return path
 
 
-def _context(
-    pairs: Sequence[Pair], units: Mapping[str, str], wanted: Sequence[str], parameters: Mapping[str, float] | None
-) -> dict[str, Any]:
-    return {
-        "pairs": [
-            (key, pair, _units_of(pair, units), overlay(pair, _units_of(pair, units), wanted, key), _belts(pair, key, parameters))
-            for key, pair in ((f"run-{k}", pair) for k, pair in enumerate(pairs, start=1))
-        ],
-        "most": MOST,
-        "chosen": bool(wanted),
-    }
-
-
-def _units_of(pair: Pair, units: Mapping[str, str]) -> dict[str, str]:
-    """Units of the columns that have one other than 1. Those in the files count before those of the FMU."""
-    return {name: unit for name, unit in {**units, **pair.units}.items() if unit != "1"}
-
-
-def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> list[tuple[str, Markup]]:
+def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tuple[str, Markup]]:
     """The belt of each run; empty unless both files have the required columns."""
-    if parameters is None or not all(shows_belt(run, parameters) for run in pair.runs):
+    if not all(shows_belt(run, parameters) for run in pair.runs):
         return []
     return [
         (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))
@@ -72,18 +50,18 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> li
     ]
 
 
-def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), group: str = "") -> Chart:
+def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:
     """Both runs in each column. By default the columns with the largest differences come first. Figures of one group share the cursor."""
     names = [name for name in wanted if name in pair.names] or [
         d.name for d in pair.differences if not d.name.startswith(FIELD)
     ][:MOST]
-    shown = {name: in_figures(units.get(name, "")) for name in names}
+    shown = {name: in_figures(pair.units.get(name, "")) for name in names}
     looks = (("A", BLUE, ""), ("B", ORANGE, "dash"))
     start = min(float(run.time[0]) for run in pair.runs)
     end = max(float(run.time[-1]) for run in pair.runs)
     rows = [
         (
-            f"{name} ({shown[name][1]})" if name in units else name,
+            f"{name} ({shown[name][1]})" if name in pair.units else name,
             [
                 Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
                 for (who, colour, dash), run in zip(looks, pair.runs, strict=True)

@@ -15,8 +15,7 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
 
 TIME = "time"
-SAME = 1e-9
-"""Tolerance relative to the range, within which runs are equal. Files have nine digits."""
+SAME = 1e-9  # Tolerance relative to the range, within which runs are equal. Files have nine digits.
 
 
 class CompareError(PushbeltError, ValueError):
@@ -25,35 +24,26 @@ class CompareError(PushbeltError, ValueError):
 
 @dataclass(frozen=True)
 class Difference:
-    """Difference of two runs in one column."""
-
     name: str
-    span: float
-    """Largest minus least value of both runs."""
+    span: float  # Largest minus least value of both runs
     root_mean_square: float
     largest: float
-    when: float
-    """Time of the largest difference, s."""
+    when: float  # Time of the largest difference, s
 
     @property
     def share(self) -> float:
-        """Largest difference relative to the range."""
         return self.largest / self.span if self.span > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs."""
-
     name: str
     paths: tuple[Path, Path]
     runs: tuple[Trace, Trace]
-    units: Mapping[str, str]
-    """Units of columns as the files have them."""
+    units: Mapping[str, str]  # Units of columns that have one other than 1
 
     @cached_property
     def names(self) -> list[str]:
-        """Common columns."""
         return [name for name in self.runs[0].columns if name in self.runs[1].columns]
 
     @cached_property
@@ -95,8 +85,8 @@ def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:
     return Difference(name, float(np.ptp(both)), mean_square, float(apart[largest]), float(time[largest]))
 
 
-def pairs(a: Path, b: Path) -> list[Pair]:
-    """Pairs of runs: two files, or files of the same name in two folders."""
+def pairs(a: Path, b: Path, units: Mapping[str, str] | None = None) -> list[Pair]:
+    """Pairs of runs: two files, or files of the same name in two folders. `units` are those of columns without one in the files."""
     files = [_files(path) for path in (a, b)]
     if a.is_file() and b.is_file():
         both = {f"{a.stem} and {b.stem}" if a.stem != b.stem else a.stem: (a, b)}
@@ -107,10 +97,10 @@ def pairs(a: Path, b: Path) -> list[Pair]:
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
         raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
-    return [_pair(name, *paths) for name, paths in both.items()]
+    return [_pair(name, *paths, units or {}) for name, paths in both.items()]
 
 
-def _pair(name: str, a: Path, b: Path) -> Pair:
+def _pair(name: str, a: Path, b: Path, known: Mapping[str, str]) -> Pair:
     """Raises CompareError if the files have different units in their headers."""
     units: dict[str, str] = {}
     runs = []
@@ -120,7 +110,7 @@ def _pair(name: str, a: Path, b: Path) -> Pair:
         for column, unit in own.items():
             if unit is not None and units.setdefault(column, unit) != unit:
                 raise CompareError(f"{column} is in {units[column]} in {a}, and in {unit} in {path}")
-    return Pair(name, (a, b), (runs[0], runs[1]), units)
+    return Pair(name, (a, b), (runs[0], runs[1]), {column: unit for column, unit in {**known, **units}.items() if unit != "1"})
 
 
 def _files(path: Path) -> Mapping[str, Path]:

@@ -12,7 +12,6 @@ from pushbelt.cli.options import add_short, add_variator, program
 
 @console.program("demo", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Simulates, writes the report and prints its path."""
     parser = program("demo", __doc__, "report.html, results.csv and cases.csv")
     add_short(parser, "three load cases and 1 s of the manoeuvre")
     add_variator(parser)

@@ -12,7 +12,7 @@ from pushbelt.fmu.results import LoadCaseResult, Trace
 from pushbelt.report.page import Check
 
 from .events import detect
-from .simulate import DemoResults, MeasuredPoint
+from .simulate import DemoResults
 
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
@@ -72,16 +72,6 @@ def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str
     )
 
 
-def _efficiency(measured: tuple[MeasuredPoint, ...]) -> Check:
-    margins = [100.0 * (point.margin + point.spin) for point in measured]
-    return Check(
-        "Efficiency lies above the measured transmission at each measured point, without the loss of turning elements, "
-        "which is an upper bound",
-        min(margins) > 0.0,
-        f"{min(margins):.2g} to {max(margins):.3g} points above, {len(margins)} points".replace("-", "\N{MINUS SIGN}"),
-    )
-
-
 def _manoeuvre(trace: Trace) -> list[Check]:
     residual, bound = np.abs(trace["energy.residual"]), energy_bound(trace)
     events = detect(trace)
@@ -96,7 +86,6 @@ def _manoeuvre(trace: Trace) -> list[Check]:
 
 
 def evaluate(results: DemoResults) -> list[Check]:
-    """All checks."""
     cases, parameters = results.cases, results.parameters
     constant, slips = "Push force is constant in the push strand within 1 %", "Slip lies between 0 and 4 %, the largest measured in underdrive"
     closed = "Losses sum to the net power of both shafts within 0.2 % of the driving power"
@@ -104,7 +93,6 @@ def evaluate(results: DemoResults) -> list[Check]:
     of_stack = [
         _push_force_gains(cases, parameters),
         _cases(constant, [(r, 100 * push_strand_spread(r, parameters)) for r in cases], 0.0, 1.0, " % spread"),
-        _efficiency(results.measured),
     ]
     return [
         _order(cases),

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import Trace
+from pushbelt.fmu.results import Trace, intervals
 from pushbelt.report.style import RPM
 
-OVERLOAD = "Over-torque with macro-slip"
-"""Name of the event that the over-torque of the manoeuvre causes."""
+OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torque of the manoeuvre causes
 
 
 @dataclass(frozen=True)
@@ -22,12 +20,9 @@ class Event:
 
     name: str
     occurred: bool
-    evidence: str
-    """Description of the event by its outputs."""
-    start: float = math.nan
-    """Start time, s; NaN if the event did not occur."""
-    end: float = math.nan
-    """End time, s; NaN if the event did not occur or has no end."""
+    evidence: str  # Description of the event by its outputs
+    start: float = math.nan  # Start time, s; NaN if the event did not occur
+    end: float = math.nan  # End time, s; NaN if the event did not occur or has no end
 
 
 def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list[tuple[float, float, float]]:

@@ -7,15 +7,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
-from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
-from pushbelt.report.belt_view import Motion, over_time
+from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
 from .checks import energy_bound
 from .events import Event
-from .simulate import ManoeuvreResult, MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -30,16 +27,14 @@ LOSSES = (
 )
 """Output, name and colour of each loss. Those that a belt does not have are not shown."""
 
-STANDSTILL = 1.0
-"""Least secondary speed for quotients of speeds, rad/s."""
+STANDSTILL = 1.0  # Least secondary speed for quotients of speeds, rad/s
 
 TIME = "time (s)"
-GROUP = "manoeuvre"
-"""Group name of charts and belt that share a cursor."""
+GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 
 
-def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> Chart:
-    """Thrust ratio, efficiency including that of the measured transmission, and shares of the loss."""
+def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
+    """Thrust ratio, efficiency, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():
@@ -50,34 +45,10 @@ def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoi
     x_label = "primary torque (N·m)"
     panels = [
         Panel("Thrust ratio", thrust, x_label),
-        Panel("Efficiency of the shafts (%)", efficiency + _measured(measured, results), x_label),
+        Panel("Efficiency of the shafts (%)", efficiency, x_label),
         _loss_shares(results, torques),
     ]
     return Chart(panels, "Thrust ratio, efficiency and losses of the load cases", columns=3)
-
-
-def _measured(measured: Sequence[MeasuredPoint], results: Sequence[LoadCaseResult]) -> list[Series]:
-    """The measured transmission, and the FMU at its points."""
-    series = []
-    for name, colour in RATIO_COLOURS.items():
-        points = [point for point in measured if nearest_case(point, results) == name]
-        torques = [point.measured.torque for point in points]
-        labels = [f"ratio {point.measured.ratio:g}, {point.measured.torque:g} N·m" for point in points]
-        for who, marker, values in (
-            ("at the measured points", "circle-open", [100 * point.efficiency for point in points]),
-            ("measured transmission", "x-thin-open", [100 * point.measured.efficiency for point in points]),
-        ):
-            series.append(Series(who, torques, values, colour, "points", marker=marker, size=8, labels=labels))
-    return series
-
-
-def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str:
-    """The ratio of the load cases that is closest to a measured point."""
-
-    def distance(result: LoadCaseResult) -> float:
-        return abs(np.log(point.measured.ratio / result.steady["ratio.geometric"]))
-
-    return min(results, key=distance).case.ratio_name
 
 
 def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) -> Panel:
@@ -96,7 +67,6 @@ def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) ->
 
 
 def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
-    """The whole manoeuvre over time."""
     moving = np.abs(trace["secondary.speed"]) > STANDSTILL
 
     def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
@@ -174,19 +144,6 @@ def overload(trace: Trace, start: float, end: float) -> Chart:
     rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
     panels = [Panel(title, series, TIME, shades=shades, x_range=span) for title, series in rows]
     return Chart(panels, "Torque, speeds and losses during macro-slip", columns=3, linked=True)
-
-
-def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion:
-    """The belt during the manoeuvre."""
-    trace = run.trace
-    moments = np.array(sorted(run.snapshots))
-    names = ("reference.theta", "primary.radius", "secondary.radius")
-    at = {name: np.interp(moments, trace.time, trace[name]) for name in names}
-    states = {
-        float(moment): BeltState({name: float(at[name][k]) for name in names}, run.snapshots[moment])
-        for k, moment in enumerate(moments)
-    }
-    return over_time(trace.time, trace.columns, states, parameters)
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:

@@ -10,19 +10,16 @@ import numpy as np
 from pushbelt import tables
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view, steady
+from pushbelt.report.belt_view import belt_view, of_run, steady
 
 from . import checks, events, figures
-from .simulate import LEAST_FORCE, SAFETY, START_VALUES, STEP, DemoResults
+from .simulate import START_VALUES, STEP, DemoResults
 
-CHOSEN_CASE = "overdrive-100"
-"""The load case whose fields along the belt are shown."""
-SHOWN_TIME = 4.0
-"""Initial time of the belt animation in the manoeuvre, s."""
+CHOSEN_CASE = "overdrive-100"  # The load case whose fields along the belt are shown
+SHOWN_TIME = 4.0  # Initial time of the belt animation in the manoeuvre, s
 
 
 def write_html(results: DemoResults, path: Path) -> None:
-    """Writes the report."""
     page.write_html("demo/report.html.j2", _context(results), path)
 
 
@@ -34,10 +31,10 @@ def _context(results: DemoResults) -> dict[str, Any]:
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": figures.load_cases(results.cases, results.measured),
+        "cases": figures.load_cases(results.cases),
         "manoeuvre": figures.manoeuvre(trace, found),
         "moving_belt": belt_view(
-            figures.belt_over_time(results.manoeuvre, results.parameters),
+            of_run(trace, results.manoeuvre.snapshots, results.parameters),
             results.parameters,
             "The belt on its pulleys during the manoeuvre",
             group=figures.GROUP,
@@ -55,9 +52,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
     return {
         "version": results.fmu_version,
         "rows": [{"result": result, "imbalance": checks.power_imbalance(result)} for result in results.cases],
-        "measured": results.measured,
-        "safety": SAFETY,
-        "least_force": LEAST_FORCE,
         "events": found,
         "checks": checks.evaluate(results),
         "manoeuvre": results.manoeuvre,

@@ -1,61 +1,27 @@
-"""The simulations of the demo, in parallel processes with a progress bar: load cases, points of a measured transmission, a manoeuvre."""
+"""The simulations of the demo, in parallel processes with a progress bar: load cases and a manoeuvre."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import pi
 from pathlib import Path
 
 import numpy as np
 
 from pushbelt.fmu import load_cases
-from pushbelt.fmu.data import (
-    EfficiencyPoint,
-    clamping_force,
-    manoeuvre_inputs,
-    measured_efficiencies,
-    parameter_set,
-    pitch_radius,
-)
 from pushbelt.fmu.data import load_cases as all_load_cases
-from pushbelt.fmu.load_cases import NotFoundError
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, Trace
-from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, output_names
 from pushbelt.report.side_by_side import run_all as run_side_by_side
 from pushbelt.report.side_by_side import tick
 
-STEP = 1e-3
-"""Communication step of the manoeuvre, s."""
-SNAPSHOT_STEP = 0.025
-"""Time between records of the fields along the belt, s."""
+STEP = 1e-3  # Communication step of the manoeuvre, s
+SNAPSHOT_STEP = 0.025  # Time between records of the fields along the belt, s
 START_VALUES: Mapping[str, float] = {"secondary.inertia": 4.0, "initial.ratio": 2.2, "initial.primarySpeed": 0.0}
 """Start values of the manoeuvre: the vehicle as an inertia on the secondary shaft, at standstill in underdrive."""
-SAFETY = 1.3
-"""Safety factor of the clamping force at the measured points, equal to that of the load cases."""
-LEAST_FORCE = 4e3
-"""Least clamping force there, N."""
 _CASE_TICKS, _MANOEUVRE_TICKS = 5, 100
-
-
-@dataclass(frozen=True)
-class MeasuredPoint:
-    """A measured point of a transmission, and the FMU at the same ratio, speed and torque. The loss of the variator alone must be smaller."""
-
-    measured: EfficiencyPoint
-    clamping_force: float
-    """Secondary clamping force, N; that of the measurement is unknown."""
-    efficiency: float
-    """Efficiency of the FMU between the shafts."""
-    spin: float
-    """Loss of turning elements, an upper bound, over the power of the driving shaft."""
-
-    @property
-    def margin(self) -> float:
-        """Efficiency of the FMU minus the measured one."""
-        return self.efficiency - self.measured.efficiency
 
 
 @dataclass(frozen=True)
@@ -63,12 +29,9 @@ class ManoeuvreResult:
     """The manoeuvre: launch from standstill, shift, torque steps, over-torque and recovery, defined by its inputs."""
 
     trace: Trace
-    wall_time: float
-    """Wall-clock time of the run, including reading all outputs at every step, s."""
-    snapshots: Mapping[float, Profile]
-    """Fields along the belt, by time, s."""
-    messages: tuple[str, ...] = ()
-    """Warnings of the FMU."""
+    wall_time: float  # Wall-clock time of the run, including reading all outputs at every step, s
+    snapshots: Mapping[float, Profile]  # Fields along the belt, by time, s
+    messages: tuple[str, ...] = ()  # Warnings of the FMU
 
 
 @dataclass(frozen=True)
@@ -77,23 +40,16 @@ class DemoResults:
 
     fmu_version: str
     cases: tuple[LoadCaseResult, ...]
-    measured: tuple[MeasuredPoint, ...]
     manoeuvre: ManoeuvreResult
-    parameters: Mapping[str, float]
-    """Parameters of the variator in the load cases and the manoeuvre."""
+    parameters: Mapping[str, float]  # Parameters of the variator in the load cases and the manoeuvre
     units: Mapping[str, str]
-    variator: str
-    """Name or file of the parameter set."""
+    variator: str  # Name or file of the parameter set
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Extent of the run."""
-
-    torques: tuple[float, ...] | None = None
-    """Torques of the load cases, N·m; None for all."""
-    duration: float | None = None
-    """Duration of the manoeuvre, s; None for all of it."""
+    torques: tuple[float, ...] | None = None  # Torques of the load cases, N·m; None for all
+    duration: float | None = None  # Duration of the manoeuvre, s; None for all of it
 
 
 FULL = Plan()
@@ -125,21 +81,6 @@ def manoeuvre(
     return ManoeuvreResult(Trace(times, columns), time.perf_counter() - begin, snapshots, warnings)
 
 
-def at_measured(archive: Archive, parameters: Mapping[str, float], point: EfficiencyPoint) -> MeasuredPoint:
-    """The steady state at a measured ratio, speed and torque."""
-    radius = pitch_radius(parameters, point.ratio)
-    friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
-    force = max(clamping_force(point.torque, radius, friction, wedge_angle, SAFETY), LEAST_FORCE)
-    with Instance(archive, driven_by_torque(parameters, point.ratio, point.speed * pi / 30.0, point.torque, force)) as unit:
-        unit.initialise()
-        if unit.not_steady:
-            raise NotFoundError(
-                f"at ratio {point.ratio:g}, {point.speed:g} rpm, {point.torque:g} N·m the FMU reports: {unit.not_steady}"
-            )
-        spin = unit.get("loss.spin") / (unit.get("primary.externalTorque") * unit.get("primary.speed"))
-        return MeasuredPoint(point, force, unit.get("efficiency"), spin)
-
-
 def _run_manoeuvre(archive: Archive, variator: str, duration: float) -> ManoeuvreResult:
     def progress(seconds: float) -> None:
         tick(_MANOEUVRE_TICKS * seconds / duration)
@@ -153,26 +94,19 @@ def _run_case(archive: Archive, variator: str, case: LoadCase) -> LoadCaseResult
     return result
 
 
-def _run_measured(archive: Archive, variator: str) -> tuple[MeasuredPoint, ...]:
-    points = tuple(at_measured(archive, parameter_set(variator), point) for point in measured_efficiencies())
-    tick(_CASE_TICKS)
-    return points
-
-
 def run_all(fmu: Path, plan: Plan, variator: str) -> DemoResults:
     """Runs a plan with an FMU and a parameter set."""
     parameters = parameter_set(variator)
     cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
     duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
     with Archive.unpack(fmu) as archive:
-        run, points, *states = run_side_by_side(
+        run, *states = run_side_by_side(
             [
                 # The manoeuvre starts first, because it takes longest and cannot be divided.
                 (_run_manoeuvre, (archive, variator, duration)),
-                (_run_measured, (archive, variator)),
                 *((_run_case, (archive, variator, case)) for case in cases),
             ],
-            total=_MANOEUVRE_TICKS + _CASE_TICKS * (1 + len(cases)),
+            total=_MANOEUVRE_TICKS + _CASE_TICKS * len(cases),
             title="load cases and manoeuvre",
         )
-        return DemoResults(archive.version, tuple(states), points, run, parameters, archive.units, variator)
+        return DemoResults(archive.version, tuple(states), run, parameters, archive.units, variator)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError, PushbeltError
 from pushbelt.fmu.geometry import Array
 
 from .piecewise import interpolate
@@ -34,9 +34,9 @@ class Cycle:
         Raises ValueError if the section does not start at standstill: the simulated belt starts at rest.
         """
         if not self.time[0] <= start < stop <= self.time[-1]:
-            raise ValueError(f"{start:g} to {stop:g} s is not within the cycle of {self.duration:g} s")
+            raise ArgumentError(f"{start:g} to {stop:g} s is not within the cycle of {self.duration:g} s")
         if self.at(start) > 0.0:
-            raise ValueError(f"the car moves at {start:g} s: a section must start at standstill")
+            raise ArgumentError(f"the car moves at {start:g} s: a section must start at standstill")
         inside = (self.time > start) & (self.time < stop)
         time = np.concatenate([[start], self.time[inside], [stop]])
         return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)

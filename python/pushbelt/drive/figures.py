@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.intervals import intervals
+from pushbelt.fmu.results import intervals
 from pushbelt.report.belt_view import SPEEDS, Motion, over_time
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET

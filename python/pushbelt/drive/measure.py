@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+from pushbelt.errors import ArgumentError
 from pushbelt.maps.data import Maps
 from pushbelt.maps.lines import collect
 from pushbelt.maps.plan import Grid, Plan
@@ -37,5 +38,5 @@ def measure(fmu: Path, parameters: Mapping[str, float], folder: Path) -> Maps:
     maps = collect(plan, solve_in_processes(plan, folder, "thrust-ratio map"))
     for ratio, count in zip(plan.ratios, maps.valid[-1, 0].sum(axis=-1), strict=True):
         if count < LEAST:
-            raise ValueError(f"too few steady states at ratio {ratio:g}: {count} of {len(GRID.utilisation)}")
+            raise ArgumentError(f"too few steady states at ratio {ratio:g}: {count} of {len(GRID.utilisation)}")
     return maps

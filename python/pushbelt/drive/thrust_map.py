@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.geometry import Array
 
 from .piecewise import clip, interpolate, interval
@@ -127,7 +128,7 @@ class ThrustMap:
         """
         axes = maps.axes
         if tuple(axes["shiftUtilisation"]) != SHIFT_UTILISATIONS:
-            raise ValueError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
+            raise ArgumentError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
 
         def at(name: str, force: float) -> Array:
             table = maps[name]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushbelt.errors import ArgumentError
+
 from .control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from .piecewise import clip
 from .thrust_map import ThrustMap
@@ -81,7 +83,7 @@ class TransmissionControl:
         self.car, self._scale = car, scale
         strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, car.engine_inertia)}
         if strategy not in strategies:
-            raise ValueError(f"{strategy!r} is not a clamping strategy: use {' or '.join(strategies)}")
+            raise ArgumentError(f"{strategy!r} is not a clamping strategy: use {' or '.join(strategies)}")
         self.clamping: SafetyFactor | SlipControl = strategies[strategy]()
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)

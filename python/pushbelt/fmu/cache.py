@@ -15,11 +15,11 @@ import fmpy
 import platformdirs
 
 from ..errors import warn
+from ..whole_file import write_whole
 from .unit import Archive, binaries_of, refuse_others
 from .untrusted import InputFileError, described, named
 
-VARIABLE = "PUSHBELT_CACHE"
-"""Environment variable with the folder of the cache."""
+VARIABLE = "PUSHBELT_CACHE"  # Environment variable with the folder of the cache
 
 
 def folder() -> Path:
@@ -29,7 +29,6 @@ def folder() -> Path:
 
 
 def clear() -> None:
-    """Removes the cache."""
     if folder().exists():
         shutil.rmtree(folder())
 
@@ -52,7 +51,7 @@ def unpacked(fmu: Path) -> Archive:
     if binaries_of(place) is None:
         others = ", ".join(sorted(path.name for path in (place / "binaries").glob("*")))
         raise InputFileError(f"{fmu} has no binary for {fmpy.platform_tuple}, only for {others or 'no machine'}")
-    return Archive(place, description, VARIABLE)
+    return Archive(place, description)
 
 
 @lru_cache(maxsize=1)
@@ -71,11 +70,4 @@ def _complete(fmu: Path, place: Path) -> None:
             if entry.is_dir() or (path.is_file() and path.stat().st_size == entry.file_size):
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
-            draft, name = tempfile.mkstemp(dir=path.parent, prefix="unpacking-")
-            try:
-                with os.fdopen(draft, "wb") as target, archive.open(entry) as source:
-                    shutil.copyfileobj(source, target)
-                os.chmod(name, 0o755)
-                os.replace(name, path)
-            finally:
-                Path(name).unlink(missing_ok=True)
+            write_whole(path, archive.read(entry))

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +43,6 @@ def parameter_set(name: str) -> dict[str, float]:
 
 
 def is_chain(parameters: Mapping[str, float]) -> bool:
-    """Whether the belt is a pull chain."""
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
 
 
@@ -77,7 +76,6 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
 
 
 def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
-    """Reference curve of a variator in a computed state."""
     return curve_of(parameters, state["reference.theta"])
 
 
@@ -100,10 +98,8 @@ def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius:
     return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
 
 
-SAFETY_RANGE = 1.0, 10.0
-"""Range of a safety factor of the clamping force."""
-BELT_LENGTH = 0.2, 5.0
-"""Range of the length of a belt, m."""
+SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
+BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
@@ -138,25 +134,7 @@ def load_case_speed() -> float:
     return published_data()["loadCases"]["primarySpeedRpm"] * 2.0 * np.pi / 60.0
 
 
-class EfficiencyPoint(NamedTuple):
-    """A measured point of a production transmission (variator and final drive together)."""
-
-    ratio: float
-    speed: float
-    """Primary speed, rpm."""
-    torque: float
-    """Primary torque, N·m."""
-    efficiency: float
-
-
-def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
-    """All measured points of the transmission."""
-    keys = ("ratio", "rpm", "torque", "efficiency")
-    return tuple(EfficiencyPoint(*(float(point[key]) for key in keys)) for point in published_data()["measuredEfficiency"]["points"])
-
-
 def manoeuvre_inputs() -> Trace:
-    """The inputs of `manoeuvre.csv`."""
     table = np.genfromtxt(RESOURCES / "manoeuvre.csv", delimiter=",", names=True, deletechars="", encoding="utf-8")
     time, *names = table.dtype.names
     return Trace(table[time], {name: table[name] for name in names})

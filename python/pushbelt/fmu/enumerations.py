@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-RingModel = IntEnum("RingModel", "ALE0 ALE")
-"""Values of `ring.model`."""
-BeltKind = IntEnum("BeltKind", "PUSH_BELT PULL_CHAIN")
-"""Values of `belt.kind`."""
+RingModel = IntEnum("RingModel", "ALE0 ALE")  # Values of `ring.model`
+BeltKind = IntEnum("BeltKind", "PUSH_BELT PULL_CHAIN")  # Values of `belt.kind`
 Drive = IntEnum("Drive", "TORQUE SPEED")
 """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is prescribed."""
 Axial = IntEnum("Axial", "FORCE HELD")

@@ -56,12 +56,9 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
 class TwoPulleyCurve:
     """The reference curve of the ring's centre line at one ratio."""
 
-    center_distance: float
-    """Distance of the axes, m."""
-    length: float
-    """Length of the ring's centre line, m."""
-    theta: float
-    """Ratio coordinate Θ."""
+    center_distance: float  # Distance of the axes, m
+    length: float  # Length of the ring's centre line, m
+    theta: float  # Ratio coordinate Θ
 
     @cached_property
     def primary_radius(self) -> float:
@@ -103,29 +100,6 @@ class TwoPulleyCurve:
         """Distances of places ξ from the middle of a pulley's arc, in the direction of ξ, −L/2 to L/2, m."""
         opposite = 0.0 if pulley == "primary" else 0.5 * self.length
         return np.mod(np.asarray(xi, dtype=float) - opposite, self.length) - 0.5 * self.length
-
-    def frame(self, xi: ArrayLike) -> tuple[Array, Array]:
-        """Points and outward unit normals at places ξ, each of shape (n, 2)."""
-        xi = np.mod(np.atleast_1d(np.asarray(xi, dtype=float)), self.length)
-        lower = xi > 0.5 * self.length
-        upper_xi = np.where(lower, self.length - xi, xi)
-        _, arc_end, strand_end, *_ = self.borders
-
-        angle_s = upper_xi / self.secondary_radius
-        angle_p = self.phi + (upper_xi - strand_end) / self.primary_radius
-        on_s, on_strand = upper_xi < arc_end, upper_xi < strand_end
-        angle = np.where(on_s, angle_s, np.where(on_strand, self.phi, angle_p))
-        normal = np.stack([-np.cos(angle), np.sin(angle)], axis=1)
-
-        along = np.where(on_s, 0.0, upper_xi - arc_end)[:, None] * [np.sin(self.phi), np.cos(self.phi)]
-        from_s = self.secondary_radius * normal + along
-        from_p = np.array([self.center_distance, 0.0]) + self.primary_radius * normal
-        point = np.where((on_s | on_strand)[:, None], from_s, from_p)
-
-        mirror = np.where(lower, -1.0, 1.0)
-        point[:, 1] *= mirror
-        normal[:, 1] *= mirror
-        return point, normal
 
     def push_force_gains(self, position: Array, push_force: Array) -> tuple[float, float, float]:
         """Change of the push force over the primary arc, the push strand and the secondary arc, N."""

@@ -15,14 +15,10 @@ from .results import LoadCase, LoadCaseResult, SteadyState
 from .starts import driven_at_speed
 from .unit import Archive, Instance
 
-TORQUE_TOLERANCE = 1e-4
-"""Relative tolerance of the belt torque."""
-MOST_EVALUATIONS = 20
-"""Largest number of evaluations in the search."""
-DRIFT_TIME = 0.2
-"""Simulated time in the check that a steady state persists, s."""
-DRIFT_STEP = 0.01
-"""Communication step of this check, s."""
+TORQUE_TOLERANCE = 1e-4  # Relative tolerance of the belt torque
+MOST_EVALUATIONS = 20  # Largest number of evaluations in the search
+DRIFT_TIME = 0.2  # Simulated time in the check that a steady state persists, s
+DRIFT_STEP = 0.01  # Communication step of this check, s
 
 
 class NotFoundError(PushbeltError, RuntimeError):
@@ -47,23 +43,8 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
     )
 
 
-def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, force: float) -> dict[str, float]:
-    """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) specified."""
-    return driven_at_speed(parameters, ratio, speed, 0.0, force, held=True)
-
-
-def steady_state(
-    archive: Archive, parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
-) -> SteadyState:
-    """Steady state with the primary speed (rad/s) and primary sheave held at a ratio. Belt torque on P (N·m) and
-    secondary clamping force (N) are specified."""
-    start_values = held_primary(parameters, ratio, speed, force)
-    with Instance(archive, start_values) as unit:
-        return _solve(unit, start_values, torque)
-
-
-def _solve(unit: Instance, start_values: Mapping[str, float], torque: float) -> SteadyState:
-    """Initialises an instance in the steady state with a belt torque on P, N·m."""
+def solve(unit: Instance, start_values: Mapping[str, float], torque: float) -> SteadyState:
+    """Initialises an instance in the steady state with a belt torque on P, N·m. The primary sheave is held at a ratio."""
 
     def belt_torque(load: float) -> float:
         unit.restart({**start_values, "secondary.torque": load})
@@ -79,9 +60,9 @@ def _solve(unit: Instance, start_values: Mapping[str, float], torque: float) -> 
 
 def run(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> LoadCaseResult:
     """Runs one load case, and continues it."""
-    start_values = held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force)
+    start_values = driven_at_speed(parameters, ratio_of(case.theta), load_case_speed(), 0.0, case.clamping_force, held=True)
     with Instance(archive, start_values) as unit:
-        steady = _solve(unit, start_values, case.torque)
+        steady = solve(unit, start_values, case.torque)
         for step in range(round(DRIFT_TIME / DRIFT_STEP)):
             unit.step_to((step + 1) * DRIFT_STEP)
         return LoadCaseResult(case, steady, unit.get("thrustRatio") / steady["thrustRatio"] - 1.0)

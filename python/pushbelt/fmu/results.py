@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UnknownNameError, package
+from ..errors import UnknownNameError, package, similar
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -23,33 +22,23 @@ def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
     """A value by name. Raises UnknownNameError with similar names."""
-    try:
-        return values[name]
-    except KeyError:
-        near = difflib.get_close_matches(name, values, n=3)
-        raise UnknownNameError(
-            f"the {what} has no {kind} {name}" + (f"; similar names: {', '.join(near)}" if near else "")
-        ) from None
+    if name not in values:
+        raise UnknownNameError(f"the {what} has no {kind} {name}{similar(name, values)}")
+    return values[name]
 
 
 @dataclass(frozen=True, repr=False)
 class Profile:
     """Fields along the belt, one value per place."""
 
-    position: Array
-    """Place ξ on the ring's centre line, m."""
-    push_force: Array
-    """Push force between the elements, N."""
-    ring_tension: Array
-    """Tension of the ring, N."""
-    normal_force: Array
-    """Normal force per flank and unit of length, N/m."""
+    position: Array  # Place ξ on the ring's centre line, m
+    push_force: Array  # Push force between the elements, N
+    ring_tension: Array  # Tension of the ring, N
+    normal_force: Array  # Normal force per flank and unit of length, N/m
     radial_deviation: Array
     """Radius minus the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
-    sliding_speed: Array
-    """Tangential sliding speed of the flanks, m/s; 0 off the pulleys."""
-    gap: Array
-    """Gap between neighbouring elements, m; 0 in contact."""
+    sliding_speed: Array  # Tangential sliding speed of the flanks, m/s; 0 off the pulleys
+    gap: Array  # Gap between neighbouring elements, m; 0 in contact
 
     def __repr__(self) -> str:
         return (
@@ -87,22 +76,17 @@ class BeltState:
 class SteadyState(BeltState):
     """A steady state of the FMU at a specified belt torque."""
 
-    load_torque: float
-    """Secondary torque of the steady state, N·m."""
+    load_torque: float  # Secondary torque of the steady state, N·m
 
 
 @dataclass(frozen=True)
 class LoadCase:
     """One of the nine load cases."""
 
-    ratio_name: str
-    """`overdrive`, `medium` or `underdrive`."""
-    theta: float
-    """Ratio coordinate."""
-    torque: float
-    """Steady belt torque on the primary pulley, N·m."""
-    clamping_force: float
-    """Secondary clamping force, N."""
+    ratio_name: str  # `overdrive`, `medium` or `underdrive`
+    theta: float  # Ratio coordinate
+    torque: float  # Steady belt torque on the primary pulley, N·m
+    clamping_force: float  # Secondary clamping force, N
 
     @property
     def name(self) -> str:
@@ -116,8 +100,7 @@ class LoadCaseResult:
 
     case: LoadCase
     steady: SteadyState
-    drift: float
-    """Relative change of the thrust ratio when the simulation continues from the steady state."""
+    drift: float  # Relative change of the thrust ratio when the simulation continues from the steady state
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,3 +123,17 @@ class Trace:
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over `time` (s) with a column for each variable. Needs `pushbelt[maps]`."""
         return dataframe({"time": self.time, **self.columns}).set_index("time")
+
+
+def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:
+    """Time intervals in which a flag is true. Intervals less than `gap` seconds apart are merged."""
+    up = np.concatenate([[False], np.asarray(flag) > 0.5, [False]])
+    edges = np.flatnonzero(up[1:] != up[:-1])
+    found: list[tuple[float, float]] = []
+    for first, after in edges.reshape(-1, 2):
+        start, end = float(time[first]), float(time[after - 1])
+        if found and start - found[-1][1] <= gap:
+            found[-1] = (found[-1][0], end)
+        else:
+            found.append((start, end))
+    return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import math
 import zipfile
@@ -12,16 +11,14 @@ from typing import Any
 
 from lxml import etree
 
-from ..errors import PushbeltError
+from ..errors import PushbeltError, similar
 from ..whole_file import copy_archive
 
 DESCRIPTION = "modelDescription.xml"
-LIST = "resources/start-values.txt"
-"""File of start values that the library reads: one line `name = value` each."""
+LIST = "resources/start-values.txt"  # File of start values that the library reads: one line `name = value` each
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
-SETTABLE = ("parameter", "input")
-"""Causalities of variables with a start value that can be set."""
+SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
 
 
 class StartValueError(PushbeltError, ValueError):
@@ -43,19 +40,18 @@ def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[s
     wanted = f"the FMU has no {' or '.join(causalities)} {name}"
     if variable is not None:
         raise StartValueError(f"{wanted}: its causality is {variable.causality}")
-    settable = [other.name for other in variables.values() if other.causality in causalities]
-    near = difflib.get_close_matches(name, settable, n=3)
-    raise StartValueError(f"{wanted}; similar names: {', '.join(near)}" if near else wanted)
+    settable = (other.name for other in variables.values() if other.causality in causalities)
+    raise StartValueError(wanted + similar(name, settable))
 
 
 def _value(variable: Any, value: Any) -> float:
-    readers = {"Real": _real, "Integer": _integer, "Boolean": _truth, "Enumeration": _item}
-    if variable.type not in readers:
+    read = {"Real": _real, "Integer": _integer, "Boolean": _truth, "Enumeration": _item}.get(variable.type)
+    if read is None:
         raise StartValueError(f"{variable.name} has the type {variable.type} and cannot be set")
-    found = readers[variable.type](variable, value)
+    found = read(variable, value)
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
-    if found < low or found > high:
+    if not low <= found <= high:
         unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
         raise StartValueError(f"{variable.name} = {found:g}{unit} is out of its range, {low:g} to {high:g}{unit}")
     return found
@@ -65,9 +61,9 @@ def _real(variable: Any, value: Any) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise StartValueError(f"{variable.name} = {value!r} is not a number") from None
+        number = math.nan
     if not math.isfinite(number):
-        raise StartValueError(f"{variable.name} = {value!r} is not finite")
+        raise StartValueError(f"{variable.name} = {value!r} is not a finite number")
     return number
 
 
@@ -88,16 +84,13 @@ def _truth(variable: Any, value: Any) -> bool:
 
 def _item(variable: Any, value: Any) -> int:
     items = {item.name: int(item.value) for item in variable.declaredType.items}
-    if value in items:
-        return items[value]
-    known = ", ".join(f"{name} ({number})" for name, number in items.items())
-    try:
-        number = _integer(variable, value)
-    except StartValueError:
-        number = None
-    if number not in items.values():
+    numbers = {str(number): number for number in items.values()}
+    text = str(int(value)) if isinstance(value, (int, float)) and value == int(value) else str(value).removesuffix(".0")
+    found = items.get(text, numbers.get(text))
+    if found is None:
+        known = ", ".join(f"{name} ({number})" for name, number in items.items())
         raise StartValueError(f"{variable.name} = {value!r} is not one of {known}")
-    return number
+    return found
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:

@@ -23,14 +23,12 @@ class SteadyStates:
         self.close()
 
     def close(self) -> None:
-        """Frees the instance."""
         if self._unit is not None:
             self._unit.free()
         self._unit = None
 
     @property
     def unit(self) -> Instance:
-        """The instance."""
         if self._unit is None:
             self._unit = Instance(self.archive, {})
         return self._unit

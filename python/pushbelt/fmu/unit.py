@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 import json
 import os
+import re
 import shutil
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -21,20 +21,11 @@ from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
-from .untrusted import InputFileError, unpacked
+from .untrusted import InputFileError, described, named
 
 PROFILE_POINTS = 72
-PROFILE_FIELDS = {
-    "position": "position",
-    "push_force": "pushForce",
-    "ring_tension": "ringTension",
-    "normal_force": "normalForce",
-    "radial_deviation": "radialDeviation",
-    "sliding_speed": "slidingSpeed",
-    "gap": "gap",
-}
-
-
+PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
+"""Names of the fields along the belt in the FMU."""
 CALLED = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
 """Type in the names of the functions that set and get a variable of a type."""
 
@@ -44,10 +35,7 @@ class UnitError(PushbeltError, RuntimeError):
 
 
 class Message(NamedTuple):
-    """A message of the FMU's log."""
-
-    status: int
-    """`fmi2Status`."""
+    status: int  # `fmi2Status`
     category: str
     text: str
 
@@ -58,14 +46,14 @@ class Archive:
 
     directory: Path
     description: Any
-    moved_by: str = "TMPDIR"
-    """Environment variable that names another folder for it."""
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
         """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
         OSError if it cannot be read."""
-        return cls(*unpacked(fmu, directory))
+        description = described(fmu)
+        with named(fmu):
+            return cls(Path(fmpy.extract(str(fmu), directory)), description)
 
     def __enter__(self) -> Archive:
         return self
@@ -75,27 +63,19 @@ class Archive:
 
     @property
     def version(self) -> str:
-        """Version in the model description."""
         return self.description.version or ""
 
     @property
     def variables(self) -> dict[str, Any]:
-        """The variables of the model description by name."""
         return {variable.name: variable for variable in self.description.modelVariables}
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of all variables by name."""
-        return units_of(self.description)
+        """Units of all variables by name; 1 for those without one."""
+        return {name: variable.unit or "1" for name, variable in self.variables.items()}
 
     def remove(self) -> None:
-        """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
-
-
-def units_of(description: Any) -> dict[str, str]:
-    """Units of all variables of a model description by name; 1 for those without one."""
-    return {variable.name: variable.unit or "1" for variable in description.modelVariables}
 
 
 class Reals:
@@ -106,14 +86,6 @@ class Reals:
         references = list(references)
         self.references = (ctypes.c_uint32 * len(references))(*references)
         self.values = (ctypes.c_double * len(references))()
-
-
-class State(NamedTuple):
-    """A stored state of an instance."""
-
-    pointer: Any
-    time: float
-    """s."""
 
 
 class Instance:
@@ -158,7 +130,7 @@ class Instance:
     # Initialisation and steps
 
     def restart(self, start_values: Mapping[str, float]) -> None:
-        """Resets to the state of a new instance with these start values."""
+        """Resets to the state of a new instance."""
         self._call(self._slave.reset)
         self.log.clear()
         self.time = 0.0
@@ -169,17 +141,11 @@ class Instance:
         self.set(start_values)
 
     def initialise(self) -> None:
-        """Computes the initial state."""
-        self.enter_initialisation()
-        self._call(self._slave.exitInitializationMode)
-
-    def enter_initialisation(self) -> None:
-        """First part of `initialise`. Afterwards outputs can be read, and parameters and inputs can still be set."""
         self._call(self._slave.enterInitializationMode)
+        self._call(self._slave.exitInitializationMode)
 
     @property
     def warnings(self) -> list[str]:
-        """Texts of all warnings so far."""
         return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
 
     @property
@@ -190,52 +156,36 @@ class Instance:
         return "; ".join(self.warnings) or "no steady state was requested"
 
     def step_to(self, time: float) -> None:
-        """Advances to a time, s, with the present inputs."""
+        """Advances to a time, s."""
         self._call(self._slave.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
         self.time = time
 
     # Stored states
 
-    def get_state(self) -> State:
-        """Stores the present state; `free_state` releases its memory."""
-        return State(self._call(self._slave.getFMUState), self.time)
-
-    def set_state(self, state: State) -> None:
-        """Restores a state that this or another instance has stored."""
-        self._call(self._slave.setFMUState, state.pointer)
-        self.time = state.time
-
-    def free_state(self, state: State) -> None:
-        """Frees a stored state."""
-        self._call(self._slave.freeFMUState, state.pointer)
-
-    def serialise(self, state: State) -> bytes:
-        """A stored state as bytes."""
-        return self._call(self._slave.serializeFMUstate, state.pointer)
-
-    def deserialise(self, data: bytes, time: float) -> State:
-        """Creates a stored state from its bytes and its time, s."""
-        return State(self._call(self._slave.deSerializeFMUstate, data), time)
-
-    @contextmanager
-    def stored(self) -> Iterator[Callable[[], None]]:
-        """Stores the present state. Returns a function that restores it and can be called repeatedly."""
-        state = self.get_state()
+    def state(self) -> bytes:
+        pointer = self._call(self._slave.getFMUState)
         try:
-            yield lambda: self.set_state(state)
+            return self._call(self._slave.serializeFMUstate, pointer)
         finally:
-            self.free_state(state)
+            self._call(self._slave.freeFMUState, pointer)
+
+    def restore(self, state: bytes, time: float) -> None:
+        """Returns to a state that this or another instance of the FMU had at a time, s."""
+        pointer = self._call(self._slave.deSerializeFMUstate, state)
+        try:
+            self._call(self._slave.setFMUState, pointer)
+        finally:
+            self._call(self._slave.freeFMUState, pointer)
+        self.time = time
 
     # Variables
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Sets variables of any type by name."""
         for name, value in values.items():
             variable = self.variables[name]
             self._call(getattr(self._slave, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
-        """Value of a variable of any type."""
         variable = self.variables[name]
         value = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])[0]
         return bool(value) if variable.type == "Boolean" else value
@@ -246,7 +196,6 @@ class Instance:
         return Reals(names, (self.variables[name].valueReference for name in names))
 
     def get_reals(self, reals: Reals) -> Array:
-        """Values of real variables."""
         count = len(reals.names)
         self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, count, reals.values)
         return np.array(reals.values)
@@ -261,19 +210,14 @@ class Instance:
         self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
 
     def outputs(self) -> dict[str, float]:
-        """All outputs and the energies at the present time."""
         reals = self.reals(output_names(self.variables.values()))
         values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
         values["macroSlip"] = float(self.get("macroSlip"))
         return values
 
     def profile(self) -> Profile:
-        """Fields along the belt at the present time."""
-        fields = {}
-        for field, variable in PROFILE_FIELDS.items():
-            names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
-            fields[field] = self.get_reals(self.reals(names))
-        return Profile(**fields)
+        names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}
+        return Profile(**{name: self.get_reals(self.reals(places)) for name, places in names.items()})
 
     # Beyond the standard
 
@@ -335,15 +279,15 @@ _LOADING = _Lock()
 
 def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
-    described = archive.description
-    refuse_others(described.modelName, described)
-    identifier = described.coSimulation.modelIdentifier
+    description = archive.description
+    refuse_others(description.modelName, description)
+    identifier = description.coSimulation.modelIdentifier
     binaries = binaries_of(archive.directory)
     with _LOADING.lock:
         here = os.getcwd()
         try:
             return fmi2.FMU2Slave(
-                guid=described.guid,
+                guid=description.guid,
                 unzipDirectory=str(archive.directory),
                 modelIdentifier=identifier,
                 instanceName=name,
@@ -377,7 +321,7 @@ def _not_executable(archive: Archive) -> str | None:
     """Remark on a file system that does not allow execution; None otherwise."""
     if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
         return None
-    moved = f"let the environment variable {archive.moved_by} name another folder"
+    moved = "let the environment variable PUSHBELT_CACHE, or TMPDIR for a temporary one, name another folder"
     return f"the file system of {archive.directory} does not allow execution (noexec): {moved}"
 
 

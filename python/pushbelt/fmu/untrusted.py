@@ -15,13 +15,10 @@ import fmpy
 
 from ..errors import PushbeltError
 
-LARGEST_FILE = 500_000_000
-"""Largest unpacked size of an archive, bytes."""
+LARGEST_FILE = 500_000_000  # Largest unpacked size of an archive, bytes
 MOST_FILES = 10_000
-IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")
-"""A name in C."""
-LARGEST_JSON = 50_000_000
-"""Largest size of a JSON file, bytes. A parameter set has 7 kB."""
+IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")  # A name in C
+LARGEST_JSON = 50_000_000  # Largest size of a JSON file, bytes. A parameter set has 7 kB.
 
 
 class InputFileError(PushbeltError, ValueError):
@@ -66,16 +63,8 @@ def _objection(entry: zipfile.ZipInfo) -> str | None:
     return None
 
 
-def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
-    """Unpacks an FMU to a directory or to a temporary one, and reads its model description. Raises InputFileError if it
-    is not a usable FMU, OSError if it cannot be read."""
-    description = described(path)
-    with named(path):
-        return Path(fmpy.extract(str(path), directory)), description
-
-
 def described(path: Path) -> Any:
-    """The model description of an FMU, read from the archive. Raises the same errors as `unpacked`."""
+    """The model description of an FMU, read from the archive. Raises InputFileError if it is not a usable FMU, OSError if it cannot be read."""
     checked_archive(path)
     with named(path):
         description = fmpy.read_model_description(str(path))

@@ -15,43 +15,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Variable:
-    """A variable of the FMU."""
-
     name: str
-    type: str
-    """`Real`, `Integer`, `Boolean` or `Enumeration`."""
-    causality: str
-    """`parameter`, `input`, `output` or `local`."""
-    variability: str
-    """`fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run."""
-    unit: str
-    """Unit; `1` without one."""
+    type: str  # `Real`, `Integer`, `Boolean` or `Enumeration`
+    causality: str  # `parameter`, `input`, `output` or `local`
+    variability: str  # `fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run.
+    unit: str  # Unit; `1` without one
     description: str
-    start: float | None
-    """Start value. Booleans are True and False, enumerations have the number of an item."""
+    start: float | None  # Start value. Booleans are True and False, enumerations have the number of an item.
     min: float | None
     max: float | None
     nominal: float | None
-    items: Mapping[str, int]
-    """Names and numbers of an enumeration."""
+    items: Mapping[str, int]  # Names and numbers of an enumeration
 
     @classmethod
     def of(cls, declared: Any) -> Variable:
         """A variable of a model description that fmpy has read."""
-        start = declared.start
-        if start is not None:
-            start = str(start).lower() in ("true", "1") if declared.type == "Boolean" else float(start)
-        enumeration = declared.declaredType if declared.type == "Enumeration" else None
+        read = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}.get(declared.type, float)
+        items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
-            name=declared.name,
-            type=declared.type,
-            causality=declared.causality,
-            variability=declared.variability,
+            **{name: getattr(declared, name) for name in ("name", "type", "causality", "variability")},
             unit=declared.unit or "1",
             description=declared.description or "",
-            start=int(start) if declared.type in ("Integer", "Enumeration") and start is not None else start,
-            **{key: _number(getattr(declared, key)) for key in ("min", "max", "nominal")},
-            items={} if enumeration is None else {one.name: int(one.value) for one in enumeration.items},
+            start=None if declared.start is None else read(declared.start),
+            **{key: None if (text := getattr(declared, key)) is None else float(text) for key in ("min", "max", "nominal")},
+            items={one.name: int(one.value) for one in items},
         )
 
     @property
@@ -99,7 +86,3 @@ class Variables(Mapping[str, Variable]):
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over the names, with a column for each attribute. Needs `pushbelt[maps]`."""
         return dataframe([asdict(one) for one in self._all.values()]).set_index("name")
-
-
-def _number(text: Any) -> float | None:
-    return None if text is None else float(text)

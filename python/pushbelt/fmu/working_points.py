@@ -17,8 +17,7 @@ from .starts import driven_at_speed, driven_by_slip, driven_by_torque
 from .steady import SteadyStates
 from .unit import Instance, UnitError
 
-REFERENCE_LEVER = 5e-5
-"""Friction coefficient times radius of the secondary bearings, m."""
+REFERENCE_LEVER = 5e-5  # Friction coefficient times radius of the secondary bearings, m
 SHAFTS = {
     "primary.drag.constant": 0.0,
     "primary.drag.viscous": 0.0,
@@ -31,8 +30,7 @@ SHAFTS = {
     "secondary.inertia": 0.03,
 }
 """Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
-FADING_SPEED = 2.0
-"""Speed below which the drag of a shaft fades, rad/s: as in the FMU."""
+FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in the FMU
 LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")
 """Losses of the belt."""
 OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
@@ -40,18 +38,14 @@ OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "macroSlip")
 FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 """First slip, factor between slips and largest slip in the search for the capacity."""
-FLAT = 0.01
-"""Relative growth of the utilisation from one slip to the next that counts as none."""
+FLAT = 0.01  # Relative growth of the utilisation from one slip to the next that counts as none
 TRIED = 1.05
 """Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
 WINDOW = (0.06, 0.12)
 """Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
-TIME_STEP = 0.01
-"""Largest communication step in it, s."""
-SHIFT_REACH = 0.05
-"""Largest change of ln i in a shift measurement."""
-STEP_ANGLE = 0.5
-"""Largest angle of the primary pulley in a communication step of a shift measurement, rad."""
+TIME_STEP = 0.01  # Largest communication step in it, s
+SHIFT_REACH = 0.05  # Largest change of ln i in a shift measurement
+STEP_ANGLE = 0.5  # Largest angle of the primary pulley in a communication step of a shift measurement, rad
 
 
 @dataclass(frozen=True)
@@ -65,32 +59,25 @@ class Line:
 
 @dataclass(frozen=True)
 class Along:
-    """What is measured on a line."""
-
     utilisations: Sequence[float]
     """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
     shares: Sequence[float]
     """Slips at which the traction is measured, divided by the slip at capacity, ascending from −1 to 1."""
-    shift_utilisations: Sequence[float]
-    """Utilisations at which shifts are measured."""
-    excesses: Sequence[float]
-    """ln(F_P/(κ F_S)) of the shifts, ascending, without 0."""
+    shift_utilisations: Sequence[float]  # Utilisations at which shifts are measured
+    excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
 
 
 def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Instance:
-    """The steady state at a utilisation."""
     torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
     return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
 
 
 def utilisation_at_slip(states: SteadyStates, line: Line, slip: float) -> float:
-    """The utilisation in the steady state at a slip."""
     unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
     return -unit.get("primary.shaftTorque") / torque_capacity(states.parameters, line.ratio, line.force)
 
 
 def point(unit: Instance, ratio: float) -> dict[str, float]:
-    """The recorded values in a steady state."""
     found = {name: float(unit.get(name)) for name in OUTPUTS}
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
     speed = unit.get("secondary.speed")
@@ -156,12 +143,11 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     load = at_torque(states, line, utilisation).get("secondary.externalTorque")
     unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")
-    with unit.stored() as restore:
-        rates = []
-        for excess in excesses:
-            restore()
-            unit.set({"primary.clampingForce": holding * math.exp(excess)})
-            rates.append(-_mean_slope(unit, line.speed) / line.speed)
+    begin, state, rates = unit.time, unit.state(), []
+    for excess in excesses:
+        unit.restore(state, begin)
+        unit.set({"primary.clampingForce": holding * math.exp(excess)})
+        rates.append(-_mean_slope(unit, line.speed) / line.speed)
     return rates
 
 

@@ -9,25 +9,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup, escape
+from scipy.integrate import cumulative_trapezoid
 
 from ..fmu.data import curve_of, is_chain
 from ..fmu.geometry import Array, TwoPulleyCurve
-from ..fmu.results import BeltState
+from ..fmu.results import BeltState, Profile, Trace
 from .charts import encoded
 from .style import COLOUR_SCALE
 
-ELEMENTS_TOGETHER = 3
-"""Number of elements of the belt per drawn element. The pins of a chain are drawn one by one."""
-TURNS_A_SECOND = 0.35
-"""Speed of the faster pulley in the animation, turns per second."""
-LONGEST = 60.0
-"""Longest duration of the animation, s."""
-STEADY_TIME = 20.0
-"""Duration of the animation of a steady state, s."""
-STEPS = 1000
-"""Number of steps of the slider."""
-ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-"""Magnifications to choose from."""
+ELEMENTS_TOGETHER = 3  # Number of elements of the belt per drawn element. The pins of a chain are drawn one by one.
+TURNS_A_SECOND = 0.35  # Speed of the faster pulley in the animation, turns per second
+LONGEST = 60.0  # Longest duration of the animation, s
+STEADY_TIME = 20.0  # Duration of the animation of a steady state, s
+STEPS = 1000  # Number of steps of the slider
+ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Magnifications to choose from
 
 
 @dataclass(frozen=True)
@@ -35,18 +30,12 @@ class Motion:
     """States of the belt over time. Arrays have one row per time, and one column per place of the profile for fields."""
 
     time: Array
-    force: Array
-    """Push force, or tension of a chain, N."""
-    offset: Array
-    """Distance of the ring from its reference curve, outward positive, m."""
-    gap: Array
-    """Gap between neighbouring elements, m."""
-    radii: Array
-    """Radii of the reference curve on S and P, m."""
-    angles: Array
-    """Angles of rotation of S and P, rad."""
-    way: Array
-    """Displacement of the belt, m."""
+    force: Array  # Push force, or tension of a chain, N
+    offset: Array  # Distance of the ring from its reference curve, outward positive, m
+    gap: Array  # Gap between neighbouring elements, m
+    radii: Array  # Radii of the reference curve on S and P, m
+    angles: Array  # Angles of rotation of S and P, rad
+    way: Array  # Displacement of the belt, m
 
 
 def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
@@ -55,8 +44,7 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     offset = state.profile.radial_deviation
     for pulley in ("primary", "secondary"):
         on_arc = np.abs(curve.from_middle(pulley, state.profile.position)) < 0.5 * curve.arc_length(pulley)
-        mean = state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley)
-        offset = offset + np.where(on_arc, mean, 0.0)
+        offset = offset + on_arc * (state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley))
     return offset
 
 
@@ -66,17 +54,15 @@ ELEMENT_THICKNESS = 1.5e-3
 
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
     """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
-    rows = [(time, states[time]) for time in sorted(states)]
-    pitch = parameters["belt.pitchOffset"]
-    curves = [curve_of(parameters, state["reference.theta"]) for _, state in rows]
+    times, shown = zip(*sorted(states.items(), key=lambda one: one[0]), strict=True)
+    curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
     chain = is_chain(parameters)
-    force = [state.profile.ring_tension if chain else state.profile.push_force for _, state in rows]
     primary, secondary, way = turned
     return Motion(
-        time=np.array([time for time, _ in rows]),
-        force=np.array(force),
-        offset=np.array([belt_offset(s, curve, pitch) for (_, s), curve in zip(rows, curves, strict=True)]),
-        gap=np.array([state.profile.gap for _, state in rows]),
+        time=np.array(times),
+        force=np.array([state.profile.ring_tension if chain else state.profile.push_force for state in shown]),
+        offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
+        gap=np.array([state.profile.gap for state in shown]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
         angles=np.stack([secondary, primary], axis=1),
         way=np.asarray(way),
@@ -94,6 +80,17 @@ def over_time(
     return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
 
 
+OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
+"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
+
+
+def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
+    """The belt at the times of profiles of a run."""
+    outputs = {time: {name: float(np.interp(time, run.time, run[name])) for name in OUTPUTS} for time in profiles}
+    states = {time: BeltState(outputs[time], profile) for time, profile in profiles.items()}
+    return over_time(run.time, run.columns, states, parameters)
+
+
 def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
     """A steady state, in which only the pulleys and the belt move."""
     ends = np.array([0.0, STEADY_TIME])
@@ -102,8 +99,7 @@ def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
 
 def integrated(time: Array, values: Array, moments: Array) -> Array:
     """Integral of a column (a speed) from the first time to each of some later times."""
-    sums = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))
-    return np.interp(moments, time, sums)
+    return np.interp(moments, time, cumulative_trapezoid(values, time, initial=0.0))
 
 
 def magnification_for(offset: Array, least_radius: float) -> float:

@@ -7,6 +7,7 @@ draws each panel; `charts.js.j2` adds the legend, the cursor and the keys. Panel
 from __future__ import annotations
 
 import base64
+import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,12 +20,9 @@ from numpy.typing import ArrayLike
 from ..fmu.geometry import Array
 from .style import GRID, INK, MUTED, colour_stops
 
-BUCKETS = 900
-"""Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
-SYMLOG_SHARE = 1.5
-"""Height of the linear part of a symlog axis, in decades."""
-MARGIN = 0.06
-"""Empty part of the axes on each side of a figure whose axes have the same scale."""
+BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
+SYMLOG_SHARE = 1.5  # Height of the linear part of a symlog axis, in decades
+MARGIN = 0.06  # Empty part of the axes on each side of a figure whose axes have the same scale
 
 FONT = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif"
 
@@ -39,8 +37,7 @@ class Series:
     x: ArrayLike
     y: ArrayLike
     colour: str = INK
-    kind: str = "line"
-    """`line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)."""
+    kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
     dash: str = ""
     marker: str = ""
     """Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line."""
@@ -48,16 +45,11 @@ class Series:
     width: float = 1.5
     opacity: float = 1.0
     upper: ArrayLike | None = None
-    errors: tuple[ArrayLike, ArrayLike] | None = None
-    """Error bars: lengths below and above."""
-    hatched: Sequence[bool] | None = None
-    """Which bars are hatched."""
-    labels: Sequence[str] | None = None
-    """Hover text of each point, before the values."""
-    texts: Sequence[str] | None = None
-    """Text beside each point."""
-    text_sides: Sequence[str] = ()
-    """Side of each text: `middle left`, `middle right` and so on."""
+    errors: tuple[ArrayLike, ArrayLike] | None = None  # Error bars: lengths below and above
+    hatched: Sequence[bool] | None = None  # Which bars are hatched
+    labels: Sequence[str] | None = None  # Hover text of each point, before the values
+    texts: Sequence[str] | None = None  # Text beside each point
+    text_sides: Sequence[str] = ()  # Side of each text: `middle left`, `middle right` and so on
     bar_width: float | None = None
 
 
@@ -68,16 +60,11 @@ class Field:
     name: str
     x: ArrayLike
     y: ArrayLike
-    values: ArrayLike
-    """Values, shape (len(y), len(x)); NaN leaves a gap."""
-    levels: tuple[float, float, float] | None = None
-    """First level, last level and spacing of the contours."""
-    ticks: tuple[Tick, ...] = ()
-    """Ticks of the colour bar."""
-    unit: str = ""
-    """Unit above the colour bar."""
-    middle: float | None = None
-    """Value from which the colours diverge."""
+    values: ArrayLike  # Values, shape (len(y), len(x)); NaN leaves a gap
+    levels: tuple[float, float, float] | None = None  # First level, last level and spacing of the contours
+    ticks: tuple[Tick, ...] = ()  # Ticks of the colour bar
+    unit: str = ""  # Unit above the colour bar
+    middle: float | None = None  # Value from which the colours diverge
     lines_only: bool = False
 
 
@@ -118,8 +105,7 @@ class Panel:
     x_label: str = ""
     y_label: str = ""
     fields: Sequence[Field] = ()
-    scale: str = "linear"
-    """Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`."""
+    scale: str = "linear"  # Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`
     x_scale: str = "linear"
     linear_to: float = 1.0
     x_range: tuple[float, float] | None = None
@@ -138,21 +124,13 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """A group of panels."""
-
     panels: Sequence[Panel]
-    label: str
-    """Description of the chart for screen readers."""
-    columns: int = 1
-    """Largest number of panels per row."""
-    linked: bool = False
-    """Whether the panels share cursor and zoom along x."""
-    group: str = ""
-    """Charts and belts of the same group share the cursor."""
-    common_legend: bool = False
-    """Whether all panels share one legend."""
-    least_width: int = 260
-    """Least width of a panel, px. Narrow pages have fewer panels per row."""
+    label: str  # Description of the chart for screen readers
+    columns: int = 1  # Largest number of panels per row
+    linked: bool = False  # Whether the panels share cursor and zoom along x
+    group: str = ""  # Charts and belts of the same group share the cursor
+    common_legend: bool = False  # Whether all panels share one legend
+    least_width: int = 260  # Least width of a panel, px. Narrow pages have fewer panels per row.
 
     def __html__(self) -> str:
         return str(html(self))
@@ -168,7 +146,6 @@ def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label:
 
 
 def html(chart: Chart) -> Markup:
-    """The chart as an HTML fragment."""
     specification = {
         "linked": chart.linked,
         "group": chart.group,
@@ -220,38 +197,18 @@ def encoded(values: ArrayLike) -> Any:
 
 
 def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
-    """The first, least, greatest and last value of each part of a long line. Peaks and jumps remain."""
+    """The first, least, greatest and last value of each part of a long line, and both ends of its gaps. Peaks and jumps remain."""
     if len(x) <= 4 * buckets:
         return x, y
-    edges = np.linspace(0, len(x), buckets + 1).astype(int)
-    keep = {0, len(x) - 1}
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    gaps = np.flatnonzero(np.diff(np.isnan(y)))
+    keep = {*gaps, *(gaps + 1)}
+    for start, end in itertools.pairwise(np.linspace(0, len(x), buckets + 1).astype(int)):
         part = y[start:end]
-        if np.isnan(part).all():
-            keep |= {start}
-            continue
-        keep |= {start, end - 1, start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
-        keep |= {start + int(k) for k in np.flatnonzero(np.diff(np.isnan(part)))}
-    order = np.array(sorted(keep))
-    # A point that is visually on the line between its neighbours is left out.
-    finite = y[np.isfinite(y)]
-    eye = 2e-4 * float(np.ptp(finite)) if finite.size else 0.0
-    return _without_straight(x[order], y[order], eye)
-
-
-def _without_straight(x: Array, y: Array, eye: float) -> tuple[Array, Array]:
-    """Repeatedly removes every other point that linear interpolation of its neighbours reproduces within `eye`."""
-    while len(x) > 4:
-        middle = np.arange(1, len(x) - 1, 2)
-        share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
-        off = np.abs(y[middle] - y[middle - 1] - share * (y[middle + 1] - y[middle - 1]))
-        straight = middle[off < eye]
-        if len(straight) < 0.02 * len(x):
-            return x, y
-        keep = np.ones(len(x), dtype=bool)
-        keep[straight] = False
-        x, y = x[keep], y[keep]
-    return x, y
+        # NaN is sorted to the end.
+        order = np.argsort(part)
+        keep |= {start, end - 1, start + order[0], start + order[np.isfinite(part).sum() - 1]}
+    kept = np.array(sorted(keep))
+    return x[kept], y[kept]
 
 
 def symlog(values: ArrayLike, linear_to: float) -> Array:

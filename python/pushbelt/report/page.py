@@ -9,11 +9,11 @@ import platform
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
+from plotly.offline import get_plotlyjs
 
 from .. import provenance
 
@@ -64,30 +64,20 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Pa
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     origin = provenance.current(re.split("[/.]", template)[0])
     text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)
-    path.write_text(with_scripts(text), encoding="utf-8")
-
-
-def with_scripts(text: str) -> str:
-    """Appends the scripts of the figures to a page that has figures."""
-    if 'class="chart"' not in text and 'class="belt"' not in text:
-        return text
-    scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
-    return text.replace("</main>", scripts + "</main>")
-
-
-@functools.cache
-def _plotly() -> str:
-    return resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
+    if 'class="chart"' in text or 'class="belt"' in text:
+        scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
+        text = text.replace("</main>", scripts + "</main>")
+    path.write_text(text, encoding="utf-8")
 
 
 @functools.cache
 def packed_plotly() -> str:
     """The library of the figures for embedding in a page, compressed to a third. Compression also hides its web addresses from searches."""
-    return base64.b64encode(gzip.compress(_plotly().encode(), mtime=0)).decode()
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
 
 
 def plotly_notices() -> str:
     """Licence notices of the library and its parts."""
-    script = _plotly()
+    script = get_plotlyjs()
     parts = script[script.rindex("/*! Bundled license information:") :]
     return script[: script.index("*/")].strip("/* \n") + "\n\n" + parts[3 : parts.index("\n*/")]

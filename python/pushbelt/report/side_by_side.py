@@ -12,16 +12,12 @@ from typing import Any
 
 from ..console import interrupts_ignored
 
-Call = tuple[Callable[..., Any], tuple[Any, ...]]
-"""A module-level function and its arguments."""
+Call = tuple[Callable[..., Any], tuple[Any, ...]]  # A module-level function and its arguments
 
-BATCH = 0.5
-"""Least progress per report of a worker."""
+BATCH = 0.5  # Least progress per report of a worker
 
-_ticks: Any = None
-"""In a worker: queue for reports of progress."""
-_pending = 0.0
-"""In a worker: progress that is not yet reported."""
+_ticks: Any = None  # In a worker: queue for reports of progress
+_pending = 0.0  # In a worker: progress that is not yet reported
 
 
 def progress_bar(total: float, description: str, done: int = 0) -> Any:
@@ -53,14 +49,8 @@ def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -
     """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is
     raised at once. `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most
     one per processor."""
-    with progress_bar(total, title) as bar:
-        return run_in_workers(calls, bar.update, max(1, min(os.cpu_count() or 1, workers)))
-
-
-def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], workers: int) -> list[Any]:
-    """Results of the calls, in their order. `update` is called with the amounts of `tick`. The first failure is raised at once."""
-    with worker_pool(workers) as run:
-        return run(calls, update)
+    with progress_bar(total, title) as bar, worker_pool(max(1, min(os.cpu_count() or 1, workers))) as run:
+        return run(calls, bar.update)
 
 
 @contextmanager

@@ -18,8 +18,7 @@ COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
 DIVERGING = ("#08305c", "#2f7fc1", "#a9cfe8", "#f6f6f4", "#f0c489", "#c06f14", "#5e2c02")
 """Colours from large negative values over zero to large positive ones. They become darker on both sides."""
 
-RPM = 30.0 / math.pi
-"""rpm of a speed of 1 rad/s."""
+RPM = 30.0 / math.pi  # rpm of a speed of 1 rad/s
 SHOWN = {"rad/s": (RPM, "rpm"), "N": (1e-3, "kN"), "Pa": (1e-6, "MPa")}
 
 

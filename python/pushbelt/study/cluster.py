@@ -6,7 +6,6 @@ A chunk is a list of numbered tasks. A worker solves it by the method `solver.so
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -31,19 +30,12 @@ from pushbelt.console import interrupts_ignored
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
-Chunk = Sequence[tuple[int, Any]]
-"""Numbered tasks that a worker solves together."""
-Rows = list[tuple[int, dict[str, Any]]]
-"""Their numbers and results."""
+Chunk = Sequence[tuple[int, Any]]  # Numbered tasks that a worker solves together
+Rows = list[tuple[int, dict[str, Any]]]  # Their numbers and results
 
-POLL = 0.1
-"""Interval of polling for finished chunks, s."""
-CONNECT_TIMEOUT = 10.0
-"""Timeout for the connection to a scheduler, s."""
-WORKERS_TIMEOUT = 60.0
-"""Timeout for the first worker of a cluster, s."""
-QUEUE_TIMEOUT = 7 * 86400.0
-"""Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s."""
+CONNECT_TIMEOUT = 10.0  # Timeout for the connection to a scheduler, s
+WORKERS_TIMEOUT = 60.0  # Timeout for the first worker of a cluster, s
+QUEUE_TIMEOUT = 7 * 86400.0  # Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s
 
 
 class ClusterError(PushbeltError, RuntimeError):
@@ -78,7 +70,6 @@ class UnitPlugin(WorkerPlugin):
         self._fmu, self._load = fmu, load
 
     def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's folder and loads it."""
         self._cleanup = ExitStack()
         folder = Path(worker.local_directory) / self.name
         folder.mkdir(parents=True, exist_ok=True)
@@ -90,7 +81,6 @@ class UnitPlugin(WorkerPlugin):
         self._cleanup.callback(self.solver.close)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
-        """Frees the instances and removes the unpacked FMU."""
         self._cleanup.close()
 
 
@@ -128,43 +118,24 @@ def solver(name: str) -> Callable[[Chunk], Rows]:
     return solve
 
 
-def rows(
-    client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk], waiting: Callable[[], object]
-) -> Iterator[Rows]:
-    """Rows of the chunks in the order of completion. `waiting` is called periodically. Chunks of a lost worker are sent
-    to another one. A chunk that repeatedly loses its worker is split: its points are solved at the end, one at a time,
-    so that the point that crashes the worker is identified. Its reason is `WORKER_LOST`."""
-    given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
-    suspects: list[Any] = []
-    for future in _finished(as_completed(given), waiting):
-        chunk, result = given.pop(future), _result(future)
-        if result is None:
-            suspects.extend(chunk)
-        else:
-            yield result
-    for suspect in suspects:
-        future = client.submit(solve, [suspect], pure=False)
-        for _ in _finished(as_completed([future]), waiting):
-            result = _result(future)
-            yield [(suspect[0], {"reason": WORKER_LOST, "time": None})] if result is None else result
-
-
 WORKER_LOST = "the worker process crashed repeatedly"
 
 
-def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
-    """Futures as they finish or finally fail."""
-    while not futures.is_empty():
-        if not futures.has_ready():
-            waiting()
-            time.sleep(POLL)
-            continue
-        for future in futures.next_batch(block=False):
-            # A result that was not fetched is lost with its worker and is computed again.
-            if future.status in ("pending", "lost"):
-                futures.add(future)
-            else:
-                yield future
+def rows(client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk]) -> Iterator[Rows]:
+    """Rows of the chunks in the order of completion. Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its
+    worker is split: its points are solved at the end, one at a time, so that the point that crashes the worker is identified. Its reason is
+    `WORKER_LOST`."""
+    given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
+    suspects: list[tuple[int, Any]] = []
+    # With results: one that is lost with its worker before it is here is computed again.
+    for future, _ in as_completed(given, with_results=True, raise_errors=False):
+        chunk, found = given.pop(future), _result(future)
+        if found is None:
+            suspects.extend(chunk)
+        else:
+            yield found
+    for suspect in suspects:
+        yield _result(client.submit(solve, [suspect], pure=False)) or [(suspect[0], {"reason": WORKER_LOST, "time": None})]
 
 
 def _result(future: Future) -> Rows | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import random
 import time
@@ -22,34 +21,22 @@ from . import worker
 from .store import Store
 from .tasks import Row, Tasks
 
-MOST_CHUNKS = 5000
-"""Largest number of chunks. Larger studies have larger chunks, because each chunk is a file."""
-WORKERS_INTERVAL = 1.0
-"""Interval of polling the number of workers, s."""
+MOST_CHUNKS = 5000  # Largest number of chunks. Larger studies have larger chunks, because each chunk is a file.
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a study."""
-
     tasks: int
-    done: int
-    """Number of finished tasks, including earlier runs."""
-    failed: int
-    """Number of finished tasks without a result."""
+    done: int  # Number of finished tasks, including earlier runs
+    failed: int  # Number of finished tasks without a result
     workers: int
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Effort of a run."""
-
-    tasks: int
-    """Number of tasks solved in this run."""
-    seconds: float
-    """Wall-clock time including the start of the cluster, s."""
-    processor_time: float
-    """Processor time of all tasks, also of earlier runs, s."""
+    tasks: int  # Number of tasks solved in this run
+    seconds: float  # Wall-clock time including the start of the cluster, s
+    processor_time: float  # Processor time of all tasks, also of earlier runs, s
 
     def __str__(self) -> str:
         each = f", {self.tasks / self.seconds:.2f} a second" if self.tasks else ""
@@ -77,7 +64,7 @@ def solve(
     """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them,
     unless `anew`. `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local
     processes are started, one per processor. A program that starts them needs the guard `if __name__ == "__main__":`.
-    `progress` is called at the beginning and about once per second. Tasks that lost their workers are not stored; the
+    `progress` is called at the beginning and after each chunk. Tasks that lost their workers are not stored; the
     next run tries them again. Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain
     stored."""
     store = Store(folder, tasks)
@@ -92,23 +79,17 @@ def solve(
     # Only studies on a cluster need the packages of dask.
     from . import cluster
 
-    with cluster.connect(scheduler, workers) as client:
-        count, asked = 0, -math.inf
-
-        def report() -> None:
-            nonlocal count, asked
-            if time.monotonic() > asked + WORKERS_INTERVAL or len(rows) == total:
-                count, asked = len(client.nthreads()), time.monotonic()
-            progress(Progress(total, len(rows), failed, count))
-
-        load = partial(worker.Solver, parameters=tasks.common, measure=tasks.measure)
-        with cluster.shipped(client, tasks.archive, load, worker, *tasks.procedure) as solver:
-            for found in map(dict, cluster.rows(client, solver, missing, report)):
-                rows |= found
-                failed += sum(row.get("reason") is not None for row in found.values())
-                if not any(row.get("reason") == cluster.WORKER_LOST for row in found.values()):
-                    store.add(found)
-                report()
+    load = partial(worker.Solver, parameters=tasks.common, measure=tasks.measure)
+    with (
+        cluster.connect(scheduler, workers) as client,
+        cluster.shipped(client, tasks.archive, load, worker, *tasks.procedure) as solver,
+    ):
+        for found in map(dict, cluster.rows(client, solver, missing)):
+            rows |= found
+            failed += sum(row.get("reason") is not None for row in found.values())
+            if not any(row.get("reason") == cluster.WORKER_LOST for row in found.values()):
+                store.add(found)
+            progress(Progress(total, len(rows), failed, len(client.nthreads())))
     return rows
 
 

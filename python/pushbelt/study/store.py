@@ -23,12 +23,10 @@ class Store:
         write_whole(self.folder / "study.json", text.encode())
 
     def add(self, rows: Mapping[int, Row]) -> None:
-        """Stores finished tasks by their numbers."""
         name = f"tasks-{min(rows)}-{max(rows)}.json.gz"
         write_whole(self.folder / name, gzip.compress(json.dumps(list(rows.items())).encode(), 1))
 
     def clear(self) -> None:
-        """Removes all tasks."""
         for path in self.folder.glob("tasks-*"):
             path.unlink()
 

@@ -20,31 +20,24 @@ from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.untrusted import described
 
-Row = dict[str, Any]
-"""The result of a task. `reason` is why it has none; `time` is its processor time, s."""
+Row = dict[str, Any]  # The result of a task. `reason` is why it has none; `time` is its processor time, s.
 
 
 @dataclass(frozen=True)
 class Tasks(ABC):
-    """Tasks for an FMU."""
-
     fmu: Path
-    parameters: Mapping[str, float]
-    """Start values of the FMU by name."""
+    parameters: Mapping[str, float]  # Start values of the FMU by name
 
     @cached_property
     def archive(self) -> bytes:
-        """The FMU's bytes."""
         return self.fmu.read_bytes()
 
     @cached_property
     def description(self) -> Any:
-        """The FMU's model description."""
         return described(self.fmu)
 
     @cached_property
     def variables(self) -> Mapping[str, Any]:
-        """The FMU's variables by name."""
         return {variable.name: variable for variable in self.description.modelVariables}
 
     @property
@@ -59,7 +52,6 @@ class Tasks(ABC):
 
     @property
     def common(self) -> Mapping[str, float]:
-        """Start values of all tasks."""
         return {}
 
     @abstractmethod

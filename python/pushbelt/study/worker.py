@@ -50,6 +50,5 @@ class Solver:
         return {**found, "time": time.thread_time() - begin}
 
     def close(self) -> None:
-        """Frees the instances."""
         while self._idle:
             self._idle.pop().close()

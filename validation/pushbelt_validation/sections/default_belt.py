@@ -20,8 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pushbelt.fmu.data import curve_at, load_case_speed, load_cases
-from pushbelt.fmu.geometry import EDGE
-from pushbelt.fmu.geometry import ratio_of
+from pushbelt.fmu.geometry import EDGE, ratio_of
 from pushbelt.fmu.results import BeltState
 from pushbelt.fmu.starts import driven_by_torque
 

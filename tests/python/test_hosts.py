@@ -1,0 +1,93 @@
+"""Hosts that share no code with fmpy or this project: programs in C, for FMI 3.0 and for rigs, and `fmu-runner`, an importer in Rust."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from conftest import ROOT
+
+from pushbelt.fmu.unit import Archive, Instance
+
+LOADS = ["smooth", "firing", "ripple", "noise", "slam", "launch", "flips", "stairs", "firing-and-noise", "hunting"]
+INPUTS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
+STEPS = 40
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="the program needs Linux")
+
+
+@LINUX
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the address sanitiser")
+def test_a_host_in_c_finds_no_bad_access(fmu3: Path, tmp_path: Path) -> None:
+    """With the address sanitiser, which also counts leaks: event mode, updates, rollback by way of bytes."""
+    with zipfile.ZipFile(fmu3) as archive:
+        archive.extractall(tmp_path)
+    (library,) = (tmp_path / "binaries" / fmpy.platform_tuple).iterdir()
+    program, source = tmp_path / "master", ROOT / "examples" / "fmi3" / "master.c"
+    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-std=c11", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(["gcc", *checks, "-I", Path(fmpy.__file__).parent / "c-code", "-o", program, source, "-ldl", "-lm"], check=True)
+    run = subprocess.run([program, library, fmpy.read_model_description(str(fmu3)).guid], capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "Sanitizer" not in run.stderr
+    assert re.search(r"^slips at 0\.00\d+ s, event \w+ ?\w* at [\d.]+ s, push force up to \d+ N, \d+ own steps", run.stdout, re.M)
+
+
+@LINUX
+@pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
+def test_the_program_for_rigs_runs_the_library_and_counts(fmu: Path, description: Any, tmp_path: Path) -> None:
+    """In real time; a unit without a time reserve is not late."""
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path)
+    program, source = tmp_path / "hil", ROOT / "examples" / "hil" / "hil.c"
+    subprocess.run(["cc", "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-o", program, source, "-ldl", "-lm"], check=True)
+    command = [program, tmp_path / "binaries" / "linux64" / "PushbeltVariator.so", description.guid]
+    run = subprocess.run([*command, "--seconds", "0.3", "--ring", "1", "--free"], check=True, capture_output=True, text=True)
+    rows = re.findall(r"^([\w-]+): mean [\d.]+ ms, .*, 0 misses of 300, largest defect .*, (\d+) steps begun again, .* at most", run.stdout, re.M)
+    assert [name for name, _ in rows] == LOADS, run.stdout
+    # Of 15 000 steps.
+    assert sum(int(again) for _, again in rows) <= 30, run.stdout
+    counted = [int(count) for count in re.findall(r"up to .* ms: (\d+)", run.stdout)]
+    assert sum(counted) == 300 * len(rows)
+    unknown = subprocess.run([*command, "--sideways"], capture_output=True, text=True)
+    assert unknown.returncode == 2 and "--sideways" in unknown.stderr
+    nothing = subprocess.run([*command, "--load", "surf"], capture_output=True, text=True)
+    assert nothing.returncode == 1 and "surf" in nothing.stderr
+
+
+@pytest.fixture(scope="module")
+def importer() -> Path:
+    """The program, compiled in a folder of its own."""
+    cargo = os.environ.get("CARGO") or shutil.which("cargo")
+    if cargo is None:
+        pytest.skip("cargo is not on the path: the importer can't be compiled")
+    target = ROOT / "target" / "importer"
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(target)}
+    manifest = ROOT / "tests" / "importer" / "Cargo.toml"
+    done = subprocess.run(
+        [cargo, "build", "--locked", "--manifest-path", manifest], env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return target / "debug" / ("importer.exe" if os.name == "nt" else "importer")
+
+
+@pytest.mark.slow
+def test_an_importer_in_rust_finds_what_fmpy_finds(importer: Path, fmu: Path) -> None:
+    done = subprocess.run([importer, fmu, str(STEPS)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    found = {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
+    with Archive.unpack(fmu) as archive, Instance(archive, {}) as unit:
+        unit.initialise()
+        unit.set(INPUTS)
+        for step in range(STEPS):
+            unit.step_to((step + 1) * 1e-3)
+        expected = dict(zip(found, unit.get_reals(unit.reals(found)), strict=True))
+    assert len(found) == 6
+    assert found == pytest.approx(expected, rel=1e-9)
+    assert found["ratio.geometric"] != pytest.approx(1.0, abs=1e-3), "the inputs act"
