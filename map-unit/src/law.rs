@@ -72,24 +72,17 @@ impl Radii {
         })
     }
 
-    /// Pitch radius on the primary pulley at ln i, m, and its derivative.
+    /// Pitch radii at ln i, m, and their derivatives.
     #[must_use]
-    pub fn primary(&self, log_ratio: f64) -> (f64, f64) {
+    pub fn at(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
         let (k, t) = self.places.find(log_ratio);
         let step = self.primary[k + 1] - self.primary[k];
-        (self.primary[k] + t * step, step * self.places.per_step)
-    }
-
-    /// Positions of the sheaves at ln i, m, 0 at ratio 1, and their derivatives.
-    #[must_use]
-    pub fn positions(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
-        let (radius, slope) = self.primary(log_ratio);
+        let (radius, slope) = (self.primary[k] + t * step, step * self.places.per_step);
         let ratio = log_ratio.exp();
-        let radii = PerPulley {
+        PerPulley {
             primary: (radius, slope),
             secondary: (ratio * radius, ratio * (radius + slope)),
-        };
-        radii.map(|(radius, slope)| (self.way * (radius - self.at_one), self.way * slope))
+        }
     }
 }
 
@@ -181,10 +174,12 @@ impl Law<'_> {
     /// The frame of a state under inputs.
     #[must_use]
     pub fn frame(&self, state: &State, inputs: &Inputs) -> Frame {
-        let positions = self.radii.positions(state.log_ratio);
+        let radii = self.radii.at(state.log_ratio);
+        let (radius, _) = radii.primary;
         let closing = PerPulley::from_fn(|j| {
             let cylinder = &self.parameters.pulley(j).cylinder;
-            inputs.pulley(j).force(cylinder) + cylinder.push(positions[j].0, state.speeds[j])
+            let position = self.radii.way * (radii[j].0 - self.radii.at_one);
+            inputs.pulley(j).force(cylinder) + cylinder.push(position, state.speeds[j])
         });
         let force = self
             .held_thrust_ratio
@@ -192,7 +187,6 @@ impl Law<'_> {
         let primary = state.speeds.primary;
         let place = self.tables.place(force.max(0.0), primary.abs(), state.log_ratio);
         let [back, ahead, back_slip, ahead_slip] = self.tables.limits(&place);
-        let (radius, _) = self.radii.primary(state.log_ratio);
         let around = radius * primary;
         let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
         // Slightly steeper than b, so that only one direction is evaluated at running speeds.
@@ -203,7 +197,7 @@ impl Law<'_> {
             primary,
             radius,
             ratio: state.log_ratio.exp(),
-            ways: positions.map(|(_, slope)| slope),
+            ways: radii.map(|(_, slope)| self.radii.way * slope),
             closing,
             force,
             torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
@@ -215,6 +209,7 @@ impl Law<'_> {
     }
 
     /// The traction of forward running at a sliding speed, m/s.
+    #[inline(always)]
     fn one_way(&self, frame: &Frame, sliding: f64) -> Traction {
         let driving = usize::from(sliding >= 0.0);
         let limit = frame.capacity_slip[driving].abs() * frame.speed;
@@ -279,23 +274,24 @@ impl Law<'_> {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
         }
-        // With the friction of seals that move at a rate.
-        let under = |rate: f64| {
-            let rubbing = self.rubbing(frame.ways.map(|way| way * rate));
-            let [secondary, primary] = Pulley::BOTH.map(|j| frame.closing[j] - rubbing[j]);
-            let holding = point.thrust_ratio * secondary;
-            let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
+        let under = |closing: PerPulley<f64>| {
+            let holding = point.thrust_ratio * closing.secondary;
+            let excess = (closing.primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&frame.place, point.forward, excess);
             let by_utilisation = gain * point.thrust_slope / point.thrust_ratio;
             (-frame.primary.abs() * rate, frame.primary.abs() * by_utilisation)
         };
-        let free = under(0.0);
+        let free = under(frame.closing);
         if Pulley::BOTH
             .iter()
             .all(|j| self.parameters.pulley(*j).cylinder.seal == 0.0)
         {
             return free;
         }
+        let under = |rate: f64| {
+            let rubbing = self.rubbing(frame.ways.map(|way| way * rate));
+            under(PerPulley::from_fn(|j| frame.closing[j] - rubbing[j]))
+        };
         // The friction falls with the rate that it causes: one root, between no motion and that without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
         let near = 1e-2 * self.parameters.friction.velocity / frame.ways.secondary.abs();

@@ -69,6 +69,7 @@ impl<const N: usize> Sheet<N> {
     }
 
     /// Values and slopes along the last axis.
+    #[inline(always)]
     pub(crate) fn at(&self, place: &Place, x: f64) -> ([f64; N], [f64; N]) {
         let (k, t) = self.axis.find(x);
         let next = usize::from(self.axis.count > 1);

@@ -26,12 +26,12 @@ fn radii_close_the_belt_and_meet_the_stops() {
     let radii = Radii::new(&parameters).expect("radii");
     let [least, most] = radii.stops;
     for (stop, [primary, secondary]) in [(least, [0.082, 0.03]), (most, [0.03, 0.082])] {
-        let (found, _) = radii.primary(stop);
+        let (found, _) = radii.at(stop).primary;
         let off = (found - primary).abs().min((stop.exp() * found - secondary).abs());
         assert!(off < 1e-6, "{off:e}");
     }
     for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
-        let (primary, _) = radii.primary(ratio.ln());
+        let (primary, _) = radii.at(ratio.ln()).primary;
         let [p, s] = [primary, ratio * primary].map(|radius| radius + parameters.belt.pitch_offset);
         let distance = parameters.geometry.center_distance;
         let angle = ((p - s) / distance).acos();
