@@ -9,7 +9,7 @@
 //! | [`settings`] | what it has of the detailed unit's variables |
 //! | [`law`] | torques, losses and shift rate of a state |
 //! | [`stage`] | one implicit stage |
-//! | [`tuning`] | numbers of steps, iterations and places |
+//! | `tuning` | numbers of steps, iterations and places |
 //! | [`mod@unit`] | the FMU: start, steps, outputs, stored states |
 #![warn(missing_docs)]
 

@@ -9,7 +9,7 @@ use crate::variator::diagnostics::observe::{Context, Observer};
 use crate::variator::linear::NEARLY_STATIC;
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
-use crate::variator::linear::modes::{SlowModes, slow_modes};
+use crate::variator::linear::modes::slow_modes;
 use crate::variator::linear::working_point::{LinearError, WorkingPoint};
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::variator::Variator;
@@ -55,7 +55,7 @@ struct SlowSystem {
 impl SlowSystem {
     /// Oblique projection on the modes slower than `cut_off`, 1/s; none if there are none.
     fn new(descriptor: &Descriptor, b: &Mat<f64>, cut_off: f64) -> Result<Option<Self>, LinearError> {
-        let SlowModes { right, left, poles } = slow_modes(descriptor, cut_off)?;
+        let (right, left, poles) = slow_modes(descriptor, cut_off)?;
         if right.ncols() == 0 {
             return Ok(None);
         }

@@ -51,15 +51,10 @@ fn unshifted(sigma: f64, value: c64) -> c64 {
     c64::new(sigma, 0.0) - c64::new(1.0, 0.0) / value
 }
 
-/// The slow modes of a descriptor system, the slowest first.
-pub(super) struct SlowModes {
-    /// Real basis of the right invariant subspace: a column for each real mode, two for a conjugate pair.
-    pub right: Mat<f64>,
-    /// The same of the left one, as rows.
-    pub left: Mat<f64>,
-    /// Eigenvalues, one for each column: of a pair that with the positive imaginary part comes first.
-    pub poles: Vec<[f64; 2]>,
-}
+/// The slow modes of a descriptor system, the slowest first: a real basis of the right invariant subspace, with a column for each real mode
+/// and two for a conjugate pair; the same of the left one, as rows; and the eigenvalues, one for each column. Of a pair that with the
+/// positive imaginary part comes first.
+pub(super) type SlowModes = (Mat<f64>, Mat<f64>, Vec<[f64; 2]>);
 
 /// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
 pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowModes, LinearError> {
@@ -107,11 +102,8 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowMo
             poles.push([lambda.re, 0.0]);
         }
     }
-    Ok(SlowModes {
-        right: scaled(&of_right, &|i| scale[i]),
-        left: left.transpose().to_owned(),
-        poles,
-    })
+    let right = scaled(&of_right, &|i| scale[i]);
+    Ok((right, left.transpose().to_owned(), poles))
 }
 
 /// Whether a mode is slower than `cut_off`, 1/s, and not neutral.
