@@ -69,12 +69,6 @@ impl<T> PerPulley<T> {
     pub fn each_mut(&mut self) -> [&mut T; 2] {
         [&mut self.secondary, &mut self.primary]
     }
-
-    /// The values, the secondary pulley's first.
-    #[inline(always)]
-    pub fn into_array(self) -> [T; 2] {
-        [self.secondary, self.primary]
-    }
 }
 
 impl<T> Index<Pulley> for PerPulley<T> {

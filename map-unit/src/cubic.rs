@@ -1,7 +1,7 @@
 //! Monotone piecewise cubic interpolation (Fritsch and Butland, 1984): between two points the curve stays between their values.
 
-/// Slopes at the points of a curve with ascending places.
-fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+/// Tangents at the points of a curve with ascending places.
+fn tangents(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 2 {
         return vec![0.0; n];
@@ -18,13 +18,13 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
             found[k] = (before + after) / (before / rise[k - 1] + after / rise[k]);
         }
     }
-    found[0] = end_slope([step[0], step[1]], [rise[0], rise[1]]);
-    found[n - 1] = end_slope([step[n - 2], step[n - 3]], [rise[n - 2], rise[n - 3]]);
+    found[0] = end_tangent([step[0], step[1]], [rise[0], rise[1]]);
+    found[n - 1] = end_tangent([step[n - 2], step[n - 3]], [rise[n - 2], rise[n - 3]]);
     found
 }
 
-/// The slope at an end by three points, limited so that the curve stays monotone.
-fn end_slope(step: [f64; 2], rise: [f64; 2]) -> f64 {
+/// The tangent at an end by three points, limited so that the curve stays monotone.
+fn end_tangent(step: [f64; 2], rise: [f64; 2]) -> f64 {
     let found = ((2.0 * step[0] + step[1]) * rise[0] - step[0] * rise[1]) / (step[0] + step[1]);
     if found * rise[0] <= 0.0 {
         0.0
@@ -38,7 +38,7 @@ fn end_slope(step: [f64; 2], rise: [f64; 2]) -> f64 {
 /// Values of the curve through `y` at ascending places `x`, at other ascending places; constant beyond the ends.
 #[must_use]
 pub fn resampled(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
-    let slope = slopes(x, y);
+    let tangent = tangents(x, y);
     let last = x.len() - 1;
     let mut k = 0;
     let value = |&place: &f64| {
@@ -54,7 +54,7 @@ pub fn resampled(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
         let step = x[k + 1] - x[k];
         let t = (place - x[k]) / step;
         let (a, b) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t));
-        y[k] + (y[k + 1] - y[k]) * a + step * b * (slope[k] * (1.0 - t) - slope[k + 1] * t)
+        y[k] + (y[k + 1] - y[k]) * a + step * b * (tangent[k] * (1.0 - t) - tangent[k + 1] * t)
     };
     at.iter().map(value).collect()
 }

@@ -7,8 +7,8 @@
 //! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
 //!
 //! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0 of the
-//! [drag](pushbelt::shaft), so the belt loses T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the primary pulley, so
-//! ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
+//! [drag](pushbelt::shaft), so the belt loses T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing
+//! primary force closes the primary pulley, so ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
 //!
 //! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift alone, in the quotient of the forces.
 //!
@@ -16,32 +16,23 @@
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
 use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::reference_curve::TwoPulley;
 use pushbelt::shaft::FADING_SPEED;
 use pushbelt::variator::settings::{Friction, Inputs, Parameters, bisected};
 
-use crate::tables::{Belt, Even, Place, Tables, Traction};
-
-/// Regularisation speed v_0 of the slip, m/s.
-const SLIP_SPEED: f64 = 0.1;
-/// Smallest force in a quotient of forces, N.
-const LEAST_FORCE: f64 = 1.0;
-/// Number of places of the table of radii.
-const RADII: usize = 257;
-/// Iterations for a pitch radius: each leaves some hundredth of the error.
-const ITERATIONS: usize = 15;
-/// Range of ln i of the table of radii beyond the end stops.
-const BEYOND_STOPS: f64 = 0.05;
+use crate::tables::{Even, Place, Tables, Traction};
+use crate::tuning::{BEYOND_STOPS, LEAST_FORCE, RADII, SLIP_SPEED};
 
 /// Radii over the ratio, between the end stops.
 #[derive(Clone, Debug)]
 pub struct Radii {
     /// Places over ln i.
-    along: Even,
+    places: Even,
     primary: Vec<f64>,
     /// Pitch radius at ratio 1, m.
     at_one: f64,
     /// Way of a sheave per change of its radius.
-    place: f64,
+    way: f64,
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
 }
@@ -56,50 +47,42 @@ impl Radii {
         if least >= most {
             return Err("the radii at the end stops leave no range of ratios".to_owned());
         }
-        // The detailed unit has the ratio of the radii of the ring's centre line, and pitch radii at it.
-        let at = |reference: f64| {
+        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
+        // pulleys too.
+        let stop = |reference: f64| {
             let radii = parameters.pitch_radii(reference);
-            radii.ok_or_else(|| format!("no belt fits at the ratio {reference:.3}"))
+            let log_ratio = radii.map(|(primary, secondary)| (secondary / primary).ln());
+            log_ratio.ok_or_else(|| format!("no belt fits at the ratio {reference:.3}"))
         };
-        let of_pitch = |reference: f64| at(reference).map(|(primary, secondary)| (secondary / primary).ln());
-        let radius = |ratio: f64| {
-            let mut reference = ratio;
-            for _ in 0..ITERATIONS {
-                let (primary, secondary) = at(reference)?;
-                reference *= ratio * primary / secondary;
-            }
-            at(reference).map(|(primary, _)| primary)
+        let stops = [stop(least)?, stop(most)?];
+        let geometry = &parameters.geometry;
+        let length = geometry.belt_length - std::f64::consts::TAU * parameters.belt.pitch_offset;
+        let curve = TwoPulley::new(geometry.center_distance, length);
+        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
+            Ok((primary, _)) => Ok(primary),
+            Err(error) => Err(error.to_string()),
         };
-        let stops = [of_pitch(least)?, of_pitch(most)?];
-        let along = Even::between(stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS, RADII);
-        let primary = along.places().into_iter().map(|log_ratio| radius(log_ratio.exp()));
+        let places = Even::between(stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS, RADII);
         Ok(Self {
-            along,
-            primary: primary.collect::<Result<_, _>>()?,
-            at_one: radius(1.0)?,
-            place: 2.0 * parameters.geometry.wedge_angle.tan(),
+            primary: places.places().into_iter().map(radius).collect::<Result<_, _>>()?,
+            places,
+            at_one: radius(0.0)?,
+            way: 2.0 * geometry.wedge_angle.tan(),
             stops,
         })
     }
 
-    /// Pitch radius on the primary pulley at ln i, m, and its derivative.
+    /// Pitch radii at ln i, m, and their derivatives.
     #[must_use]
-    pub fn primary(&self, log_ratio: f64) -> (f64, f64) {
-        let (k, t) = self.along.find(log_ratio);
+    pub fn at(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
+        let (k, t) = self.places.find(log_ratio);
         let step = self.primary[k + 1] - self.primary[k];
-        (self.primary[k] + t * step, step * self.along.per_step)
-    }
-
-    /// Positions of the sheaves at ln i, m, 0 at ratio 1, and their derivatives.
-    #[must_use]
-    pub fn positions(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
-        let (radius, slope) = self.primary(log_ratio);
+        let (radius, slope) = (self.primary[k] + t * step, step * self.places.per_step);
         let ratio = log_ratio.exp();
-        let radii = PerPulley {
+        PerPulley {
             primary: (radius, slope),
             secondary: (ratio * radius, ratio * (radius + slope)),
-        };
-        radii.map(|(radius, slope)| (self.place * (radius - self.at_one), self.place * slope))
+        }
     }
 }
 
@@ -124,50 +107,20 @@ pub struct Law<'a> {
     pub held_thrust_ratio: Option<f64>,
 }
 
-/// What the tables give at a sliding speed in one direction of running.
-#[derive(Clone, Copy, Debug)]
-struct Way {
-    traction: Traction,
-    belt: Belt,
-}
-
 /// What the tables give at a sliding speed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Point {
     /// The traction.
     pub traction: Traction,
-    /// The direction with the larger share.
-    main: Way,
-    /// Near standstill: the share of the other direction, and the other direction.
-    other: Option<(f64, Way)>,
-}
-
-impl Point {
-    fn mean(&self, of: impl Fn(&Way) -> f64) -> f64 {
-        let main = of(&self.main);
-        match &self.other {
-            None => main,
-            Some((share, other)) => (1.0 - share) * main + share * of(other),
-        }
-    }
-
-    /// Thrust ratio κ.
-    #[must_use]
-    pub fn thrust_ratio(&self) -> f64 {
-        self.mean(|way| way.belt.thrust_ratio)
-    }
-
-    /// Torque loss of the belt at the primary pulley, which runs at a speed, rad/s; N·m.
-    #[must_use]
-    pub fn lost(&self, primary: f64) -> f64 {
-        (primary / FADING_SPEED).tanh() * self.mean(|way| way.belt.torque_loss)
-    }
-
+    /// Utilisation as of forward running.
+    forward: f64,
+    /// Thrust ratio κ, and ∂κ/∂u.
+    pub thrust_ratio: f64,
+    thrust_slope: f64,
+    /// Torque loss of the belt at the primary pulley, N·m.
+    pub torque_loss: f64,
     /// Resultant of the belt's contact forces on a pulley, N.
-    #[must_use]
-    pub fn bearing_load(&self) -> f64 {
-        self.mean(|way| way.belt.bearing_load)
-    }
+    pub bearing_load: f64,
 }
 
 /// The place of a state in the tables, and what the traction needs there.
@@ -175,10 +128,14 @@ impl Point {
 pub struct Frame {
     /// Place in the tables.
     pub place: Place,
+    /// Speed of the primary pulley, rad/s.
+    primary: f64,
     /// Pitch radius on the primary pulley, m.
     pub radius: f64,
     /// Ratio.
     pub ratio: f64,
+    /// Ways of the sheaves per change of ln i, m.
+    pub ways: PerPulley<f64>,
     /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
     pub closing: PerPulley<f64>,
     /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
@@ -200,40 +157,16 @@ impl Frame {
         self.radius * (speeds.primary - self.ratio * speeds.secondary)
     }
 
-    /// What `way` gives in the direction with the larger share, and near standstill the share of the other direction and what it gives
-    /// there. Reverse running is forward running at −v.
+    /// Signs of the directions of running with their shares, the larger one first. Reverse running is forward running at −v.
     #[inline(always)]
-    fn ways<W>(&self, sliding: f64, way: impl Fn(f64) -> W) -> (W, Option<(f64, W)>) {
-        let (main, share) = if self.forward >= 0.5 {
-            (sliding, 1.0 - self.forward)
+    fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let (sign, share) = if self.forward >= 0.5 {
+            (1.0, self.forward)
         } else {
-            (-sliding, self.forward)
+            (-1.0, 1.0 - self.forward)
         };
-        (way(main), (share > 0.0).then(|| (share, way(-main))))
-    }
-
-    /// The traction at a sliding speed, m/s, from those of [`Frame::ways`].
-    #[inline(always)]
-    fn mix(&self, sliding: f64, main: Traction, other: Option<(f64, Traction)>) -> Traction {
-        let ahead = self.forward >= 0.5;
-        let sign = if ahead { 1.0 } else { -1.0 };
-        match other {
-            None => Traction {
-                value: sign * main.value,
-                between: if ahead {
-                    main.between
-                } else {
-                    [-main.between[1], -main.between[0]]
-                },
-                ..main
-            },
-            Some((share, other)) => Traction {
-                value: sign * ((1.0 - share) * main.value - share * other.value),
-                slope: (1.0 - share) * main.slope + share * other.slope,
-                macro_slip: main.macro_slip,
-                between: [sliding; 2],
-            },
-        }
+        let both = [(sign, share), (-sign, 1.0 - share)];
+        both.into_iter().filter(|(_, share)| *share > 0.0)
     }
 }
 
@@ -241,14 +174,19 @@ impl Law<'_> {
     /// The frame of a state under inputs.
     #[must_use]
     pub fn frame(&self, state: &State, inputs: &Inputs) -> Frame {
-        let closing = self.closing(state, inputs);
+        let radii = self.radii.at(state.log_ratio);
+        let (radius, _) = radii.primary;
+        let closing = PerPulley::from_fn(|j| {
+            let cylinder = &self.parameters.pulley(j).cylinder;
+            let position = self.radii.way * (radii[j].0 - self.radii.at_one);
+            inputs.pulley(j).force(cylinder) + cylinder.push(position, state.speeds[j])
+        });
         let force = self
             .held_thrust_ratio
             .map_or(closing.secondary, |ratio| closing.primary / ratio);
         let primary = state.speeds.primary;
         let place = self.tables.place(force.max(0.0), primary.abs(), state.log_ratio);
-        let (capacity, capacity_slip) = self.tables.limits(&place);
-        let (radius, _) = self.radii.primary(state.log_ratio);
+        let [back, ahead, back_slip, ahead_slip] = self.tables.limits(&place);
         let around = radius * primary;
         let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
         // Slightly steeper than b, so that only one direction is evaluated at running speeds.
@@ -256,29 +194,32 @@ impl Law<'_> {
         let Parameters { friction, geometry, .. } = self.parameters;
         Frame {
             place,
+            primary,
             radius,
             ratio: state.log_ratio.exp(),
+            ways: radii.map(|(_, slope)| self.radii.way * slope),
             closing,
             force,
             torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
             speed,
             forward: 0.5 * (1.0 + direction),
-            capacity,
-            capacity_slip,
+            capacity: [back, ahead],
+            capacity_slip: [back_slip, ahead_slip],
         }
     }
 
     /// The traction of forward running at a sliding speed, m/s.
+    #[inline(always)]
     fn one_way(&self, frame: &Frame, sliding: f64) -> Traction {
         let driving = usize::from(sliding >= 0.0);
         let limit = frame.capacity_slip[driving].abs() * frame.speed;
         let share = sliding / limit;
         if share.abs() <= 1.0 {
-            let line = self.tables.traction(&frame.place, share);
+            let ([value], [slope]) = self.tables.traction.at(&frame.place, share);
             return Traction {
-                slope: line.slope / limit,
-                between: line.between.map(|share| share * limit),
-                ..line
+                value,
+                slope: slope / limit,
+                macro_slip: false,
             };
         }
         let Friction { fall, fall_speed, .. } = self.parameters.friction;
@@ -288,37 +229,36 @@ impl Law<'_> {
             value: capacity * (1.0 - fall * (1.0 - decay)),
             slope: -capacity * fall * decay / fall_speed * sliding.signum(),
             macro_slip: true,
-            between: [sliding; 2],
         }
     }
 
     /// The traction at a sliding speed v, m/s.
     #[must_use]
     pub fn traction(&self, frame: &Frame, sliding: f64) -> Traction {
-        let (main, other) = frame.ways(sliding, |sliding| self.one_way(frame, sliding));
-        frame.mix(sliding, main, other)
+        let mut mean = Traction::default();
+        for (sign, share) in frame.directions() {
+            mean.add(sign, share, self.one_way(frame, sign * sliding));
+        }
+        mean
     }
 
     /// All that the tables give at a sliding speed v, m/s.
     #[must_use]
     pub fn point(&self, frame: &Frame, sliding: f64) -> Point {
-        let (main, other) = frame.ways(sliding, |sliding| {
-            let traction = self.one_way(frame, sliding);
-            let belt = self.tables.belt(&frame.place, traction.value);
-            Way { traction, belt }
-        });
-        let near = other.map(|(share, way)| (share, way.traction));
-        let traction = frame.mix(sliding, main.traction, near);
-        Point { traction, main, other }
-    }
-
-    /// Forces of clamps and cylinders that close the pulleys in a state, without their seals, N.
-    fn closing(&self, state: &State, inputs: &Inputs) -> PerPulley<f64> {
-        let positions = self.radii.positions(state.log_ratio);
-        PerPulley::from_fn(|j| {
-            let cylinder = &self.parameters.pulley(j).cylinder;
-            inputs.pulley(j).force(cylinder) + cylinder.push(positions[j].0, state.speeds[j])
-        })
+        let mut mean = Point::default();
+        let fading = (frame.primary / FADING_SPEED).tanh();
+        for (sign, share) in frame.directions() {
+            let traction = self.one_way(frame, sign * sliding);
+            let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =
+                self.tables.belt.at(&frame.place, traction.value);
+            mean.traction.add(sign, share, traction);
+            mean.forward += share * traction.value;
+            mean.thrust_ratio += share * thrust_ratio;
+            mean.thrust_slope += share * sign * thrust_slope;
+            mean.torque_loss += share * fading * torque_loss;
+            mean.bearing_load += share * bearing_load;
+        }
+        mean
     }
 
     /// Friction of the seals of both cylinders along the speeds of the sheaves, m/s; N.
@@ -330,50 +270,32 @@ impl Law<'_> {
 
     /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
     #[must_use]
-    pub fn shift(&self, frame: &Frame, point: &Point, state: &State) -> (f64, f64) {
+    pub fn shift(&self, frame: &Frame, point: &Point) -> (f64, f64) {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
         }
-        let forces = frame.closing;
-        let primary = state.speeds.primary;
-        let free = self.shift_under(frame, point, primary, forces);
+        let under = |closing: PerPulley<f64>| {
+            let holding = point.thrust_ratio * closing.secondary;
+            let excess = (closing.primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
+            let (rate, gain) = self.tables.shift_rate(&frame.place, point.forward, excess);
+            let by_utilisation = gain * point.thrust_slope / point.thrust_ratio;
+            (-frame.primary.abs() * rate, frame.primary.abs() * by_utilisation)
+        };
+        let free = under(frame.closing);
         if Pulley::BOTH
             .iter()
             .all(|j| self.parameters.pulley(*j).cylinder.seal == 0.0)
         {
             return free;
         }
-        let slopes = self.radii.positions(state.log_ratio).map(|(_, slope)| slope);
         let under = |rate: f64| {
-            let rubbing = self.rubbing(slopes.map(|slope| slope * rate));
-            self.shift_under(frame, point, primary, PerPulley::from_fn(|j| forces[j] - rubbing[j]))
+            let rubbing = self.rubbing(frame.ways.map(|way| way * rate));
+            under(PerPulley::from_fn(|j| frame.closing[j] - rubbing[j]))
         };
-        // The friction of the seals falls with the rate that it causes: one root, between no motion and that without friction.
+        // The friction falls with the rate that it causes: one root, between no motion and that without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
-        let near = 1e-2 * self.parameters.friction.velocity / slopes.secondary.abs();
+        let near = 1e-2 * self.parameters.friction.velocity / frame.ways.secondary.abs();
         let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);
         (rate, under(rate).1 / (1.0 - falls.min(0.0)))
-    }
-
-    /// [`Law::shift`] under forces of the sheaves on the belt, N.
-    fn shift_under(&self, frame: &Frame, point: &Point, primary: f64, closing: PerPulley<f64>) -> (f64, f64) {
-        let at = |way: &Way| {
-            let Belt {
-                thrust_ratio,
-                thrust_slope,
-                ..
-            } = way.belt;
-            let holding = thrust_ratio * closing.secondary;
-            let excess = (closing.primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
-            let (rate, gain) = self.tables.shift_rate(&frame.place, way.traction.value, excess);
-            (rate, -gain * thrust_slope / thrust_ratio)
-        };
-        let (main, slope) = at(&point.main);
-        let rate = match &point.other {
-            None => main,
-            Some((share, other)) => (1.0 - share) * main + share * at(other).0,
-        };
-        let direction = 2.0 * frame.forward - 1.0;
-        (-primary.abs() * rate, -primary.abs() * slope * direction)
     }
 }

@@ -9,6 +9,7 @@
 //! | [`settings`] | what it has of the detailed unit's variables |
 //! | [`law`] | torques, losses and shift rate of a state |
 //! | [`stage`] | one implicit stage |
+//! | `tuning` | numbers of steps, iterations and places |
 //! | [`mod@unit`] | the FMU: start, steps, outputs, stored states |
 #![warn(missing_docs)]
 
@@ -24,6 +25,8 @@ pub mod settings;
 pub mod stage;
 #[forbid(unsafe_code)]
 pub mod tables;
+#[forbid(unsafe_code)]
+mod tuning;
 #[forbid(unsafe_code)]
 pub mod unit;
 

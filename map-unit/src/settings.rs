@@ -74,14 +74,6 @@ const TEXTS: &[(&str, &str)] = &[
         "Friction of the seals of the {} cylinder, against {}.sheaveVelocity",
     ),
     (
-        "thrustRatio",
-        "Thrust ratio: axial force on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N",
-    ),
-    (
-        "belt.speed",
-        "Mean pitch-line speed of the elements: the mean of both pulleys",
-    ),
-    (
         "efficiency",
         "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",
     ),

@@ -7,19 +7,10 @@
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};
 
+use crate::file::UTILISATION;
 use crate::law::{Frame, Law, State};
 use crate::tables::Traction;
-
-/// Largest number of outer iterations.
-const ITERATIONS: usize = 60;
-/// Largest number of iterations for the sliding speed.
-const INNER: usize = 80;
-/// Relative tolerance of speeds, and tolerance of ln i.
-const TOLERANCE: f64 = 1e-9;
-/// Bound of the coupling of the ratio, as a share of the coupling by the torque.
-const LEAST_SHARE: f64 = 0.5;
-/// Bound of the utilisation, above every capacity.
-const MOST: f64 = 3.0;
+use crate::tuning::{ITERATIONS, LEAST_SHARE, TOLERANCE};
 
 /// A stage: the laws, and the inputs at its time.
 pub struct Stage<'a> {
@@ -27,12 +18,6 @@ pub struct Stage<'a> {
     pub law: &'a Law<'a>,
     /// Inputs.
     pub inputs: Inputs,
-}
-
-/// Speed of a shaft as a linear function of a torque.
-struct Line {
-    constant: f64,
-    slope: f64,
 }
 
 impl Stage<'_> {
@@ -63,27 +48,27 @@ impl Stage<'_> {
         let sliding = frame.sliding(state.speeds);
         let point = law.point(&frame, sliding);
         let utilisation = point.traction.value;
-        let load = point.bearing_load();
-        let lost = frame.ratio * point.lost(state.speeds.primary);
-        let speeds = |j: Pulley| [base.speeds[j], state.speeds[j]];
-        let lines = PerPulley {
-            primary: self.line(Pulley::Primary, speeds(Pulley::Primary), k, load, [0.0, -1.0]),
-            secondary: self.line(
-                Pulley::Secondary,
-                speeds(Pulley::Secondary),
+        let lines = PerPulley::from_fn(|j| {
+            let torques = match j {
+                Pulley::Primary => [0.0, -1.0],
+                Pulley::Secondary => [-frame.ratio * point.torque_loss, frame.ratio],
+            };
+            self.line(
+                j,
+                [base, state].map(|state| state.speeds[j]),
                 k,
-                load,
-                [-lost, frame.ratio],
-            ),
-        };
-        let free = frame.radius * (lines.primary.constant - frame.ratio * lines.secondary.constant);
-        let per_torque = -frame.radius * (lines.primary.slope - frame.ratio * lines.secondary.slope);
+                point.bearing_load,
+                torques,
+            )
+        });
+        // v_0 and −m for each N·m.
+        let [free, per_torque] = [0, 1].map(|n| frame.sliding(lines.map(|line| line[n])));
         // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
-        let (rate, slope) = law.shift(&frame, &point, state);
+        let (rate, slope) = law.shift(&frame, &point);
         let around = frame.radius * frame.ratio * state.speeds.secondary;
         let [least, most] = law.radii.stops;
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
-        let per_utilisation = per_torque * frame.torque;
+        let per_utilisation = -per_torque * frame.torque;
         let coupled = (around * k * slope).clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
         let found = self.utilisation(
             &frame,
@@ -93,37 +78,28 @@ impl Stage<'_> {
         )?;
         let torque = frame.torque * found;
         Some(State {
-            speeds: lines.map(|line| line.constant + line.slope * torque),
+            speeds: lines.map(|[constant, slope]| constant + slope * torque),
             log_ratio: (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most),
         })
     }
 
-    /// The speed of a shaft: J (ω − base) = k (T + own + lever T_P − drag), with the drag linear about the present speed; or its lag
-    /// behind the set point.
-    fn line(&self, j: Pulley, [base, speed]: [f64; 2], k: f64, load: f64, [own, lever]: [f64; 2]) -> Line {
+    /// The speed of a shaft and its slope over T_P: J (ω − base) = k (T + own + lever T_P − drag), with the drag linear about the present
+    /// speed; or its lag behind the set point.
+    fn line(&self, j: Pulley, [base, speed]: [f64; 2], k: f64, load: f64, [own, lever]: [f64; 2]) -> [f64; 2] {
         let (pulley, inputs) = (self.law.parameters.pulley(j), self.inputs.pulley(j));
         if pulley.drive == Drive::Speed {
             let share = k / SPEED_LAG;
-            return Line {
-                constant: (base + share * inputs.speed_setpoint) / (1.0 + share),
-                slope: 0.0,
-            };
+            return [(base + share * inputs.speed_setpoint) / (1.0 + share), 0.0];
         }
         let drag = pulley.drag.at(speed, [load, 0.0]);
         let per_torque = k / (pulley.inertia + k * drag.by_speed);
         let torque = inputs.torque + own - drag.torque + drag.by_speed * speed;
-        Line {
-            constant: per_torque * (pulley.inertia / k * base + torque),
-            slope: per_torque * lever,
-        }
+        [per_torque * (pulley.inertia / k * base + torque), per_torque * lever]
     }
 
     /// The utilisation at the root of v − `free` + `per_utilisation` u(v), from a guess with its traction.
     fn utilisation(&self, frame: &Frame, free: f64, per_utilisation: f64, guess: (f64, Traction)) -> Option<f64> {
-        if per_utilisation == 0.0 {
-            return Some(self.law.traction(frame, free).value);
-        }
-        let reach = MOST * per_utilisation;
+        let reach = UTILISATION[1] * per_utilisation;
         let (mut low, mut high) = (free - reach, free + reach);
         let (mut v, mut traction) = guess;
         if v < low || v > high {
@@ -131,7 +107,7 @@ impl Stage<'_> {
             traction = self.law.traction(frame, v);
         }
         let tolerance = 1e-11 + 1e-13 * (free.abs() + reach);
-        for _ in 0..INNER {
+        for _ in 0..ITERATIONS {
             let excess = v - free + per_utilisation * traction.value;
             if excess > 0.0 {
                 high = v;
@@ -140,10 +116,11 @@ impl Stage<'_> {
             }
             let slope = 1.0 + per_utilisation * traction.slope;
             let newton = v - excess / slope;
-            let [from, to] = traction.between;
-            // The traction is piecewise linear: the root within a piece is exact.
-            if slope > 0.0 && (newton >= from && newton <= to || (newton - v).abs() <= tolerance) {
+            if slope > 0.0 && (newton - v).abs() <= tolerance {
                 return Some(traction.value + traction.slope * (newton - v));
+            }
+            if high - low <= tolerance {
+                return Some(traction.value);
             }
             v = if slope > 0.0 && newton > low && newton < high {
                 newton
@@ -151,9 +128,6 @@ impl Stage<'_> {
                 0.5 * (low + high)
             };
             traction = self.law.traction(frame, v);
-            if high - low <= tolerance {
-                return Some(traction.value);
-            }
         }
         None
     }

@@ -57,24 +57,25 @@ pub struct Place {
 /// Refined tables with the same axes. The values of a place are together, so that one look-up reads them all.
 #[derive(Clone, Debug)]
 pub(crate) struct Sheet<const N: usize> {
-    along: Even,
+    axis: Even,
     values: Vec<[f64; N]>,
 }
 
 impl<const N: usize> Sheet<N> {
-    pub(crate) fn of(along: Even, tables: [Vec<f64>; N]) -> Self {
+    pub(crate) fn of(axis: Even, tables: [Vec<f64>; N]) -> Self {
         let count = tables[0].len();
         let values = (0..count).map(|k| std::array::from_fn(|n| tables[n][k])).collect();
-        Self { along, values }
+        Self { axis, values }
     }
 
-    /// Values and slopes along the last axis, and the interval in which the slopes hold.
-    fn at(&self, place: &Place, x: f64) -> Found<N> {
-        let (k, t) = self.along.find(x);
-        let next = usize::from(self.along.count > 1);
+    /// Values and slopes along the last axis.
+    #[inline(always)]
+    pub(crate) fn at(&self, place: &Place, x: f64) -> ([f64; N], [f64; N]) {
+        let (k, t) = self.axis.find(x);
+        let next = usize::from(self.axis.count > 1);
         let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
         for (line, weight) in place.lines {
-            let row = line * self.along.count + k;
+            let row = line * self.axis.count + k;
             let pair = &self.values[row..=row + next];
             let (low, high) = (&pair[0], &pair[next]);
             for n in 0..N {
@@ -82,37 +83,12 @@ impl<const N: usize> Sheet<N> {
                 slopes[n] += weight * (high[n] - low[n]);
             }
         }
-        Found {
-            values,
-            slopes: slopes.map(|rise| rise * self.along.per_step),
-            interval: k,
-        }
+        (values, slopes.map(|rise| rise * self.axis.per_step))
     }
 }
 
-/// What a look-up finds.
-struct Found<const N: usize> {
-    values: [f64; N],
-    slopes: [f64; N],
-    /// Index of the interval along the last axis.
-    interval: usize,
-}
-
-/// What the tables give for the belt at a utilisation.
-#[derive(Clone, Copy, Debug)]
-pub struct Belt {
-    /// Thrust ratio κ.
-    pub thrust_ratio: f64,
-    /// Its slope over the utilisation.
-    pub thrust_slope: f64,
-    /// Torque loss of the belt at the primary pulley, N·m.
-    pub torque_loss: f64,
-    /// Resultant of the belt's contact forces on a pulley, N.
-    pub bearing_load: f64,
-}
-
-/// Utilisation at a sliding speed, or at a slip as a share of that at capacity.
-#[derive(Clone, Copy, Debug)]
+/// Utilisation at a sliding speed.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Traction {
     /// Utilisation u.
     pub value: f64,
@@ -120,8 +96,15 @@ pub struct Traction {
     pub slope: f64,
     /// Whether the slip is beyond that at capacity: the belt slips through.
     pub macro_slip: bool,
-    /// Sliding speeds between which the slope holds, m/s; the same speed twice where it does not hold around the present one.
-    pub between: [f64; 2],
+}
+
+impl Traction {
+    /// Adds the traction of a direction of running with its share.
+    pub(crate) fn add(&mut self, sign: f64, share: f64, one: Self) {
+        self.value += sign * share * one.value;
+        self.slope += share * one.slope;
+        self.macro_slip |= one.macro_slip && share >= 0.5;
+    }
 }
 
 /// All tables of a variator.
@@ -139,8 +122,8 @@ pub struct Tables {
     /// Thrust ratio, torque loss, bearing load.
     pub(crate) belt: Sheet<3>,
     pub(crate) traction: Sheet<1>,
-    /// Shift rates at each utilisation and the next one.
-    pub(crate) shift_rates: Vec<Sheet<2>>,
+    /// Shift rates at each utilisation.
+    pub(crate) shift_rates: Vec<Sheet<1>>,
     /// Utilisations and slips at capacity; of each, where the secondary and where the primary pulley drives.
     pub(crate) limits: Vec<[f64; 4]>,
 }
@@ -174,59 +157,24 @@ impl Tables {
         Place { lines, outside }
     }
 
-    /// Capacity in both directions: utilisations and slips.
+    /// Utilisations and slips at capacity: of each, where the secondary and where the primary pulley drives.
     #[must_use]
-    pub fn limits(&self, place: &Place) -> ([f64; 2], [f64; 2]) {
+    pub fn limits(&self, place: &Place) -> [f64; 4] {
         let mut mean = [0.0; 4];
         for (line, weight) in place.lines {
-            let values = &self.limits[line];
-            for n in 0..4 {
-                mean[n] += weight * values[n];
+            for (mean, value) in mean.iter_mut().zip(self.limits[line]) {
+                *mean += weight * value;
             }
         }
-        let [back, ahead, back_slip, ahead_slip] = mean;
-        ([back, ahead], [back_slip, ahead_slip])
-    }
-
-    /// Utilisation at a slip, as a share of the slip at capacity from −1 to 1.
-    #[must_use]
-    pub fn traction(&self, place: &Place, share: f64) -> Traction {
-        let Found {
-            values: [value],
-            slopes: [slope],
-            interval,
-        } = self.traction.at(place, share);
-        let along = &self.traction.along;
-        Traction {
-            value,
-            slope,
-            macro_slip: false,
-            between: [interval, interval + 1].map(|k| along.first + k as f64 / along.per_step),
-        }
-    }
-
-    /// The belt at a utilisation.
-    #[must_use]
-    pub fn belt(&self, place: &Place, utilisation: f64) -> Belt {
-        let found = self.belt.at(place, utilisation);
-        let [thrust_ratio, torque_loss, bearing_load] = found.values;
-        Belt {
-            thrust_ratio,
-            thrust_slope: found.slopes[0],
-            torque_loss,
-            bearing_load,
-        }
+        mean
     }
 
     /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.
     #[must_use]
     pub fn shift_rate(&self, place: &Place, utilisation: f64, excess: f64) -> (f64, f64) {
         let (k, t) = interval(&self.shift_utilisations, utilisation);
-        let Found {
-            values: [low, high],
-            slopes: [low_slope, high_slope],
-            ..
-        } = self.shift_rates[k].at(place, excess);
+        let next = (k + 1).min(self.shift_rates.len() - 1);
+        let [([low], [low_slope]), ([high], [high_slope])] = [k, next].map(|k| self.shift_rates[k].at(place, excess));
         (low + t * (high - low), low_slope + t * (high_slope - low_slope))
     }
 }

@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::sdirk::GAMMA;
+use pushbelt::unit::VariatorUnit;
 use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{
-    Axial, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG, bisected,
+    Axial, BEYOND_STOP, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG, bisected,
 };
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
@@ -20,20 +21,7 @@ use crate::law::{Frame, Law, Point, Radii, State};
 use crate::settings::{self, Readings, Settings};
 use crate::stage::Stage;
 use crate::tables::Tables;
-
-/// Longest step, s.
-const LONGEST: f64 = 1e-2;
-/// Shortest step, s: a step that does not converge is divided down to it.
-const SHORTEST: f64 = 1e-7;
-/// Times closer than this are the same, s.
-const INSTANT: f64 = 1e-12;
-/// Steps that a communication step may take, and how many times as many as of the longest ones.
-const MOST_STEPS: f64 = 1e5;
-const MOST_PER_LONGEST: f64 = 100.0;
-/// Largest speed and input in a stored state, SI units, far beyond what a shaft stands.
-const LARGEST: f64 = 1e9;
-/// Difference of ln i beyond an end stop that is no reason for a remark: the detailed unit accepts a start there, where a loaded belt rests.
-const BEYOND_STOP: f64 = 0.06;
+use crate::tuning::{LARGEST, LONGEST, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -61,23 +49,6 @@ pub struct Step {
 }
 
 impl MapUnit {
-    fn blank_with(settings: &Settings) -> Result<Self, String> {
-        let tables = settings.own.clone().ok_or("the unit has no tables")?;
-        Self::check(settings)?;
-        Ok(Self {
-            tables,
-            radii: Arc::new(Radii::new(&settings.parameters)?),
-            settings: settings.clone(),
-            state: State::default(),
-            time: 0.0,
-            acting: settings.inputs,
-            thrust_ratio: 1.0,
-            logged: false,
-            opened: false,
-            readings: Readings::default(),
-        })
-    }
-
     fn parameters(&self) -> &Parameters {
         &self.settings.parameters
     }
@@ -105,8 +76,19 @@ impl MapUnit {
         self.law().point(frame, frame.sliding(self.state.speeds))
     }
 
+    /// Drag torques of the shafts, N·m.
+    fn drags(&self, point: &Point) -> PerPulley<f64> {
+        let drag = |j| {
+            self.parameters()
+                .pulley(j)
+                .drag
+                .at(self.state.speeds[j], [point.bearing_load, 0.0])
+        };
+        PerPulley::from_fn(|j| drag(j).torque)
+    }
+
     fn update_thrust_ratio(&mut self) {
-        self.thrust_ratio = self.point(&self.frame()).thrust_ratio();
+        self.thrust_ratio = self.point(&self.frame()).thrust_ratio;
     }
 
     /// The state at the start.
@@ -115,7 +97,7 @@ impl MapUnit {
         let initial = self.parameters().initial.clone();
         let wanted = initial.ratio.ln();
         self.state.log_ratio = wanted.clamp(least, most);
-        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP {
+        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP.ln() {
             let [least, most] = self.radii.stops.map(f64::exp);
             remarks.push(Remark::warning(format!(
                 "initial.ratio = {} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop",
@@ -126,7 +108,8 @@ impl MapUnit {
             Drive::Speed => self.acting.primary.speed_setpoint,
             Drive::Torque => initial.primary_speed,
         };
-        self.thrust_ratio = self.tables.belt(&self.frame().place, 0.0).thrust_ratio;
+        let ([without_torque, ..], _) = self.tables.belt.at(&self.frame().place, 0.0);
+        self.thrust_ratio = without_torque;
         let settled = self.settle();
         let settled = if initial.steady && initial.equilibrium && !self.parameters().holds_a_sheave() {
             self.balance()
@@ -137,62 +120,69 @@ impl MapUnit {
         self.update_thrust_ratio();
     }
 
-    /// Sets the secondary speed at the present ratio: that of the steady slip, of the set point, or without slip.
+    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip.
     ///
     /// # Errors
     /// The reason why it is without slip though it should not be.
     fn settle(&mut self) -> Result<(), String> {
         let ratio = self.state.log_ratio.exp();
         let (drives, setpoint) = (self.drives(), self.acting.secondary.speed_setpoint);
-        let by_secondary = drives.1 == Drive::Speed;
-        if by_secondary {
-            self.state.speeds.secondary = setpoint;
-        }
+        let speeds = &mut self.state.speeds;
         match drives {
-            (_, Drive::Torque) => self.state.speeds.secondary = self.state.speeds.primary / ratio,
-            (Drive::Torque, Drive::Speed) => self.state.speeds.primary = setpoint * ratio,
-            (Drive::Speed, Drive::Speed) => return Ok(()),
+            (_, Drive::Torque) => speeds.secondary = speeds.primary / ratio,
+            (Drive::Torque, Drive::Speed) => {
+                *speeds = PerPulley {
+                    primary: setpoint * ratio,
+                    secondary: setpoint,
+                }
+            }
+            (Drive::Speed, Drive::Speed) => {
+                speeds.secondary = setpoint;
+                return Ok(());
+            }
         }
         if !self.parameters().initial.steady || self.state.speeds.primary == 0.0 {
             return Ok(());
         }
-        // The speed of the shaft that is not given follows from the slip. Torque, loss and bearing load are iterated.
-        for _ in 0..30 {
-            let frame = self.frame();
-            let wanted = self.steady_torque(&frame) / frame.torque.max(1e-9);
-            let slip = self.slip_at(&frame, wanted).ok_or_else(|| {
-                format!("the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip")
-            })?;
-            // s = v/q; the slip is that of running speed.
-            let sliding = slip * frame.speed / frame.radius;
-            let before = self.state.speeds;
+        let (without, frame) = (self.state.speeds, self.frame());
+        // Beyond the capacity the traction falls: only the rising part is searched.
+        let law = self.law();
+        let range = [-0.99, 0.99].map(|mut end: f64| {
+            while law.traction(&frame, end * frame.speed).macro_slip && end.abs() > 1e-6 {
+                end *= 0.98;
+            }
+            end
+        });
+        // Utilisation of the belt at a slip, less that at which this slip would be steady.
+        let mut excess = |slip: f64| {
+            // s = v/q; where the secondary speed is given, q is that of running speed.
             let speeds = &mut self.state.speeds;
-            if by_secondary {
-                speeds.primary = ratio * speeds.secondary + sliding;
+            if drives.1 == Drive::Speed {
+                speeds.primary = without.primary / (1.0 - slip * without.primary.signum());
             } else {
-                speeds.secondary = (speeds.primary - sliding) / ratio;
+                speeds.secondary = (without.primary - slip * frame.speed / frame.radius) / ratio;
             }
-            let change = (speeds.primary - before.primary).abs() + (speeds.secondary - before.secondary).abs();
-            if change <= 1e-12 * speeds.primary.abs() {
-                break;
-            }
+            let frame = self.frame();
+            self.point(&frame).traction.value - self.steady_torque(&frame) / frame.torque.max(1e-9)
+        };
+        if excess(range[0]) <= 0.0 && excess(range[1]) >= 0.0 {
+            let slip = bisected(range, |slip| excess(slip) < 0.0);
+            excess(slip);
+            return Ok(());
         }
-        Ok(())
+        self.state.speeds = without;
+        let wanted = self.steady_torque(&frame) / frame.torque.max(1e-9);
+        Err(format!(
+            "the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip"
+        ))
     }
 
     /// The torque T_P with which the slip stays constant, N·m: the free shafts accelerate together.
     fn steady_torque(&self, frame: &Frame) -> f64 {
-        let (speeds, point) = (self.state.speeds, self.point(frame));
-        let load = point.bearing_load();
-        let lost = point.lost(speeds.primary);
-        let PerPulley {
-            primary: into,
-            secondary: out,
-        } = PerPulley::from_fn(|j| {
-            let drag = self.parameters().pulley(j).drag.at(speeds[j], [load, 0.0]);
-            self.acting.pulley(j).torque - drag.torque
-        });
-        let i = frame.ratio;
+        let point = self.point(frame);
+        let (lost, i) = (point.torque_loss, frame.ratio);
+        let drags = self.drags(&point);
+        let [out, into] = Pulley::BOTH.map(|j| self.acting.pulley(j).torque - drags[j]);
         match self.drives() {
             (Drive::Torque, Drive::Speed) => into,
             (Drive::Speed, _) => lost - out / i,
@@ -202,23 +192,6 @@ impl MapUnit {
                 (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
             }
         }
-    }
-
-    /// The slip s at a utilisation; none beyond the capacity.
-    fn slip_at(&self, frame: &Frame, wanted: f64) -> Option<f64> {
-        let law = self.law();
-        let at = |slip: f64| law.traction(frame, slip * frame.speed);
-        // Beyond the capacity the traction falls: only the rising part is searched.
-        let range = [-1.0, 1.0].map(|mut end: f64| {
-            while at(end).macro_slip && end.abs() > 1e-6 {
-                end *= 0.98;
-            }
-            end
-        });
-        let [low, high] = range.map(|end| at(end).value);
-        (low..=high)
-            .contains(&wanted)
-            .then(|| bisected(range, |slip| at(slip).value < wanted))
     }
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
@@ -263,44 +236,33 @@ impl MapUnit {
         true
     }
 
-    /// Steps to a time, s, at which the inputs are `to`.
-    fn run_to(&mut self, end: f64, to: &Inputs) -> Result<(), StepFailure> {
-        let mut left = end - self.time;
-        // A count, so that the loop ends whatever the tables and inputs are.
-        let most = MOST_STEPS + MOST_PER_LONGEST * left / LONGEST;
-        let (mut longest, mut steps) = (LONGEST, 0.0);
-        while left > INSTANT {
-            let count = (left / longest - 1e-9).ceil().max(1.0);
-            let (duration, is_last) = (left / count, count == 1.0);
-            let next = if is_last {
-                *to
-            } else {
-                self.acting.after(1.0 / count, &to.after(-1.0, &self.acting))
-            };
-            steps += 1.0;
-            if self.step(duration, &next) {
-                left = if is_last { 0.0 } else { left - duration };
-                longest = (2.0 * longest).min(LONGEST);
-            } else {
-                longest = 0.5 * duration;
-            }
-            if longest < SHORTEST || steps > most {
-                return Err(StepFailure::Discarded(format!(
-                    "the equations have no solution at {} s in steps of {longest:.1e} s: set loads that the belt can carry",
-                    end - left
-                )));
-            }
-        }
-        (self.acting, self.time) = (*to, end);
-        Ok(())
-    }
-
     /// Advances over a communication step.
     fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
         for segment in step.inputs.segments() {
-            self.acting = segment.at(segment.from);
             let end = segment.until.min(step.to);
-            self.run_to(end, &segment.at(end))?;
+            self.acting = segment.at(self.time);
+            // A count, so that the loop ends whatever the tables and inputs are.
+            let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
+            let (mut longest, mut steps) = (LONGEST, 0.0);
+            while end > self.time {
+                let left = end - self.time;
+                let count = (left / longest - 1e-9).ceil().max(1.0);
+                let next = if count == 1.0 { end } else { self.time + left / count };
+                steps += 1.0;
+                if self.step(next - self.time, &segment.at(next)) {
+                    self.time = next;
+                    longest = (2.0 * longest).min(LONGEST);
+                } else {
+                    longest = 0.5 * (next - self.time);
+                }
+                if longest < SHORTEST || steps > most {
+                    return Err(StepFailure::Discarded(format!(
+                        "the equations have no solution at {} s in steps of {longest:.1e} s: set loads that the belt can carry",
+                        self.time
+                    )));
+                }
+            }
+            (self.acting, self.time) = (segment.at(end), end);
         }
         Ok(())
     }
@@ -332,35 +294,32 @@ impl MapUnit {
 
     /// Speeds of the sheaves at present, closing positive, m/s.
     fn sheave_velocities(&self, frame: &Frame, point: &Point) -> PerPulley<f64> {
-        let (rate, _) = self.law().shift(frame, point, &self.state);
+        let (rate, _) = self.law().shift(frame, point);
         let ([least, most], log_ratio) = (self.radii.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
         let rate = if at_stop { 0.0 } else { rate };
-        self.radii.positions(log_ratio).map(|(_, slope)| slope * rate)
+        frame.ways.map(|way| way * rate)
     }
 
     fn read(&self) -> Readings {
-        let (law, frame, of) = (self.law(), self.frame(), self.parameters());
+        let (frame, of) = (self.frame(), self.parameters());
         let (point, speeds) = (self.point(&frame), self.state.speeds);
         let torque = frame.torque * point.traction.value;
-        // Torques of the shafts on the belt.
+        // Torques of the shafts on the belt, and of their drag.
         let into = PerPulley {
             primary: torque,
-            secondary: -frame.ratio * (torque - point.lost(speeds.primary)),
+            secondary: -frame.ratio * (torque - point.torque_loss),
         };
-        let load = point.bearing_load();
-        let drags = PerPulley::from_fn(|j| of.pulley(j).drag.at(speeds[j], [load, 0.0]).torque);
+        let drags = self.drags(&point);
         let velocities = self.sheave_velocities(&frame, &point);
-        let rubbing = law.rubbing(velocities);
+        let rubbing = self.law().rubbing(velocities);
         let axial = PerPulley {
             primary: match of.primary.axial {
-                Axial::Held => point.thrust_ratio() * frame.force,
+                Axial::Held => point.thrust_ratio * frame.force,
                 Axial::Force => frame.closing.primary - rubbing.primary,
             },
             secondary: frame.force - rubbing.secondary,
         };
-        let belt_powers = PerPulley::from_fn(|j| into[j] * speeds[j]);
-        let drag_powers = PerPulley::from_fn(|j| drags[j] * speeds[j]);
         let sum = |of: &dyn Fn(Pulley) -> f64| of(Pulley::Primary) + of(Pulley::Secondary);
         let pulley = |j: Pulley| {
             let (of, given) = (of.pulley(j), self.acting.pulley(j));
@@ -379,33 +338,18 @@ impl MapUnit {
                     Drive::Torque => given.torque,
                     Drive::Speed => of.inertia * (given.speed_setpoint - speeds[j]) / SPEED_LAG + into[j] + drags[j],
                 },
-                power: belt_powers[j],
+                power: into[j] * speeds[j],
                 ..PulleyOutputs::default()
             }
         };
-        let PerPulley { primary, secondary } = speeds;
-        let outputs = Outputs {
-            thrust_ratio: if axial.secondary < 1.0 {
-                0.0
-            } else {
-                axial.primary / axial.secondary
-            },
-            belt_speed: 0.5 * frame.radius * (primary + frame.ratio * secondary),
-            ratio_speed: if secondary == 0.0 { 0.0 } else { primary / secondary },
-            ratio_geometric: frame.ratio,
-            slip: if primary.abs() < STANDSTILL {
-                0.0
-            } else {
-                (1.0 - secondary / primary * frame.ratio).clamp(-2.0, 2.0)
-            },
-            efficiency: efficiency(PerPulley::from_fn(|j| belt_powers[j] + drag_powers[j])),
-            belt_efficiency: efficiency(belt_powers),
+        let mut outputs = Outputs {
+            belt_speed: 0.5 * frame.radius * (speeds.primary + frame.ratio * speeds.secondary),
             torque_utilisation: point.traction.value.abs(),
             macro_slip: point.traction.macro_slip,
             losses: Losses {
                 // Maps have the belt's loss as a whole.
-                other: sum(&|j| belt_powers[j]),
-                shafts: sum(&|j| drag_powers[j]),
+                other: sum(&|j| into[j] * speeds[j]),
+                shafts: sum(&|j| drags[j] * speeds[j]),
                 seals: sum(&|j| rubbing[j] * velocities[j]),
                 ..Losses::default()
             },
@@ -414,21 +358,9 @@ impl MapUnit {
             secondary: pulley(Pulley::Secondary),
             ..Outputs::default()
         };
+        outputs.set_quotients(PerPulley::from_fn(|j| -into[j] - drags[j]));
         let outside = frame.place.outside;
         Readings { outputs, outside }
-    }
-}
-
-/// Primary speed below which the slip is 0, rad/s.
-const STANDSTILL: f64 = 1e-3;
-
-/// Driven / driving power, 0 to 1; 0 without power flow.
-fn efficiency(PerPulley { primary, secondary }: PerPulley<f64>) -> f64 {
-    let driving = primary.max(secondary);
-    if driving > 0.0 {
-        (-primary.min(secondary) / driving).clamp(0.0, 1.0)
-    } else {
-        0.0
     }
 }
 
@@ -441,14 +373,10 @@ impl Unit for MapUnit {
         name: "PushbeltMap",
         description: "Pushbelt CVT variator from maps of the detailed model: speeds of both shafts and ratio as states. SI units; \
                       torques are positive in the direction of positive speed.",
-        version: env!("CARGO_PKG_VERSION"),
         author: "pushbelt",
-        license: env!("CARGO_PKG_LICENSE"),
-        generation_tool: concat!("pushbelt ", env!("CARGO_PKG_VERSION")),
         stop_time: 10.0,
         step_size: 1e-2,
-        tolerance: 1e-4,
-        longest_step: 1e3,
+        ..VariatorUnit::IDENTITY
     };
     const INTERPOLATES_INPUTS: bool = true;
 
@@ -480,8 +408,8 @@ impl Unit for MapUnit {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
-        let mut unit = Self::blank_with(settings)?;
+    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+        let mut unit = Self::blank(settings, experiment)?;
         unit.initialise(remarks);
         unit.log_limits(remarks);
         Ok(unit)
@@ -504,13 +432,13 @@ impl Unit for MapUnit {
     }
 
     fn advance(&mut self, step: &mut Step, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
-        let friction = settings.parameters.friction.pulley;
-        let own = std::mem::replace(&mut self.settings.parameters.friction.pulley, friction);
+        let friction = self.settings.parameters.friction.pulley;
         let before = (self.state, self.time, self.acting, self.thrust_ratio);
+        self.settings.parameters.friction.pulley = settings.parameters.friction.pulley;
         let advanced = self.advance_to(step);
         if advanced.is_err() {
             (self.state, self.time, self.acting, self.thrust_ratio) = before;
-            self.settings.parameters.friction.pulley = own;
+            self.settings.parameters.friction.pulley = friction;
         }
         advanced?;
         self.log_limits(remarks);
@@ -526,7 +454,20 @@ impl Unit for MapUnit {
     }
 
     fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {
-        Self::blank_with(settings)
+        let tables = settings.own.clone().ok_or("the unit has no tables")?;
+        Self::check(settings)?;
+        Ok(Self {
+            tables,
+            radii: Arc::new(Radii::new(&settings.parameters)?),
+            settings: settings.clone(),
+            state: State::default(),
+            time: 0.0,
+            acting: settings.inputs,
+            thrust_ratio: 1.0,
+            logged: false,
+            opened: false,
+            readings: Readings::default(),
+        })
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {

@@ -16,11 +16,7 @@ use crate::variator::settings::{Outputs, Readings};
 const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
 
 /// An output of the linear model: name, unit, and getter of its value.
-struct Column {
-    name: String,
-    unit: &'static str,
-    get: fn(&Readings) -> f64,
-}
+type Column<'a> = (&'a str, &'static str, fn(&Readings) -> f64);
 
 /// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes below `frequency`, Hz,
 /// are its states. There is a warning for each difference from the specified point.
@@ -43,7 +39,7 @@ pub fn linear_model<R: Rings>(
     let columns = outputs(&table);
     let read: Vec<_> = columns
         .iter()
-        .map(|column| |outputs: &Outputs| (column.get)(&outputs.clone().into()))
+        .map(|(.., get)| |outputs: &Outputs| get(&outputs.clone().into()))
         .collect();
     let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|read| read as _).collect();
     let variator = &mut unit.variator;
@@ -55,18 +51,14 @@ pub fn linear_model<R: Rings>(
 }
 
 /// Real outputs of the interface.
-fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column> {
+fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column<'_>> {
     let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
     let column = outputs.filter_map(|variable| match variable.kind {
         Kind::Real {
             access: Access::Reading(get),
             unit,
             ..
-        } => Some(Column {
-            name: variable.name.clone(),
-            unit,
-            get,
-        }),
+        } => Some((variable.name.as_str(), unit, get)),
         _ => None,
     });
     column.collect()
@@ -75,7 +67,7 @@ fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column> {
 fn in_words<R: Rings>(
     model: &LinearModel,
     table: &Table<Settings<R>, Readings>,
-    columns: &[Column],
+    columns: &[Column<'_>],
     frequency: f64,
     time: f64,
 ) -> Value {
@@ -90,7 +82,7 @@ fn in_words<R: Rings>(
         json!({"name": name, "unit": unit_of(name), "given": given, "held": held})
     };
     let at: Readings = (*model.outputs).clone().into();
-    let output = |column: &Column| json!({"name": column.name, "unit": column.unit, "value": (column.get)(&at)});
+    let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&at)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},

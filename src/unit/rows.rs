@@ -44,7 +44,6 @@ impl<R: 'static, Q> Rows<R, Q> {
             }
         }
         self.of(owner);
-        let (_, base) = owner;
         for row in rows {
             let kind = match &row.value {
                 RowValue::Real(unit, _, [min, max], field) => Kind::Real {
@@ -67,7 +66,7 @@ impl<R: 'static, Q> Rows<R, Q> {
                     access: access(field),
                 },
             };
-            self.add(row.name, row.reference - base, row.causality, row.text, kind);
+            self.add(row.name, row.reference, row.causality, row.text, kind);
         }
     }
 }

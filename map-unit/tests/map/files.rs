@@ -1,7 +1,6 @@
 //! Files of tables that a stranger hands over.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use pushbelt_fmi::unit::Unit;
 use pushbelt_map_unit::file::FILE;
@@ -9,91 +8,61 @@ use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 use serde_json::{Value, json};
 
-/// A folder of its own for a file of tables; removed at the end.
-struct Folder(PathBuf);
+fn text() -> Vec<u8> {
+    fs::read(crate::folder().join(FILE)).expect("the checked-in tables")
+}
 
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("pushbelt maps {name} {}", std::process::id()));
-        fs::create_dir_all(&path).expect("a folder");
-        Self(path)
-    }
-
-    fn file(&self) -> PathBuf {
-        self.0.join(FILE)
-    }
-
-    /// Why the file can't be used: one line that names it.
-    fn refused(&self) -> String {
-        let why = Tables::read(&self.0).map(drop).expect_err("a file that can't be used");
+/// What is no file of this size is not read: a pipe would keep the host waiting, and a device has no end. A mark is no part of a file.
+#[cfg(unix)]
+#[test]
+fn other_than_files_and_large_files_are_refused_unread() {
+    let folder = std::env::temp_dir().join(format!("pushbelt maps {}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join(FILE);
+    let refused = || {
+        let why = Tables::read(&folder).map(drop).expect_err("a file that can't be used");
         assert!(
-            why.contains(&self.file().display().to_string()) && !why.contains('\n'),
+            why.contains(&file.display().to_string()) && !why.contains('\n'),
             "{why}"
         );
         why
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // What is left in the temporary folder does no harm.
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-/// What is no file of this size is not read: a pipe would keep the host waiting, and a device has no end.
-#[cfg(unix)]
-#[test]
-fn what_is_no_file_and_a_large_file_are_refused_unread() {
-    let folder = Folder::new("kinds");
-    let makers: [&dyn Fn(&Path); 3] = [
-        &|path| fs::create_dir(path).expect("a folder"),
-        &|path| {
-            assert!(
-                std::process::Command::new("mkfifo")
-                    .arg(path)
-                    .status()
-                    .expect("mkfifo")
-                    .success()
-            )
-        },
-        &|path| std::os::unix::fs::symlink("/dev/zero", path).expect("a link"),
-    ];
-    for make in makers {
-        make(&folder.file());
-        assert!(folder.refused().contains("not a file"));
-        fs::remove_file(folder.file())
-            .or_else(|_| fs::remove_dir(folder.file()))
-            .expect("there");
-    }
+    };
+    assert!(refused().contains("no such file"));
+    fs::create_dir(&file).expect("a folder");
+    assert!(refused().contains("not a file"));
+    fs::remove_dir(&file).expect("there");
+    std::os::unix::fs::symlink("/dev/zero", &file).expect("a link");
+    assert!(refused().contains("not a file"));
+    fs::remove_file(&file).expect("there");
+    let pipe = std::process::Command::new("mkfifo").arg(&file).status();
+    assert!(pipe.expect("mkfifo").success() && refused().contains("not a file"));
+    fs::remove_file(&file).expect("there");
     // Sparse: it takes no room.
-    let file = fs::File::create(folder.file()).expect("a file");
-    file.set_len(1 << 40).expect("a length");
-    let why = folder.refused();
+    let large = fs::File::create(&file).expect("a file");
+    large.set_len(1 << 40).expect("a length");
+    let why = refused();
     assert!(
         why.contains("1099511627776 bytes") && why.contains("more than 16777216"),
         "{why}"
     );
+    fs::write(&file, [b"\xef\xbb\xbf", &*text()].concat()).expect("a file");
+    let marked = Tables::read(&folder).expect("the same tables").hash;
+    assert_eq!(marked, Tables::of_bytes(&text()).expect("the tables").hash);
+    fs::remove_dir_all(&folder).expect("there");
 }
 
-#[test]
-fn a_byte_order_mark_is_no_part_of_the_tables() {
-    let folder = Folder::new("mark");
-    let text = fs::read(crate::folder().join(FILE)).expect("the tables");
-    fs::write(folder.file(), [b"\xef\xbb\xbf", &*text].concat()).expect("a file");
-    let found = Tables::read(&folder.0).expect("the same tables");
-    assert_eq!(found.hash, Tables::read(&crate::folder()).expect("the tables").hash);
+/// Why the content of a file is refused.
+fn why(bytes: &[u8]) -> String {
+    Tables::of_bytes(bytes)
+        .map(drop)
+        .expect_err("tables that can't be used")
 }
 
 /// Why the checked-in document is refused after a change.
 fn refused(change: impl FnOnce(&mut Value)) -> String {
-    let text = fs::read(crate::folder().join(FILE)).expect("the tables");
-    let mut document: Value = serde_json::from_slice(&text).expect("JSON");
+    let mut document: Value = serde_json::from_slice(&text()).expect("JSON");
     change(&mut document);
-    let text = serde_json::to_vec(&document).expect("JSON");
-    Tables::of_bytes(&text)
-        .map(drop)
-        .expect_err("tables that can't be used")
+    why(&serde_json::to_vec(&document).expect("JSON"))
 }
 
 /// The first number in nested lists.
@@ -106,12 +75,9 @@ fn first(value: &mut Value) -> &mut Value {
 
 #[test]
 fn a_number_out_of_range_is_named() {
-    let text = fs::read(crate::folder().join(FILE)).expect("the tables");
-    let document: Value = serde_json::from_slice(&text).expect("JSON");
-    let names = |part| document[part].as_object().expect("an object").keys();
-    let parts = ["parameters", "axes", "tables"];
-    for part in parts {
-        for name in names(part) {
+    let document: Value = serde_json::from_slice(&text()).expect("JSON");
+    for part in ["parameters", "axes", "tables"] {
+        for name in document[part].as_object().expect("an object").keys() {
             for wild in [1e308, -1e308] {
                 let why = refused(|document| match part {
                     "parameters" => document[part][name] = json!(wild),
@@ -147,46 +113,69 @@ fn tables_that_grow_too_large_are_refused_before_they_are_refined() {
     assert!(why.contains("16777216"), "{why}");
 }
 
+/// Between its ratios, the refined table is linear. Beyond the axes the values at the border hold.
+#[test]
+fn values_are_those_of_the_file() {
+    let document: Value = serde_json::from_slice(&text()).expect("JSON");
+    let tables = Tables::of_bytes(&text()).expect("tables");
+    let axis =
+        |name: &str| -> Vec<f64> { serde_json::from_value(document["axes"][name]["values"].clone()).expect("numbers") };
+    let capacity = &document["tables"]["capacity"]["values"];
+    let (forces, speeds, ratios) = (axis("force"), axis("speed"), axis("ratio"));
+    for (f, force) in forces.iter().enumerate() {
+        for (s, speed) in speeds.iter().enumerate() {
+            for (r, ratio) in ratios.iter().enumerate() {
+                let beyond = [
+                    force * if f + 1 == forces.len() { 9.0 } else { 1.0 },
+                    speed * if s + 1 == speeds.len() { 9.0 } else { 1.0 },
+                    ratio * if r + 1 == ratios.len() { 9.0 } else { 1.0 },
+                ];
+                let [found, held] = [[*force, *speed, *ratio], beyond].map(|[force, speed, ratio]| {
+                    let place = tables.place(force, speed, ratio.ln());
+                    (tables.limits(&place), place.outside)
+                });
+                assert_eq!(held, (found.0, beyond != [*force, *speed, *ratio]));
+                for (direction, found) in found.0[..2].iter().enumerate() {
+                    let expected = capacity[f][s][r][direction].as_f64().expect("a number");
+                    assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+                }
+            }
+        }
+    }
+}
+
 /// On the stack that the docs ask of hosts.
 #[test]
 fn deeply_nested_lists_are_refused() {
     let text = format!("{}0{}", "[".repeat(1_000_000), "]".repeat(1_000_000));
     let host = std::thread::Builder::new().stack_size(256 * 1024);
-    let host = host.spawn(move || Tables::of_bytes(text.as_bytes()).map(drop));
-    let why = host.expect("a thread").join().expect("no panic").unwrap_err();
-    assert!(why.contains("not JSON"), "{why}");
+    let host = host.spawn(move || why(text.as_bytes())).expect("a thread");
+    assert!(host.join().expect("no panic").contains("not JSON"));
 }
 
 #[test]
 fn damaged_tables_are_refused() {
-    let text = fs::read_to_string(crate::folder().join(FILE)).expect("the tables");
-    let tables = Tables::of_bytes(text.as_bytes()).expect("tables");
-    let damaged = |from: &str, to: &str| {
+    let bytes = text();
+    let text = std::str::from_utf8(&bytes).expect("text");
+    let force = r#""force":{"unit":"N","values":[2500.0"#;
+    for (from, to, word) in [
+        ("{", "[", "not JSON"),
+        ("pushbelt map unit", "maps", "format"),
+        (r#""version":1"#, r#""version":2"#, "version"),
+        (r#""thrustRatio":"#, r#""other":"#, "thrustRatio"),
+        (
+            r#""geometry.beltLength":0.703"#,
+            r#""geometry.beltLength":0.3"#,
+            "geometry",
+        ),
+        (force, &force.replace('2', "9"), "ascend"),
+    ] {
         assert!(text.contains(from), "{from}");
-        Tables::of_bytes(text.replacen(from, to, 1).as_bytes())
-            .map(drop)
-            .unwrap_err()
-    };
-    assert!(damaged("{", "[").contains("not JSON"));
-    assert!(damaged("pushbelt map unit", "maps").contains("format"));
-    assert!(damaged("\"version\":1", "\"version\":2").contains("version"));
-    assert!(damaged("\"thrustRatio\":", "\"other\":").contains("thrustRatio"));
-    assert!(damaged("\"geometry.beltLength\":0.703", "\"geometry.beltLength\":0.3").contains("geometry"));
-    assert!(
-        damaged(
-            "\"force\":{\"unit\":\"N\",\"values\":[2500.0",
-            "\"force\":{\"unit\":\"N\",\"values\":[9500.0"
-        )
-        .contains("ascend")
-    );
-    let shorter = Tables::of_bytes(&text.as_bytes()[..text.len() / 2]).map(drop);
-    assert!(shorter.unwrap_err().contains("not JSON"));
-    let other = text.replacen("\"pushbelt map unit\"", " \"pushbelt map unit\"", 1);
-    assert_ne!(
-        Tables::of_bytes(other.as_bytes()).expect("the same tables").hash,
-        tables.hash
-    );
-    let missing = Tables::read(Path::new("/no/such/folder")).map(drop).unwrap_err();
-    assert!(missing.contains("maps.json"), "{missing}");
+        let why = why(text.replacen(from, to, 1).as_bytes());
+        assert!(why.contains(word), "{why}");
+    }
+    assert!(why(&bytes[..bytes.len() / 2]).contains("not JSON"));
+    let hash = |text: &str| Tables::of_bytes(text.as_bytes()).expect("tables").hash;
+    assert_ne!(hash(text), hash(&text.replacen(':', ": ", 1)));
     assert!(MapUnit::load(None).map(drop).unwrap_err().contains("resources"));
 }

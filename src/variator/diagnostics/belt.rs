@@ -129,26 +129,15 @@ impl BeltSums<Lanes> {
 
     /// The sums over all lanes.
     fn total(&self) -> BeltSums {
-        let Losses {
-            sheaves,
-            ring,
-            layers,
-            spin,
-            joints,
-            shafts,
-            seals,
-            other,
-        } = self.losses;
         BeltSums {
+            // The others are not sums over stations.
             losses: Losses {
-                sheaves: sheaves.sum(),
-                ring: ring.sum(),
-                layers: layers.sum(),
-                spin: spin.sum(),
-                joints: joints.sum(),
-                shafts: shafts.sum(),
-                seals: seals.sum(),
-                other: other.sum(),
+                sheaves: self.losses.sheaves.sum(),
+                ring: self.losses.ring.sum(),
+                layers: self.losses.layers.sum(),
+                spin: self.losses.spin.sum(),
+                other: self.losses.other.sum(),
+                ..Losses::default()
             },
             axial: self.axial.map(Lanes::sum),
             torque: self.torque.map(Lanes::sum),

@@ -105,14 +105,11 @@ impl Evolution for Running<'_> {
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
         let Interval { end, length: h } = interval;
         let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| self.system.boundary(time));
-        let first = Powers::of(self.system, &at_start, before, &self.energy.last.sums);
+        let first = powers(self.system, &at_start, before, &self.energy.last.sums);
         self.energy.last.update(self.system, after);
-        let second = Powers::of(self.system, &at_end, after, &self.energy.last.sums);
+        let second = powers(self.system, &at_end, after, &self.energy.last.sums);
         let forces = [&at_start, &in_middle, &at_end].map(Boundary::clamping_forces);
-        let half = 0.5 * h;
-        let mut lost = half * (first.lost + second.lost);
-        let mut supplied = half * (first.supplied + second.supplied);
-        let mut moved = half * (first.moved + second.moved);
+        let [mut supplied, mut lost, mut moved] = std::array::from_fn(|k| 0.5 * h * (first[k] + second[k]));
         for pulley in Pulley::BOTH {
             let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
             supplied += of_sheave.work;
@@ -175,27 +172,16 @@ impl Running<'_> {
     }
 }
 
-/// Powers of a state, W; those of the clamping forces aside, and what accelerates a pulley in speed drive.
-struct Powers {
-    supplied: f64,
-    lost: f64,
-    moved: f64,
-}
-
-impl Powers {
-    /// From the belt's sums at the same state, under these boundary conditions.
-    fn of(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> Self {
-        let speeds = system.belt.shaft_speeds(view);
-        let mut moved = 0.0;
-        for pulley in Pulley::BOTH {
-            moved += (sums.torque[pulley] * speeds[pulley]).abs();
-        }
-        Self {
-            supplied: system.pulleys().shaft_power(boundary, view, sums.shaft_torque),
-            lost: sums.losses.total() + system.pulleys().losses(view),
-            moved,
-        }
+/// Powers of a state, W, from the belt's sums there: supplied, lost, and moved over the shafts. Those of the clamping forces, and what
+/// accelerates a pulley in speed drive, are not in them.
+fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> [f64; 3] {
+    let speeds = system.belt.shaft_speeds(view);
+    let mut moved = 0.0;
+    for pulley in Pulley::BOTH {
+        moved += (sums.torque[pulley] * speeds[pulley]).abs();
     }
+    let supplied = system.pulleys().shaft_power(boundary, view, sums.shaft_torque);
+    [supplied, sums.losses.total() + system.pulleys().losses(view), moved]
 }
 
 impl EnergyBalance {

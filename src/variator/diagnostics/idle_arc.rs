@@ -5,13 +5,8 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::variator::cell::sample::Sample;
+use crate::variator::diagnostics::{IDLE_CHANGE, NO_DIFFERENCE};
 use crate::variator::mesh::belt_mesh::BeltMesh;
-
-/// Share of the difference between the strands by which the push force changes at the end of the idle arc.
-const CHANGE: f64 = 0.1;
-
-/// Difference between the push forces of the strands below which the whole wrap is idle, N.
-const NO_DIFFERENCE: f64 = 20.0;
 
 /// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction of ξ.
 fn strand_forces(stations: &[Sample], length: f64) -> [f64; 2] {
@@ -28,7 +23,7 @@ fn strand_forces(stations: &[Sample], length: f64) -> [f64; 2] {
 pub(super) fn idle_arcs(mesh: &BeltMesh, stations: &[Sample], length: f64, reverse: bool) -> PerPulley<f64> {
     let strands = strand_forces(stations, length);
     let difference = (strands[1] - strands[0]).abs();
-    let limit = CHANGE * difference;
+    let limit = IDLE_CHANGE * difference;
     let count = stations.len();
     PerPulley::from_fn(|pulley| {
         // The loop is followed from the middle of the other arc.

@@ -9,6 +9,7 @@ use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sliding};
 use crate::variator::diagnostics::idle_arc::idle_arcs;
+use crate::variator::diagnostics::{NO_POWER, NO_SPEED, ONE_WAY, SLIPPING, STILL_ONE_WAY, STILL_SLIPPING, UNLOADED};
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
 use crate::variator::pulleys::rows::External;
 use crate::variator::settings::signals::{
@@ -17,11 +18,6 @@ use crate::variator::settings::signals::{
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
-
-/// Rim speed below which slip is undefined, m/s.
-const NO_SPEED: f64 = 1.0e-3;
-/// Shaft power below which an efficiency is undefined, W.
-const NO_POWER: f64 = 1.0e-3;
 
 /// Working memory for outputs and profile.
 #[derive(Clone, Debug, Default)]
@@ -106,16 +102,14 @@ impl Observer {
             tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
         };
         (out.primary, out.secondary) = (of(Primary), of(Secondary));
-        out.thrust_ratio = thrust_ratio(sums);
-        motion(belt, view, sums, radii, out);
+        out.belt_speed = sums.carried / sums.pitch_length;
+        out.ring_speed = view.y[belt.layout.drift()];
+        out.reference_theta = view.q[belt.layout.theta()];
+        out.set_quotients(sums.shaft_torque);
         out.losses = Losses {
             other: sums.losses.other + system.pulleys().losses(view),
             ..sums.losses
         };
-        let speeds = belt.shaft_speeds(view);
-        let efficiency_of = |torques: PerPulley<f64>| efficiency(PerPulley::from_fn(|j| -torques[j] * speeds[j]));
-        out.efficiency = efficiency_of(sums.shaft_torque);
-        out.belt_efficiency = efficiency_of(sums.torque);
         out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
         out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
@@ -201,7 +195,7 @@ impl Observer {
             belt.law.chain.element_thickness
         };
         let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
-        let sliding = |sample: &Sample| if sample.normal > 100.0 { sample.sliding } else { 0.0 };
+        let sliding = |sample: &Sample| if sample.normal > UNLOADED { sample.sliding } else { 0.0 };
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
@@ -225,41 +219,33 @@ impl Observer {
     }
 }
 
-/// Primary / secondary axial force; 0 where the latter vanishes.
-fn thrust_ratio(sums: &BeltSums) -> f64 {
-    if sums.axial.secondary.abs() < NO_FORCE {
-        return 0.0;
+impl Outputs {
+    /// Sets the quotients of the pulleys' outputs: both ratios, slip, thrust ratio and efficiencies. `shaft_torques` are those of belt and
+    /// drag, N·m.
+    pub fn set_quotients(&mut self, shaft_torques: PerPulley<f64>) {
+        let (p, s) = (&self.primary, &self.secondary);
+        let stands = |of: &PulleyOutputs| of.speed.abs() * of.radius < NO_SPEED;
+        self.ratio_speed = if stands(s) { 0.0 } else { p.speed / s.speed };
+        self.ratio_geometric = s.radius / p.radius;
+        self.slip = if stands(p) {
+            0.0
+        } else {
+            (1.0 - s.speed / p.speed * self.ratio_geometric).clamp(-2.0, 2.0)
+        };
+        self.thrust_ratio = if s.axial_force.abs() < NO_FORCE {
+            0.0
+        } else {
+            (p.axial_force / s.axial_force).clamp(-100.0, 100.0)
+        };
+        self.efficiency = efficiency([-shaft_torques.primary * p.speed, -shaft_torques.secondary * s.speed]);
+        self.belt_efficiency = efficiency([p.power, s.power]);
     }
-    (sums.axial.primary / sums.axial.secondary).clamp(-100.0, 100.0)
-}
-
-/// Fills in speeds of belt and ring, the two ratios and slip.
-fn motion(belt: &Belt, view: View<'_>, sums: &BeltSums, radii: PerPulley<f64>, out: &mut Outputs) {
-    let omega = belt.shaft_speeds(view);
-    out.belt_speed = sums.carried / sums.pitch_length;
-    out.ring_speed = view.y[belt.layout.drift()];
-    out.ratio_speed = if omega.secondary.abs() * radii.secondary < NO_SPEED {
-        0.0
-    } else {
-        omega.primary / omega.secondary
-    };
-    out.ratio_geometric = radii.secondary / radii.primary;
-    out.reference_theta = view.q[belt.layout.theta()];
-    out.slip = if omega.primary.abs() * radii.primary < NO_SPEED {
-        0.0
-    } else {
-        (1.0 - omega.secondary / omega.primary * out.ratio_geometric).clamp(-2.0, 2.0)
-    };
 }
 
 /// Power out at the driven side / power in at the driving side; 0 where no power flows in. `power` is the power into the
 /// belt at each side, W.
-fn efficiency(power: PerPulley<f64>) -> f64 {
-    let (driving, driven) = if power.primary >= power.secondary {
-        (power.primary, -power.secondary)
-    } else {
-        (power.secondary, -power.primary)
-    };
+fn efficiency([primary, secondary]: [f64; 2]) -> f64 {
+    let (driving, driven) = (primary.max(secondary), -primary.min(secondary));
     if driving < NO_POWER {
         return 0.0;
     }
@@ -341,28 +327,53 @@ fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &
     (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
 }
 
-/// Macro-slip: all loaded stations of a pulley slide tangentially one way, faster than 10 v₀ + 0.02 |ω| r on average.
-/// Once set, it stays until the mean falls below half of that.
+/// Macro-slip: the loaded stations of a pulley slide tangentially one way, faster than a limit on average. Once set, it stays until the mean
+/// falls below a share of that.
 pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
     let radii = sums.mean_radii(&system.belt, view);
-    let v0 = system.friction_velocity;
     Pulley::BOTH.into_iter().any(|j| {
         let Sliding {
             load,
             weighted,
             forward,
         } = sums.sliding[j];
-        if load < NO_FORCE {
-            return false;
-        }
-        let one_way = (forward / load).max(1.0 - forward / load);
         let omega = view.y[system.belt.layout.shaft_speed(j)];
-        let limit = 10.0 * v0 + 0.02 * (omega * radii[j]).abs();
-        let mean = (weighted / load).abs();
-        if before {
-            one_way > 0.9 && mean > 0.5 * limit
+        let limit = SLIPPING[0] * system.friction_velocity + SLIPPING[1] * (omega * radii[j]).abs();
+        let (share, speed) = if before {
+            (STILL_ONE_WAY, STILL_SLIPPING * limit)
         } else {
-            one_way > 0.99 && mean > limit
-        }
+            (ONE_WAY, limit)
+        };
+        let one_way = (forward / load).max(1.0 - forward / load);
+        load >= NO_FORCE && one_way > share && (weighted / load).abs() > speed
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pulley::Pulley;
+    use crate::variator::Variator;
+    use crate::variator::settings::{Inputs, Mesh, Parameters};
+
+    /// A sheave tilts by its clearance, and beyond that by a moment whose lever is shorter than the running radius.
+    #[test]
+    fn a_tilt_is_that_of_the_axial_force() {
+        let parameters = Parameters {
+            mesh: Mesh {
+                primary_arc: 8,
+                secondary_arc: 8,
+                strand: 4,
+                cells_per_element: 2,
+            },
+            ..Parameters::default()
+        };
+        let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
+        variator.initialise(0.0, &Inputs::default()).expect("a steady state");
+        let outputs = variator.outputs();
+        for (pulley, of) in Pulley::BOTH.into_iter().zip([outputs.secondary, outputs.primary]) {
+            let law = &parameters.pulley(pulley).tilt;
+            let range = law.clearance..law.clearance + of.axial_force * of.radius / law.stiffness;
+            assert!(range.contains(&of.tilt), "{} {range:?}", of.tilt);
+        }
+    }
 }

@@ -1,10 +1,10 @@
 //! The descriptor system E ẋ = A x about a working point.
 
 use faer::Mat;
+use faer::linalg::solvers::PartialPivLu;
 
 use crate::solver::arrow::Arrow;
 use crate::solver::{State, System};
-use crate::variator::linear::working_point::TIME;
 use crate::variator::system::VariatorSystem;
 
 /// E and A with x = (y, q), q without the drift position s, which nothing depends on.
@@ -68,9 +68,9 @@ impl Descriptor {
         direction
     }
 
-    /// σE − A.
-    pub fn shifted(&self, sigma: f64) -> Mat<f64> {
-        &self.e * faer::Scale(sigma) - &self.a
+    /// The factors of σE − A.
+    pub fn factors(&self, sigma: f64) -> PartialPivLu<f64> {
+        (&self.e * faer::Scale(sigma) - &self.a).partial_piv_lu()
     }
 }
 
@@ -78,7 +78,7 @@ impl Descriptor {
 fn dense_jacobian(system: &mut VariatorSystem, state: &State, alpha: f64, beta: f64) -> Mat<f64> {
     let n = system.belt.layout.len();
     let mut arrow = Arrow::new(system.shape());
-    system.jacobian(TIME, state.view(), alpha, beta, &mut arrow);
+    system.jacobian(0.0, state.view(), alpha, beta, &mut arrow);
     let (mut unit, mut image) = (vec![0.0; n], vec![0.0; n]);
     let mut matrix = Mat::<f64>::zeros(n, n);
     for j in 0..n {

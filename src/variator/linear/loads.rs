@@ -4,7 +4,8 @@ use faer::Mat;
 
 use crate::pulley::Pulley;
 use crate::solver::System;
-use crate::variator::linear::working_point::{TIME, WorkingPoint};
+use crate::variator::linear::working_point::WorkingPoint;
+use crate::variator::linear::{FORCE_SCALE, SAME, TORQUE_SCALE};
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
@@ -80,7 +81,7 @@ pub(super) fn load_columns(point: &mut WorkingPoint, loads: &[Load], size: usize
     let mut residual = |inputs: &Inputs| {
         let mut out = vec![0.0; state.y.len()];
         system.loads = Loads::held(inputs);
-        system.residual(TIME, state.view(), &mut out);
+        system.residual(0.0, state.view(), &mut out);
         out
     };
     let without = residual(&inputs);
@@ -97,12 +98,6 @@ pub(super) fn load_columns(point: &mut WorkingPoint, loads: &[Load], size: usize
     b
 }
 
-/// Largest relative difference between a specified load and the required one that causes no remark.
-const SAME: f64 = 0.01;
-/// Least sizes of loads in this comparison, N and N·m: drag alone changes a torque of zero.
-const SMALL_FORCE: f64 = 5.0e3;
-const SMALL_TORQUE: f64 = 50.0;
-
 /// Differences from the specified working point, one sentence each.
 pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
     let mut found = Vec::new();
@@ -116,9 +111,9 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
     for load in loads {
         let (given, held) = (*load.field(&mut given), *load.field(&mut held));
         let (unit, small) = match load {
-            Load::ClampingForce(_) => ("N", SMALL_FORCE),
-            Load::Pressure(j) => ("Pa", SMALL_FORCE / point.system.parameters.pulley(*j).cylinder.area),
-            Load::Torque(_) => ("N.m", SMALL_TORQUE),
+            Load::ClampingForce(_) => ("N", FORCE_SCALE),
+            Load::Pressure(j) => ("Pa", FORCE_SCALE / point.system.parameters.pulley(*j).cylinder.area),
+            Load::Torque(_) => ("N.m", TORQUE_SCALE),
             // The set point is the speed of the point.
             Load::SpeedSetpoint(_) => continue,
         };

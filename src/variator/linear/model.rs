@@ -6,17 +6,15 @@ use faer::linalg::solvers::Solve;
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::diagnostics::observe::{Context, Observer};
+use crate::variator::linear::NEARLY_STATIC;
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
-use crate::variator::linear::modes::{SlowModes, slow_modes};
-use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
+use crate::variator::linear::modes::slow_modes;
+use crate::variator::linear::working_point::{LinearError, WorkingPoint};
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
-
-/// Fraction of the cut-off at which the static gain is evaluated. It is not 0, because of the neutral modes.
-const NEARLY_STATIC: f64 = 1.0e-3;
 
 /// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
 #[derive(Clone, Debug)]
@@ -57,7 +55,7 @@ struct SlowSystem {
 impl SlowSystem {
     /// Oblique projection on the modes slower than `cut_off`, 1/s; none if there are none.
     fn new(descriptor: &Descriptor, b: &Mat<f64>, cut_off: f64) -> Result<Option<Self>, LinearError> {
-        let SlowModes { right, left, poles } = slow_modes(descriptor, cut_off)?;
+        let (right, left, poles) = slow_modes(descriptor, cut_off)?;
         if right.ncols() == 0 {
             return Ok(None);
         }
@@ -76,23 +74,14 @@ impl SlowSystem {
     /// Columns of x for each load, and their rates, that the slow modes leave of the whole system's response at the
     /// nearly static frequency `sigma`, 1/s.
     fn remainder(&self, descriptor: &Descriptor, b: &Mat<f64>, sigma: f64) -> Vec<[Vec<f64>; 2]> {
-        let whole = descriptor.shifted(sigma).partial_piv_lu().solve(b);
+        let whole = descriptor.factors(sigma).solve(b);
         let modes = self.a.nrows();
         let slow = (Mat::<f64>::identity(modes, modes) * faer::Scale(sigma) - &self.a)
             .partial_piv_lu()
             .solve(&self.b);
-        let of_load = |l: usize| {
-            let mut x = column(&whole, l);
-            let mut rate: Vec<f64> = x.iter().map(|x| sigma * x).collect();
-            for k in 0..self.right.ncols() {
-                for i in 0..x.len() {
-                    x[i] -= self.right[(i, k)] * slow[(k, l)];
-                    rate[i] -= self.rates[(i, k)] * slow[(k, l)];
-                }
-            }
-            [x, rate]
-        };
-        (0..b.ncols()).map(of_load).collect()
+        let x = &whole - &self.right * &slow;
+        let rate = whole * faer::Scale(sigma) - &self.rates * &slow;
+        (0..b.ncols()).map(|l| [column(&x, l), column(&rate, l)]).collect()
     }
 }
 
@@ -165,13 +154,13 @@ fn about(
 
 /// Column `k` of a matrix.
 fn column(matrix: &Mat<f64>, k: usize) -> Vec<f64> {
-    (0..matrix.nrows()).map(|i| matrix[(i, k)]).collect()
+    matrix.col(k).iter().copied().collect()
 }
 
 /// The rows of a matrix.
 fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
-    let row = |i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect();
-    (0..matrix.nrows()).map(row).collect()
+    let rows = matrix.row_iter();
+    rows.map(|row| row.iter().copied().collect()).collect()
 }
 
 /// The rows, so many, of the matrix with these columns.
@@ -224,7 +213,7 @@ fn derivatives_along(
         let BeltSums {
             shaft_torque, axial, ..
         } = diagnostics.sums;
-        let boundary = Loads::held(&inputs).at(TIME, &system.parameters);
+        let boundary = Loads::held(&inputs).at(0.0, &system.parameters);
         let external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
         let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();

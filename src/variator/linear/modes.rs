@@ -7,15 +7,9 @@ use nalgebra::linalg::balancing::balance_parlett_reinsch;
 
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::working_point::{LinearError, WorkingPoint};
+use crate::variator::linear::{NEUTRAL, SHIFT};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
-
-/// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay. The slowest mode that loads
-/// excite crosses zero between working points and is then some 1e-3.
-const NEUTRAL: f64 = 1.0e-5;
-/// Fraction of the cut-off that is the shift: eigenvalues near the shift have the least rounding errors, and the slowest
-/// ones are the closest to each other.
-const SHIFT: f64 = 0.01;
 
 /// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, the one that grows most first.
 /// Each is its real and imaginary part, 1/s; of a conjugate pair only the one with the positive imaginary part is listed.
@@ -28,7 +22,7 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
     let descriptor = Descriptor::new(&mut point.system, &point.state);
     let cut_off = std::f64::consts::TAU * frequency;
     let shift = SHIFT * cut_off;
-    let (inverted, _) = balanced(&inverted(&descriptor, shift))?;
+    let (inverted, _) = balanced(&descriptor.factors(shift).solve(&descriptor.e))?;
     let values = inverted.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
     let mut modes: Vec<[f64; 2]> = values
         .iter()
@@ -38,11 +32,6 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
         .collect();
     modes.sort_by(|a, b| b[0].total_cmp(&a[0]));
     Ok(modes)
-}
-
-/// (σE − A)⁻¹E.
-fn inverted(descriptor: &Descriptor, sigma: f64) -> Mat<f64> {
-    descriptor.shifted(sigma).partial_piv_lu().solve(&descriptor.e)
 }
 
 /// D⁻¹MD, whose rows have the norms of its columns, and the diagonal D. Without balancing, rounding moves eigenvalues near the
@@ -57,25 +46,21 @@ fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
     Ok((Mat::from_fn(n, n, |i, j| copy[(i, j)]), scale.iter().copied().collect()))
 }
 
-/// The eigenvalue of the pencil that belongs to `value` of [`inverted`].
+/// The eigenvalue of the pencil that belongs to `value` of (σE − A)⁻¹E.
 fn unshifted(sigma: f64, value: c64) -> c64 {
     c64::new(sigma, 0.0) - c64::new(1.0, 0.0) / value
 }
 
-/// The slow modes of a descriptor system, the slowest first.
-pub(super) struct SlowModes {
-    /// Real basis of the right invariant subspace: a column for each real mode, two for a conjugate pair.
-    pub right: Mat<f64>,
-    /// The same of the left one, as rows.
-    pub left: Mat<f64>,
-    /// Eigenvalues, one for each column: of a pair that with the positive imaginary part comes first.
-    pub poles: Vec<[f64; 2]>,
-}
+/// The slow modes of a descriptor system, the slowest first: a real basis of the right invariant subspace, with a column for each real mode
+/// and two for a conjugate pair; the same of the left one, as rows; and the eigenvalues, one for each column. Of a pair that with the
+/// positive imaginary part comes first.
+pub(super) type SlowModes = (Mat<f64>, Mat<f64>, Vec<[f64; 2]>);
 
 /// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
 pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowModes, LinearError> {
     let shift = SHIFT * cut_off;
-    let (inverted, scale) = balanced(&inverted(descriptor, shift))?;
+    let factors = descriptor.factors(shift);
+    let (inverted, scale) = balanced(&factors.solve(&descriptor.e))?;
     // One of each pair of conjugates.
     let pairs = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
@@ -104,15 +89,11 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowMo
         left.push((other, vector));
     }
     let rows = descriptor.a.nrows();
-    let transposed = descriptor.shifted(shift).transpose().to_owned().partial_piv_lu();
     let (of_right, of_left) = (real_basis(&right, rows), real_basis(&left, rows));
     let scaled = |basis: &Mat<f64>, factor: &dyn Fn(usize) -> f64| {
         Mat::from_fn(rows, basis.ncols(), |i, j| factor(i) * basis[(i, j)])
     };
-    let left = transposed
-        .solve(&scaled(&of_left, &|i| 1.0 / scale[i]))
-        .transpose()
-        .to_owned();
+    let left = factors.solve_transpose(&scaled(&of_left, &|i| 1.0 / scale[i]));
     let mut poles = Vec::new();
     for (lambda, _) in &right {
         if is_oscillation(*lambda) {
@@ -121,11 +102,8 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowMo
             poles.push([lambda.re, 0.0]);
         }
     }
-    Ok(SlowModes {
-        right: scaled(&of_right, &|i| scale[i]),
-        left,
-        poles,
-    })
+    let right = scaled(&of_right, &|i| scale[i]);
+    Ok((right, left.transpose().to_owned(), poles))
 }
 
 /// Whether a mode is slower than `cut_off`, 1/s, and not neutral.

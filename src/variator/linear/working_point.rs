@@ -4,6 +4,7 @@ use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
+use crate::variator::linear::STEADY;
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::start::STANDSTILL;
 use crate::variator::run::{InitialisationError, Variator};
@@ -11,11 +12,6 @@ use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::system::VariatorSystem;
-
-/// Time at which the loads are evaluated, s. They do not change.
-pub(super) const TIME: f64 = 0.0;
-/// Largest Θ̇ of a working point, 1/s.
-const STEADY: f64 = 1.0e-4;
 
 /// Why there is no linear model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,7 +33,7 @@ pub enum LinearError {
     NoMode(f64),
 }
 
-/// A steady state, and the system under the loads that hold it.
+/// A steady state, and the system under the loads that hold it, which do not change with time.
 pub(super) struct WorkingPoint {
     pub system: VariatorSystem,
     pub state: State,
@@ -139,9 +135,9 @@ fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<I
 /// Change of Θ that Newton's method would make over a second.
 fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, LinearError> {
     let mut residual = vec![0.0; system.belt.layout.len()];
-    system.residual(TIME, state.view(), &mut residual);
+    system.residual(0.0, state.view(), &mut residual);
     let mut matrix = Arrow::new(system.shape());
-    system.jacobian(TIME, state.view(), 1.0, 1.0, &mut matrix);
+    system.jacobian(0.0, state.view(), 1.0, 1.0, &mut matrix);
     let mut factors = ArrowLu::new(system.shape());
     let singular = |error: Singular| LinearError::Unsteady(error.to_string());
     factors.factor(&matrix).map_err(singular)?;

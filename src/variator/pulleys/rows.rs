@@ -24,6 +24,12 @@ pub struct Pulleys<'a> {
     inertia_factor: f64,
 }
 
+/// Sign of the change of Θ when a pulley closes: the primary raises r_P, and Θ with it.
+const CLOSING_SIGN: PerPulley<f64> = PerPulley {
+    secondary: -1.0,
+    primary: 1.0,
+};
+
 /// What acts on a pulley from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct External {
@@ -66,6 +72,11 @@ impl<'a> Pulleys<'a> {
 
     fn layout(&self) -> &Layout {
         &self.belt.layout
+    }
+
+    /// Angular speed of a shaft, rad/s.
+    fn speed(&self, pulley: Pulley, view: View<'_>) -> f64 {
+        view.y[self.layout().shaft_speed(pulley)]
     }
 
     /// Axial travel of a sheave between its stops.
@@ -111,11 +122,11 @@ impl<'a> Pulleys<'a> {
     /// Force of spring and rotating oil on a sheave, N.
     #[must_use]
     pub fn push(&self, pulley: Pulley, view: View<'_>) -> f64 {
-        let [z, omega] = [
-            view.q[self.layout().sheave(pulley)],
-            view.y[self.layout().shaft_speed(pulley)],
-        ];
-        self.parameters.pulley(pulley).cylinder.push(z, omega)
+        let z = view.q[self.layout().sheave(pulley)];
+        self.parameters
+            .pulley(pulley)
+            .cylinder
+            .push(z, self.speed(pulley, view))
     }
 
     /// Force of a cylinder on its sheave beside that of its pressure, N.
@@ -150,19 +161,16 @@ impl<'a> Pulleys<'a> {
     /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both speeds change in
     /// proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
-        let omega = |pulley| view.y[self.layout().shaft_speed(pulley)];
-        let primary = self.parameters.primary.inertia * omega(Pulley::Primary);
-        if primary == 0.0 {
-            0.0
-        } else {
-            self.parameters.secondary.inertia * omega(Pulley::Secondary) / primary
-        }
+        let [secondary, primary] = Pulley::BOTH.map(|j| self.parameters.pulley(j).inertia * self.speed(j, view));
+        if primary == 0.0 { 0.0 } else { secondary / primary }
     }
 
     /// Drag of a shaft, where the contact forces on the belt have the resultant `[x, y]`, N.
     fn drag(&self, pulley: Pulley, view: View<'_>, resultant: [f64; 2]) -> Drag {
-        let omega = view.y[self.layout().shaft_speed(pulley)];
-        self.parameters.pulley(pulley).drag.at(omega, resultant)
+        self.parameters
+            .pulley(pulley)
+            .drag
+            .at(self.speed(pulley, view), resultant)
     }
 
     /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
@@ -204,7 +212,7 @@ impl<'a> Pulleys<'a> {
                 let off = theta - view.q[self.layout().theta()];
                 of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
                     - (force + cylinder)
-                    - closing_sign(pulley) * RATIO_STIFFNESS * off
+                    - CLOSING_SIGN[pulley] * RATIO_STIFFNESS * off
                     - self.stop(pulley, view).force
             }
         }
@@ -348,7 +356,7 @@ impl<'a> Pulleys<'a> {
                 out.add(z, speed, -by_speed);
                 if let SheaveMode::Ratio { .. } = mode {
                     let theta = self.layout().theta();
-                    out.add(z, theta, closing_sign(pulley) * RATIO_STIFFNESS * beta);
+                    out.add(z, theta, CLOSING_SIGN[pulley] * RATIO_STIFFNESS * beta);
                 }
             }
             SheaveMode::Held => out.set_unit_row(z, HOLD),
@@ -409,7 +417,7 @@ impl<'a> Pulleys<'a> {
         for pulley in Pulley::BOTH {
             let of = self.parameters.pulley(pulley);
             let z = self.layout().sheave(pulley);
-            let omega = view.y[self.layout().shaft_speed(pulley)];
+            let omega = self.speed(pulley, view);
             energy += 0.5 * of.inertia * omega * omega
                 + 0.5 * of.sheave_mass * view.y[z] * view.y[z]
                 + self.travel(pulley).energy(view.q[z])
@@ -440,9 +448,10 @@ impl<'a> Pulleys<'a> {
         axial: PerPulley<f64>,
     ) -> PerPulley<External> {
         PerPulley::from_fn(|pulley| {
-            let omega = view.y[self.layout().shaft_speed(pulley)];
             let accelerating = match boundary.shaft[pulley] {
-                ShaftMode::Setpoint(set) => self.parameters.pulley(pulley).inertia * (set - omega) / SPEED_LAG,
+                ShaftMode::Setpoint(set) => {
+                    self.parameters.pulley(pulley).inertia * (set - self.speed(pulley, view)) / SPEED_LAG
+                }
                 _ => 0.0,
             };
             External {
@@ -459,20 +468,7 @@ impl<'a> Pulleys<'a> {
     /// belt and drag.
     #[must_use]
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
-        PerPulley::from_fn(|pulley| {
-            let torque = Self::torque_supplied(boundary.shaft[pulley], torques[pulley]);
-            torque * view.y[self.layout().shaft_speed(pulley)]
-        })
-        .into_array()
-        .iter()
-        .sum()
-    }
-}
-
-/// Sign of the change of Θ when a pulley closes: the primary raises r_P, and Θ with it.
-fn closing_sign(pulley: Pulley) -> f64 {
-    match pulley {
-        Pulley::Primary => 1.0,
-        Pulley::Secondary => -1.0,
+        let power = |j| Self::torque_supplied(boundary.shaft[j], torques[j]) * self.speed(j, view);
+        Pulley::BOTH.map(power).iter().sum()
     }
 }

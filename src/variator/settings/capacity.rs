@@ -5,14 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::range_of;
-
-/// Torque over that of full slip that a belt may carry: friction along the flanks may raise the capacity by some percent.
-const BEYOND: f64 = 1.15;
-/// Torque over the capacity from which a wrong unit explains it better than a slipping belt.
-const FAR: f64 = 20.0;
-/// Clamping force below which kN may be meant, N, and torque above which N·mm may be meant, N·m.
-const SMALL_FORCE: f64 = 1.0e3;
-const LARGE_TORQUE: f64 = 2.0e3;
+use crate::variator::settings::{BEYOND, BROKEN, FAR, PLAUSIBLE_FORCE, PLAUSIBLE_TORQUE};
 
 /// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +81,7 @@ impl Demand {
     pub fn may_be_another_unit(inputs: &Inputs, pulley: Pulley) -> bool {
         let force = inputs.pulley(pulley).clamping_force;
         let torque = inputs.primary.torque.abs().max(inputs.secondary.torque.abs());
-        force > 0.0 && (force < SMALL_FORCE || torque >= LARGE_TORQUE)
+        force > 0.0 && (force < PLAUSIBLE_FORCE || torque >= PLAUSIBLE_TORQUE)
     }
 
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
@@ -100,7 +93,7 @@ impl Demand {
     /// The unit that is meant then.
     fn other_unit(&self) -> String {
         let (force, torque) = (self.force, self.torque.abs());
-        if force < SMALL_FORCE {
+        if force < PLAUSIBLE_FORCE {
             let carried = short(1.0e3 * self.carried());
             return format!(
                 "is {}.clampingForce in kN? {force} kN carry {carried} N·m",
@@ -172,9 +165,6 @@ impl Parameters {
         }
     }
 }
-
-/// Stretch of a ring under its centrifugal tension that no steel bears.
-const BROKEN: f64 = 0.02;
 
 /// The variable that gives the speed of the start, and its value, rad/s.
 pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static str, f64) {

@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 pub struct Row<S> {
     /// Name in the interface.
     pub name: &'static str,
-    /// Value reference.
+    /// Value reference; of a pulley's row less that of its pulley, 100 or 200.
     pub reference: u32,
     /// Who sets it, and when.
     pub causality: Causality,
@@ -130,7 +130,7 @@ impl Default for Inputs {
 
 macro_rules! row {
     ($pulley:ident $name:literal, $reference:literal, $($rest:tt)*) => {
-        row!(@ concat!(stringify!($pulley), ".", $name), base!($pulley) + $reference, $($rest)*)
+        row!(@ concat!(stringify!($pulley), ".", $name), $reference, $($rest)*)
     };
     ($name:literal, $($rest:tt)*) => {
         row!(@ $name, $($rest)*)
@@ -143,15 +143,6 @@ macro_rules! row {
             value: value!($kind, [$($value)*], $($field).+),
             text: $text,
         }
-    };
-}
-
-macro_rules! base {
-    (primary) => {
-        100
-    };
-    (secondary) => {
-        200
     };
 }
 

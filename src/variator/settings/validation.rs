@@ -9,15 +9,8 @@ use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::{InputRows, ParameterRows};
+use crate::variator::settings::{BEYOND_STOP, RING_STEEL, STEEL_SCATTER};
 use std::f64::consts::PI;
-
-/// Factor by which an initial ratio may exceed an end stop: a loaded belt rests there, and a run may continue from it.
-const BEYOND_STOP: f64 = 1.06;
-
-/// Young's modulus (Pa) and density (kg/m³) of maraging steel, the means of the published variators, and their relative scatter: one
-/// layer in ten is above it.
-const RING_STEEL: (f64, f64) = (1.86e11, 7850.0);
-const STEEL_SCATTER: f64 = 0.06;
 
 impl Parameters {
     /// Checks every parameter against its range, and all against each other.
@@ -144,14 +137,25 @@ impl Parameters {
     /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
     #[must_use]
     pub fn ratio_range(&self) -> (f64, f64) {
-        let boundary = |below: &dyn Fn(f64) -> bool| {
-            let range = [0.01_f64.ln(), 100.0_f64.ln()];
-            bisected(range, |log_ratio| below(log_ratio.exp())).exp()
+        let (p, s) = (&self.primary, &self.secondary);
+        // A ratio at which no belt closes is an extreme one.
+        let is_too_low = |ratio: f64| {
+            let radii = self.pitch_radii(ratio);
+            radii.map_or(ratio <= 1.0, |(primary, secondary)| {
+                primary > p.max_radius || secondary < s.min_radius
+            })
         };
-        (
-            boundary(&|ratio| !self.not_too_low(ratio)),
-            boundary(&|ratio| self.not_too_high(ratio)),
-        )
+        let is_not_too_high = |ratio: f64| {
+            let radii = self.pitch_radii(ratio);
+            radii.map_or(ratio < 1.0, |(primary, secondary)| {
+                primary >= p.min_radius && secondary <= s.max_radius
+            })
+        };
+        let boundary = |is_below: &dyn Fn(f64) -> bool| {
+            let range = [0.01_f64.ln(), 100.0_f64.ln()];
+            bisected(range, |log_ratio| is_below(log_ratio.exp())).exp()
+        };
+        (boundary(&is_too_low), boundary(&is_not_too_high))
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.
@@ -161,21 +165,6 @@ impl Parameters {
         let (primary, secondary) = curve.radii(ratio).ok()?;
         let offset = self.pitch_offset();
         Some((primary - offset, secondary - offset))
-    }
-
-    /// Whether the stops allow ratios down to this one.
-    fn not_too_low(&self, ratio: f64) -> bool {
-        // A ratio at which no belt closes is an extreme one.
-        self.pitch_radii(ratio).map_or(ratio > 1.0, |(primary, secondary)| {
-            primary <= self.primary.max_radius && secondary >= self.secondary.min_radius
-        })
-    }
-
-    /// Whether the stops allow ratios up to this one.
-    fn not_too_high(&self, ratio: f64) -> bool {
-        self.pitch_radii(ratio).map_or(ratio < 1.0, |(primary, secondary)| {
-            primary >= self.primary.min_radius && secondary <= self.secondary.max_radius
-        })
     }
 }
 
