@@ -297,10 +297,10 @@ impl MapUnit {
 
     /// Advances over a communication step.
     fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
-        for segment in step.inputs.segments() {
-            self.acting = segment.at(segment.from);
-            let end = segment.until.min(step.to);
-            self.run_to(end, &segment.at(end))?;
+        let inputs = &step.inputs;
+        self.acting = inputs.at(self.time);
+        for end in [inputs.kink.min(step.to), step.to] {
+            self.run_to(end, &inputs.at(end))?;
         }
         Ok(())
     }

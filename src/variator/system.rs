@@ -13,7 +13,7 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
-use crate::variator::pulleys::loads::{Boundary, Loads};
+use crate::variator::pulleys::loads::{Boundary, Loads, PSEUDO_INERTIA};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
@@ -29,8 +29,6 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
-    /// Factor on the inertias of the pulleys, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
-    pub inertia_factor: f64,
     /// Loads of the belt on the pulleys in the last residual.
     pub(crate) of_belt: PerPulley<PulleyLoad>,
     assembly: Box<dyn Assembly>,
@@ -62,7 +60,6 @@ impl VariatorSystem {
             loads: Loads::Constant(Boundary::HELD),
             parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
-            inertia_factor: 1.0,
             assembly: belt.ring.equations(&belt),
             of_belt: PerPulley::default(),
             resultants: ResultantSlopes::new(belt.layout.len()),
@@ -73,7 +70,11 @@ impl VariatorSystem {
     /// The pulleys: shafts and sheaves.
     #[must_use]
     pub fn pulleys(&self) -> Pulleys<'_> {
-        Pulleys::new(&self.parameters, &self.belt, self.inertia_factor)
+        let inertia_factor = match self.loads {
+            Loads::Inputs(..) => 1.0,
+            Loads::Constant(_) => PSEUDO_INERTIA,
+        };
+        Pulleys::new(&self.parameters, &self.belt, inertia_factor)
     }
 
     /// Conditions of the pulleys at a time, s.
@@ -170,17 +171,23 @@ impl VariatorSystem {
         self.assembly.forget_derivatives();
     }
 
-    /// Evaluates the cached derivatives at the points that were read from an archive.
-    pub(crate) fn restore_derivatives(&mut self) {
-        let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
-        self.assembly.restore_derivatives(InForce { belt, law, friction });
-    }
-
-    /// Writes to an archive, or reads from it, the loads and the points of the cached derivatives.
+    /// Writes to an archive, or reads from it, the loads and the friction in force.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.loads.serialize(archive);
+        archive.real(&mut self.friction_velocity);
+        let friction = &mut self.parameters.friction;
+        archive.within(&mut friction.pulley, 0.0, 1.0);
+        archive.within(&mut friction.ring, 0.0, 1.0);
+    }
+
+    /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.
+    pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
         self.assembly.serialize_derivatives(&self.belt, archive);
+        if archive.is_reading() {
+            let friction = &self.friction();
+            let (belt, law) = (&*self.belt, &self.belt.law);
+            self.assembly.restore_derivatives(InForce { belt, law, friction });
+        }
     }
 
     /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
