@@ -209,21 +209,18 @@ impl VariatorSystem {
     }
 }
 
-/// Negligible errors: ring position, m (1 N of tension, 5 N/m of contact), and ring speed, m/s.
+// The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and residuals under the ten rough loads with `ALE0`.
+
+/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of chain strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
 const PLACE: f64 = 1.0e-9;
+/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %.
 const RING_SPEED: f64 = 1.0e-3;
-/// Negligible error of sliding speeds, as a share of the friction velocity.
+/// Sliding speed, as a share of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
-/// Slopes of the overlay per metre of its deflections: an element is some millimetres long.
+/// Slope of the overlay per metre of its deflection, 1/m: an element is some millimetres long. Half and twice, with `ALE`: 1, 0 %.
 const PER_METRE: f64 = 1.0e3;
-/// Negligible errors of the element amount, m (1e-7 of chain strain, 1 N), of tension, N, and of tilt, rad.
-const AMOUNT: f64 = 1.0e-9;
+/// Tension as an unknown of its own, N. Half and twice: +1, -1 %.
 const TENSION: f64 = 0.1;
-const TILT: f64 = 1.0e-8;
-/// A middle pitch radius, m, which turns speeds of sliding into angular speeds: the published variators run on 0.03 to 0.08 m.
-const RADIUS: f64 = 0.06;
-/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
-const THETA_PER_METRE: f64 = 10.0;
 
 impl System for VariatorSystem {
     fn shape(&self) -> Shape {
@@ -254,6 +251,8 @@ impl System for VariatorSystem {
         let layout = &self.belt.layout;
         let velocity = (PLACE / beta).min(RING_SPEED);
         let slip = SLIP * self.friction().velocity;
+        // The pitch radius at ratio 1 turns lengths into angles, and into Θ.
+        let radius = self.belt.law.r0;
         if layout.has_tension() {
             for cell in 0..self.belt.mesh.cells.len() {
                 out[layout.tension(cell)] = TENSION;
@@ -274,22 +273,22 @@ impl System for VariatorSystem {
         }
         for at in &self.belt.cells_at {
             out[at.speed] = slip;
-            out[at.amount] = AMOUNT;
+            out[at.amount] = PLACE;
         }
         out[layout.drift()] = slip;
-        out[layout.theta()] = velocity * THETA_PER_METRE;
+        out[layout.theta()] = velocity / radius;
         for centre in layout.centres() {
             out[centre] = velocity;
         }
         if layout.has_tension() {
-            out[layout.centre(TURN)] = velocity * THETA_PER_METRE;
+            out[layout.centre(TURN)] = velocity / radius;
         }
         for pulley in Pulley::BOTH {
             out[layout.sheave(pulley)] = velocity;
             for axis in 0..2 {
-                out[layout.tilt(pulley, axis)] = TILT;
+                out[layout.tilt(pulley, axis)] = PLACE / radius;
             }
-            out[layout.shaft_speed(pulley)] = slip / RADIUS;
+            out[layout.shaft_speed(pulley)] = slip / radius;
         }
     }
 }

@@ -7,9 +7,7 @@ use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::stepper::{Accurate, Stepper};
-use crate::variator::run::tuning::{
-    COLD_STEP, FRICTION_RAMP, SETTLING, SETTLING_RESIDUALS, SETTLING_TOLERANCE, STANDING,
-};
+use crate::variator::run::tuning::{FRICTION_RAMP, SETTLING, SETTLING_RESIDUALS, SETTLING_TOLERANCE, STANDING};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::Inputs;
 
@@ -110,7 +108,7 @@ impl Simulation {
         let solver = &mut before.system.parameters.solver;
         solver.tolerance = solver.tolerance.max(tolerance);
         change(&mut before);
-        let mut accurate = Accurate::new(&before.system, COLD_STEP);
+        let mut accurate = Accurate::new(&before.system);
         let profile = InputProfile::constant(inputs);
         let outcome = loop {
             match accurate.step(&mut before, &profile, self.time) {
@@ -125,10 +123,9 @@ impl Simulation {
         outcome
     }
 
-    /// Takes over the state that another simulation of the same belt has found, with its loads and work.
+    /// Takes over the state that another simulation of the same belt has found, with its work.
     pub fn take_start(&mut self, found: Self) {
         self.state = found.state;
-        self.system.loads = found.system.loads;
         self.start_work = found.start_work;
         self.end_soft_start();
     }

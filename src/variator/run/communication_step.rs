@@ -7,7 +7,7 @@ use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
 
 use crate::variator::run::outcome::StepError;
-use crate::variator::run::tuning::{STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND};
+use crate::variator::run::tuning::{STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND, USUAL_TOLERANCE};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::{Mode, Solver};
 use crate::variator::settings::signals::Inputs;
@@ -84,7 +84,7 @@ impl Variator {
 /// Residuals that a communication step of this length, s, may take. Tighter tolerances than the default may take more: steps shorten
 /// with the cube root.
 fn most_residuals(solver: &Solver, length: f64) -> u64 {
-    let tighter = (1.0e-4 / solver.tolerance).cbrt().max(1.0);
+    let tighter = (USUAL_TOLERANCE / solver.tolerance).cbrt().max(1.0);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

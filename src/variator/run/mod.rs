@@ -10,6 +10,7 @@
 //! | `simulation` | what a stepper advances: equations, state, inputs in force |
 //! | `pending_inputs` | inputs that wait in real time |
 //! | `start`, `steady_start`, `at_rest`, `soft_start` | the state that a run starts from |
+//! | `tuning` | the numbers that all this is tuned with |
 //! | `pace` | the warning of a run that takes too much work |
 //! | `hints` | the warnings of loads and speeds that can hardly be meant |
 

@@ -43,7 +43,7 @@ impl RealTime {
         sdirk.newton.bound = WorkBound {
             left: 0.0,
             jacobian: REAL_TIME.jacobian,
-            overdraft: REAL_TIME.overdraft,
+            overdraft: REAL_TIME.spare,
             jacobians: REAL_TIME.jacobians,
         };
         Self {
@@ -66,7 +66,7 @@ impl RealTime {
         self.clock = to;
         let effort = f64::from(simulation.system.parameters.solver.effort);
         let left = &mut self.sdirk.newton.bound.left;
-        *left = left.min(REAL_TIME.carried) + effort * REAL_TIME.effort * ((to - from) / MILLISECOND);
+        *left = left.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((to - from) / MILLISECOND);
         simulation.time = self.reached;
         simulation.restore(self.inputs);
         let wider = if self.open.is_some() { REAL_TIME.widening } else { 1.0 };

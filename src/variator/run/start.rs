@@ -9,20 +9,20 @@ use crate::variator::run::outcome::{InitialisationError, Message};
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::steady_start::{NoSteadyState, StartSearch};
-use crate::variator::run::tuning::{COLD_STEP, CREEP_SPEED, CREEP_VELOCITY, LOAD_RAMP, STANDSTILL, WARM_STEP};
+use crate::variator::run::tuning::{CREEP_SPEED, CREEP_VELOCITY, LOAD_RAMP, STANDSTILL};
 use crate::variator::settings::parameters::{Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 use std::sync::Arc;
 
 /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
-/// gives it and the reason. Returns what it is, and the first step from it, s.
+/// gives it and the reason. Returns what it is.
 pub(super) fn find_start(
     simulation: &mut Simulation,
     messages: &mut Vec<Message>,
     time: f64,
     inputs: &Inputs,
-) -> Result<(StartState, f64), InitialisationError> {
+) -> Result<StartState, InitialisationError> {
     simulation.start_work = Counts::default();
     simulation.time = time;
     let mut search = StartSearch {
@@ -34,18 +34,13 @@ pub(super) fn find_start(
     let start = search.start_point();
     let found = search.find_state(&start)?;
     search.warn_of_held_sheaves(found);
-    let is_solved = matches!(
-        found,
-        StartState::Steady | StartState::ReducedTorque | StartState::NoEquilibrium
-    ) && start.primary_speed.abs() > STANDSTILL;
     if simulation.system.parameters.solver.mode == Mode::RealTime && simulation.soft_start.from == time {
         // A ring without tension is a mechanism, too rough for steps of bounded work.
         if let Err(why) = simulation.clamp_softly(inputs) {
             messages.push(no_clamping(&why));
         }
     }
-    let is_own = simulation.system.belt.ring.starts_on().is_none();
-    Ok((found, if is_solved && is_own { WARM_STEP } else { COLD_STEP }))
+    Ok(found)
 }
 
 fn no_clamping(why: &Unsettled) -> Message {

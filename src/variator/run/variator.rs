@@ -16,7 +16,7 @@ use crate::variator::run::real_time::RealTime;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::start::find_start;
 use crate::variator::run::stepper::{Accurate, Stepper};
-use crate::variator::run::tuning::{CHATTER, COLD_STEP, MOMENT, QUIET};
+use crate::variator::run::tuning::{CHATTER, MOMENT, QUIET};
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
@@ -60,9 +60,9 @@ pub struct Variator {
 }
 
 /// The stepper that the parameters choose, for the state and time of a simulation.
-fn stepper(simulation: &Simulation, first_step: f64) -> Box<dyn Stepper> {
+fn stepper(simulation: &Simulation) -> Box<dyn Stepper> {
     match simulation.system.parameters.solver.mode {
-        Mode::Accurate => Box::new(Accurate::new(&simulation.system, first_step)),
+        Mode::Accurate => Box::new(Accurate::new(&simulation.system)),
         Mode::RealTime => Box::new(RealTime::new(simulation)),
     }
 }
@@ -94,7 +94,7 @@ impl Variator {
         Self::check(&parameters, &*ring)?;
         let simulation = Simulation::new(&parameters, ring);
         Ok(Self {
-            stepper: stepper(&simulation, COLD_STEP),
+            stepper: stepper(&simulation),
             saved: Vec::new(),
             simulation,
             start_state: StartState::Unloaded,
@@ -122,11 +122,10 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        let (start_state, first_step) = find_start(&mut self.simulation, &mut self.messages, time, inputs)?;
-        self.start_state = start_state;
+        self.start_state = find_start(&mut self.simulation, &mut self.messages, time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
-        self.stepper = stepper(simulation, first_step);
+        self.stepper = stepper(simulation);
         self.work = Work::default();
         self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));

@@ -5,13 +5,13 @@ use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode, SheaveMode};
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, cold_start, reaction};
-use crate::variator::steady::tuning::{FORCE_ERROR, LONGEST_WAY, MOST_SOLVES, NEAR, STEADY_TIME, STOP_STAGES};
+use crate::variator::steady::tuning::{FORCE_ERROR, MOST_SOLVES, NEAR, STEADY_TIME};
 use crate::variator::system::VariatorSystem;
 
 impl SteadySolver<'_> {
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
     /// secant method on ln(force/reaction) over ln(ratio), each state solved for from the kinematic one or, where it is near,
-    /// from the last. At the ends of `range`, where the sheaves are near their stops, they are released. Whether a sheave then rests
+    /// from the last. Where that finds no state, the ratio changes by no more than [`NEAR`] from then on. At the ends of `range`, where the sheaves are near their stops, they are released. Whether a sheave then rests
     /// against its end stop.
     ///
     /// # Errors
@@ -27,7 +27,7 @@ impl SteadySolver<'_> {
         let mut f = defect(self.system, state);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
         let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
-        let mut longest = LONGEST_WAY;
+        let mut longest = f64::INFINITY;
         let mut last = Settled::default();
         for _ in 0..MOST_SOLVES {
             if f.abs() < FORCE_ERROR {
@@ -67,21 +67,13 @@ impl SteadySolver<'_> {
         Err(last)
     }
 
-    /// Releases the sheaves near an end stop: under the task's clamping forces they come to rest against it. The force, which may be
-    /// far from the holding force, is applied by stages.
+    /// Releases the sheaves near an end stop: under the task's clamping forces they come to rest against it.
     fn rest_at_stop(&mut self, state: &mut State, task: &SteadyTask) -> Result<Settled, Settled> {
-        let push = self.system.pulleys().push(task.reaction, state.view());
-        let holding = (reaction(self.system, state.view(), task.reaction) + push).max(1.0);
-        let whole = (task.clamping[task.reaction] + push).max(0.0) / holding;
-        (1..=STOP_STAGES).try_fold(Settled::default(), |_, stage| {
-            let mut clamping = task.clamping;
-            clamping[task.reaction] = holding * whole.powf(f64::from(stage) / f64::from(STOP_STAGES)) - push;
-            let boundary = Boundary {
-                sheave: clamping.map(SheaveMode::Force),
-                shaft: task.shaft,
-            };
-            self.settle(state, boundary, |_, _| Some(STEADY_TIME))
-        })
+        let boundary = Boundary {
+            sheave: task.clamping.map(SheaveMode::Force),
+            shaft: task.shaft,
+        };
+        self.settle(state, boundary, |_, _| Some(STEADY_TIME))
     }
 }
 

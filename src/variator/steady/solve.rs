@@ -15,8 +15,8 @@ use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::tuning::{
-    FIRM, FIRMER, FIRST_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, NEAR, RATIO_TIME, RUN_AWAY,
-    STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRMER, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, NEAR, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -142,7 +142,7 @@ impl SteadySolver<'_> {
     ) -> Result<Settled, Settled> {
         let settings = Settling {
             time: 0.0,
-            first_step: FIRST_STEP,
+            first_step: FIRST_PSEUDO_STEP,
             last_step: STEADY_TIME,
             max_solves: MOST_SOLVES,
         };
