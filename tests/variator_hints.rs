@@ -1,5 +1,6 @@
 //! Hopeless starts are seen before anything is solved, and loads that can hardly be meant are remarked upon once.
 
+use pushbelt::archive::Archive;
 use pushbelt::variator::run::{InitialisationError, Variator};
 use pushbelt::variator::settings::{Drive, Inputs, Parameters, RingModel, StartState};
 use pushbelt_support::run::Run;
@@ -85,7 +86,12 @@ fn a_speed_in_rpm_is_remarked_upon_once() {
     let mut run = Run::new(parameters, inputs((50.0, 13e3), (-49.0, 10e3)));
     assert_eq!(warned(&run, "is initial.primarySpeed in rpm? 2000 rpm are 209"), 1);
     run.go(5e-3, 1e-3);
-    assert_eq!(warned(&run, "rpm?"), 1);
+    let mut archive = Archive::writer();
+    run.variator.serialize(&mut archive);
+    run.variator = Variator::new(run.variator.parameters().clone()).expect("valid parameters");
+    run.variator.serialize(&mut Archive::reader(&archive.into_bytes()));
+    run.go(1e-2, 1e-3);
+    assert_eq!(warned(&run, "rpm?"), 1, "nor again after its state was stored");
     // A set point in the run.
     let mut parameters = coarse(RingModel::Ale0);
     (parameters.primary.drive, parameters.solver.input_ramp) = (Drive::Speed, -1.0);

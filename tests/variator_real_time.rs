@@ -270,6 +270,26 @@ fn starts_without_load_are_smooth() {
     }
 }
 
+/// Behind the clock too the outputs have the inputs of the clock's time.
+#[test]
+fn external_torques_are_those_of_the_clock() {
+    let mut parameters = in_real_time(coarse(RingModel::Ale));
+    (parameters.solver.effort, parameters.solver.input_ramp) = (1, -1.0);
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator
+        .initialise(0.0, &inputs((50.0, 13e3), (-49.0, 10e3)))
+        .expect("a start");
+    let mut behind = 0.0_f64;
+    for (k, torque) in [-50.0, 50.0].into_iter().cycle().take(20).enumerate() {
+        let given = inputs((torque, 13e3), (-torque, 10e3));
+        variator.advance(1e-3 * (k + 1) as f64, &given).expect("a step");
+        let outputs = variator.outputs();
+        assert_close(outputs.primary.external_torque, torque, 1e-9, "torque");
+        behind = behind.max(outputs.work.behind);
+    }
+    assert!(behind > 1e-3, "{behind} s");
+}
+
 /// Communication steps that are not whole milliseconds have work in proportion to their time.
 #[test]
 fn the_bound_is_in_proportion_to_time() {

@@ -36,7 +36,7 @@ use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt::variator::steady::solve::{SteadyTask, solve};
+use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
@@ -322,7 +322,11 @@ fn nine_steady_states(mut parameters: Parameters, refinement: i32) -> (f64, (Cou
         };
         let mut state = kinematic_state(&system.belt, &start).expect("a start");
         let mut newton = Newton::new(&system);
-        let found = solve(&mut system, &mut newton, &mut state, &task, 400);
+        let mut solver = SteadySolver {
+            system: &mut system,
+            newton: &mut newton,
+        };
+        let found = solver.solve(&mut state, &task);
         ratios.push(found.ok().map(|_| thrust_ratio(&system, &state)));
         total += newton.counts;
     }
@@ -374,7 +378,11 @@ fn steady_map(model: RingModel) -> Map {
             let kinematic = kinematic_state(&system.belt, &cold).expect("a start");
             let mut find = |mut state: State, warm: bool| {
                 let task = SteadyTask { warm, ..task };
-                let found = solve(&mut system, &mut newton, &mut state, &task, 400);
+                let mut solver = SteadySolver {
+                    system: &mut system,
+                    newton: &mut newton,
+                };
+                let found = solver.solve(&mut state, &task);
                 found.ok().map(|_| state)
             };
             let clock = ThreadTime::now();

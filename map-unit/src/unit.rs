@@ -238,9 +238,9 @@ impl MapUnit {
 
     /// Advances over a communication step.
     fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
-        for segment in step.inputs.segments() {
-            let end = segment.until.min(step.to);
-            self.acting = segment.at(self.time);
+        let inputs = &step.inputs;
+        self.acting = inputs.at(self.time);
+        for end in [inputs.kink.max(self.time).min(step.to), step.to] {
             // A count, so that the loop ends whatever the tables and inputs are.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
             let (mut longest, mut steps) = (LONGEST, 0.0);
@@ -249,7 +249,7 @@ impl MapUnit {
                 let count = (left / longest - 1e-9).ceil().max(1.0);
                 let next = if count == 1.0 { end } else { self.time + left / count };
                 steps += 1.0;
-                if self.step(next - self.time, &segment.at(next)) {
+                if self.step(next - self.time, &inputs.at(next)) {
                     self.time = next;
                     longest = (2.0 * longest).min(LONGEST);
                 } else {
@@ -262,7 +262,7 @@ impl MapUnit {
                     )));
                 }
             }
-            (self.acting, self.time) = (segment.at(end), end);
+            (self.acting, self.time) = (inputs.at(end), end);
         }
         Ok(())
     }

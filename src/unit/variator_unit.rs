@@ -127,10 +127,6 @@ impl<R: Rings> Unit for UnitWith<R> {
         step.is_over()
     }
 
-    fn update_outputs(&mut self) {
-        self.variator.update_outputs();
-    }
-
     fn event(&self, step: &CommunicationStep) -> Option<String> {
         step.event(&self.variator).map(Event::text)
     }

@@ -13,7 +13,7 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
-use crate::variator::pulleys::loads::{Boundary, Loads};
+use crate::variator::pulleys::loads::{Boundary, Loads, PSEUDO_INERTIA};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
@@ -29,8 +29,6 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
-    /// Factor on the inertias of the pulleys, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
-    pub inertia_factor: f64,
     /// Loads of the belt on the pulleys in the last residual.
     pub(crate) of_belt: PerPulley<PulleyLoad>,
     assembly: Box<dyn Assembly>,
@@ -62,7 +60,6 @@ impl VariatorSystem {
             loads: Loads::Constant(Boundary::HELD),
             parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
-            inertia_factor: 1.0,
             assembly: belt.ring.equations(&belt),
             of_belt: PerPulley::default(),
             resultants: ResultantSlopes::new(belt.layout.len()),
@@ -73,7 +70,11 @@ impl VariatorSystem {
     /// The pulleys: shafts and sheaves.
     #[must_use]
     pub fn pulleys(&self) -> Pulleys<'_> {
-        Pulleys::new(&self.parameters, &self.belt, self.inertia_factor)
+        let inertia_factor = match self.loads {
+            Loads::Inputs(..) => 1.0,
+            Loads::Constant(_) => PSEUDO_INERTIA,
+        };
+        Pulleys::new(&self.parameters, &self.belt, inertia_factor)
     }
 
     /// Conditions of the pulleys at a time, s.
@@ -170,17 +171,23 @@ impl VariatorSystem {
         self.assembly.forget_derivatives();
     }
 
-    /// Evaluates the cached derivatives at the points that were read from an archive.
-    pub(crate) fn restore_derivatives(&mut self) {
-        let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
-        self.assembly.restore_derivatives(InForce { belt, law, friction });
-    }
-
-    /// Writes to an archive, or reads from it, the loads and the points of the cached derivatives.
+    /// Writes to an archive, or reads from it, the loads and the friction in force.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.loads.serialize(archive);
+        archive.real(&mut self.friction_velocity);
+        let friction = &mut self.parameters.friction;
+        archive.within(&mut friction.pulley, 0.0, 1.0);
+        archive.within(&mut friction.ring, 0.0, 1.0);
+    }
+
+    /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.
+    pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
         self.assembly.serialize_derivatives(&self.belt, archive);
+        if archive.is_reading() {
+            let friction = &self.friction();
+            let (belt, law) = (&*self.belt, &self.belt.law);
+            self.assembly.restore_derivatives(InForce { belt, law, friction });
+        }
     }
 
     /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
@@ -202,21 +209,18 @@ impl VariatorSystem {
     }
 }
 
-/// Negligible errors: ring position, m (1 N of tension, 5 N/m of contact), and ring speed, m/s.
+// The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and residuals under the ten rough loads with `ALE0`.
+
+/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of chain strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
 const PLACE: f64 = 1.0e-9;
+/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %.
 const RING_SPEED: f64 = 1.0e-3;
-/// Negligible error of sliding speeds, as a share of the friction velocity.
+/// Sliding speed, as a share of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
-/// Slopes of the overlay per metre of its deflections: an element is some millimetres long.
+/// Slope of the overlay per metre of its deflection, 1/m: an element is some millimetres long. Half and twice, with `ALE`: 1, 0 %.
 const PER_METRE: f64 = 1.0e3;
-/// Negligible errors of the element amount, m (1e-7 of chain strain, 1 N), of tension, N, and of tilt, rad.
-const AMOUNT: f64 = 1.0e-9;
+/// Tension as an unknown of its own, N. Half and twice: +1, -1 %.
 const TENSION: f64 = 0.1;
-const TILT: f64 = 1.0e-8;
-/// A middle pitch radius, m, which turns speeds of sliding into angular speeds: the published variators run on 0.03 to 0.08 m.
-const RADIUS: f64 = 0.06;
-/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
-const THETA_PER_METRE: f64 = 10.0;
 
 impl System for VariatorSystem {
     fn shape(&self) -> Shape {
@@ -247,6 +251,8 @@ impl System for VariatorSystem {
         let layout = &self.belt.layout;
         let velocity = (PLACE / beta).min(RING_SPEED);
         let slip = SLIP * self.friction().velocity;
+        // The pitch radius at ratio 1 turns lengths into angles, and into Θ.
+        let radius = self.belt.law.r0;
         if layout.has_tension() {
             for cell in 0..self.belt.mesh.cells.len() {
                 out[layout.tension(cell)] = TENSION;
@@ -267,22 +273,22 @@ impl System for VariatorSystem {
         }
         for at in &self.belt.cells_at {
             out[at.speed] = slip;
-            out[at.amount] = AMOUNT;
+            out[at.amount] = PLACE;
         }
         out[layout.drift()] = slip;
-        out[layout.theta()] = velocity * THETA_PER_METRE;
+        out[layout.theta()] = velocity / radius;
         for centre in layout.centres() {
             out[centre] = velocity;
         }
         if layout.has_tension() {
-            out[layout.centre(TURN)] = velocity * THETA_PER_METRE;
+            out[layout.centre(TURN)] = velocity / radius;
         }
         for pulley in Pulley::BOTH {
             out[layout.sheave(pulley)] = velocity;
             for axis in 0..2 {
-                out[layout.tilt(pulley, axis)] = TILT;
+                out[layout.tilt(pulley, axis)] = PLACE / radius;
             }
-            out[layout.shaft_speed(pulley)] = slip / RADIUS;
+            out[layout.shaft_speed(pulley)] = slip / radius;
         }
     }
 }

@@ -1,10 +1,13 @@
-//! The symmetry of the assembled system.
+//! The assembled system: its symmetry, and what a search for a steady state leaves.
 
+use super::pulleys::loads::Boundary;
 use super::settings::parameters::Parameters;
+use super::steady::solve::{SteadySolver, SteadyTask};
 use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::pulley::PerPulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::solver::System;
+use crate::solver::newton::Newton;
 use pushbelt_support::noise;
 
 /// Time of the residual, s: the loads are constant.
@@ -55,4 +58,32 @@ fn mirrored_in_the_plane() {
     }
     assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
     assert_eq!(rows, reflected);
+}
+
+/// A search that runs out of work under soft friction leaves the specified one in force.
+#[test]
+fn a_failed_search_leaves_the_specified_friction() {
+    let mut system = VariatorSystem::new(&Parameters::default());
+    let start = Start {
+        ratio: 1.0,
+        primary_speed: 200.0,
+        clamping: CLAMPING,
+    };
+    let mut state = kinematic_state(&system.belt, &start).unwrap();
+    let mut newton = Newton::new(&system);
+    newton.bound.left = 50.0;
+    let task = SteadyTask {
+        ratio: start.ratio,
+        reaction: Pulley::Primary,
+        clamping: CLAMPING,
+        shaft: Boundary::HELD.shaft,
+        slip: 0.0,
+        warm: false,
+    };
+    let mut solver = SteadySolver {
+        system: &mut system,
+        newton: &mut newton,
+    };
+    assert!(solver.solve(&mut state, &task).is_err());
+    assert_eq!(system.friction_velocity, system.parameters.friction.velocity);
 }

@@ -30,6 +30,13 @@ impl<'a> Archive<'a> {
         Self(Mode::Write(Vec::new()))
     }
 
+    /// An empty archive in the memory of an earlier one.
+    #[must_use]
+    pub fn writer_in(mut memory: Vec<u8>) -> Self {
+        memory.clear();
+        Self(Mode::Write(memory))
+    }
+
     /// An archive to read from.
     #[must_use]
     pub fn reader(bytes: &'a [u8]) -> Self {

@@ -196,9 +196,6 @@ pub trait Unit: Clone + Sized {
     /// Whether the end of the communication step is reached.
     fn is_over(&self, step: &Self::Step) -> bool;
 
-    /// Makes the readings those of the time reached within a communication step, for an intermediate update.
-    fn update_outputs(&mut self) {}
-
     /// A description of an event since the communication step began, if there is one for the master to handle.
     fn event(&self, _step: &Self::Step) -> Option<String> {
         None

@@ -21,16 +21,16 @@ pub struct EnergyBalance {
     pub last: BeltDiagnostics,
 }
 
-/// A system that runs, with its energy balance.
+/// The initial value problem of a run: the equations, with the energy balance.
 #[derive(Debug)]
-pub struct Running<'a> {
+pub struct Problem<'a> {
     /// Equations of the variator.
     pub system: &'a mut VariatorSystem,
     /// Energy balance of the run.
     pub energy: &'a mut EnergyBalance,
 }
 
-impl System for Running<'_> {
+impl System for Problem<'_> {
     fn shape(&self) -> Shape {
         self.system.shape()
     }
@@ -56,7 +56,7 @@ impl System for Running<'_> {
     }
 }
 
-impl Evolution for Running<'_> {
+impl Evolution for Problem<'_> {
     /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
     /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the
     /// speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
@@ -133,7 +133,7 @@ struct SheaveWork {
     damped: f64,
 }
 
-impl Running<'_> {
+impl Problem<'_> {
     /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
     /// known. Else zero.
     fn work_on_set_point(&self, pulley: Pulley, boundary: &Boundary, before: View<'_>, after: View<'_>) -> f64 {

@@ -6,7 +6,7 @@ use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::linear::STEADY;
 use crate::variator::pulleys::loads::Loads;
-use crate::variator::run::start::STANDSTILL;
+use crate::variator::run::tuning::STANDSTILL;
 use crate::variator::run::{InitialisationError, Variator};
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};

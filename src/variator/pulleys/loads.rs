@@ -22,8 +22,12 @@ pub enum SheaveMode {
     },
 }
 
+/// Factor on the inertias of the pulleys in a steady solution, so that their speeds follow the belt: a tenth more work without, and one start in
+/// a hundred is not found. Half: -4, -2 % of the Jacobians and residuals of forty random starts; twice: 0, 0.
+pub(crate) const PSEUDO_INERTIA: f64 = 40.0;
+
 /// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping force of 20 kN moves Θ by
-/// no more than 1e-3.
+/// no more than 1e-3. Half: 0, +2; twice: -1, 0.
 pub const RATIO_STIFFNESS: f64 = 2.0e7;
 
 /// Condition that determines a pulley's speed.
@@ -79,42 +83,71 @@ impl Boundary {
     }
 }
 
-/// Inputs that change in proportion to time.
+/// Shortest time in which inputs change, s: rates over less are rounding errors. Nor does a run advance by less.
+pub(crate) const SHORTEST_STEP: f64 = 1.0e-9;
+
+/// Inputs as functions of time, in proportion to it before and after one kink: the end of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearInputs {
-    /// Time from which they change, s.
-    pub from: f64,
-    /// Time at which others follow, s.
-    pub until: f64,
-    /// Inputs at `from`.
-    pub inputs: Inputs,
-    /// Their time derivatives.
-    pub rates: Inputs,
+pub struct InputProfile {
+    /// Time of the kink, s.
+    pub kink: f64,
+    /// Inputs there.
+    pub(crate) inputs: Inputs,
+    /// Their time derivatives before it and after it.
+    pub(crate) rates: [Inputs; 2],
 }
 
-impl LinearInputs {
-    /// No inputs at all.
-    pub const NONE: Self = Self {
-        from: 0.0,
-        until: f64::INFINITY,
-        inputs: Inputs::ZERO,
-        rates: Inputs::ZERO,
-    };
-
-    /// Inputs that do not change.
+impl InputProfile {
+    /// Inputs that stay as they are.
     #[must_use]
-    pub fn constant(from: f64, inputs: &Inputs) -> Self {
+    pub fn constant(inputs: &Inputs) -> Self {
         Self {
-            from,
+            kink: 0.0,
             inputs: *inputs,
-            ..Self::NONE
+            rates: [Inputs::ZERO; 2],
+        }
+    }
+
+    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from `from` to `to`; a negative time
+    /// stands for all of it. An input that has a rate starts at its value and changes at that rate.
+    #[must_use]
+    pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
+        let whole = time < 0.0 || time >= to - from - SHORTEST_STEP;
+        let end = if whole { to } else { from + time };
+        let mut ramp = *rates;
+        if end > from {
+            let changes = given.values().into_iter().zip(present.values());
+            for (rate, (given, present)) in ramp.each_mut().into_iter().zip(changes) {
+                if *rate == 0.0 {
+                    *rate = (given - present) / (end - from);
+                }
+            }
+        }
+        let kink = if ramp == *rates { from } else { end };
+        Self {
+            kink,
+            inputs: given.after(kink - from, rates),
+            rates: [ramp, *rates],
+        }
+    }
+
+    /// The same from now on, but for the inputs that have changed from `before` to `given`: these have their new values at once, and no
+    /// rate.
+    pub(crate) fn change(&mut self, before: &Inputs, given: &Inputs) {
+        let (before, given) = (before.values(), given.values());
+        for k in (0..given.len()).filter(|&k| before[k] != given[k]) {
+            *self.inputs.each_mut()[k] = given[k];
+            for rates in &mut self.rates {
+                *rates.each_mut()[k] = 0.0;
+            }
         }
     }
 
     /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
     #[must_use]
     pub fn at(&self, time: f64) -> Inputs {
-        let mut inputs = self.inputs.after(time - self.from, &self.rates);
+        let rates = &self.rates[usize::from(time >= self.kink)];
+        let mut inputs = self.inputs.after(time - self.kink, rates);
         for pulley in [&mut inputs.primary, &mut inputs.secondary] {
             pulley.clamping_force = pulley.clamping_force.max(0.0);
         }
@@ -123,9 +156,9 @@ impl LinearInputs {
 
     /// Writes to an archive, or reads from it.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
-        archive.real(&mut self.from);
-        archive.within(&mut self.until, f64::MIN, f64::INFINITY);
-        for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
+        archive.real(&mut self.kink);
+        let [before, after] = &mut self.rates;
+        for value in [&mut self.inputs, before, after].into_iter().flat_map(Inputs::each_mut) {
             archive.real(value);
         }
     }
@@ -135,7 +168,7 @@ impl LinearInputs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loads {
     /// Inputs of a run. Of torques, forces and pressures a share acts, which grows in a soft start.
-    Inputs(LinearInputs, f64),
+    Inputs(InputProfile, f64),
     /// The same conditions at all times.
     Constant(Boundary),
 }
@@ -144,33 +177,28 @@ impl Loads {
     /// Inputs that are held, in a run under load.
     #[must_use]
     pub fn held(inputs: &Inputs) -> Self {
-        Self::Inputs(LinearInputs::constant(0.0, inputs), 1.0)
+        Self::Inputs(InputProfile::constant(inputs), 1.0)
     }
 
     /// The boundary conditions at a time, s.
     pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
         let (given, share) = match self {
-            Self::Inputs(given, share) => (given, *share),
+            Self::Inputs(profile, share) => (profile.at(time), *share),
             Self::Constant(boundary) => return *boundary,
         };
-        let after = time - given.from;
-        let linear = |start: f64, rate: f64| start + after * rate;
         Boundary {
             sheave: PerPulley::from_fn(|pulley| {
                 let of = parameters.pulley(pulley);
-                let (inputs, rates) = (given.inputs.pulley(pulley), given.rates.pulley(pulley));
-                let [oil, oil_rate] = [inputs, rates].map(|inputs| share * (of.cylinder.area * inputs.pressure));
-                let clamp = linear(share * inputs.clamping_force, share * rates.clamping_force).max(0.0);
                 match of.axial {
-                    Axial::Force => SheaveMode::Force(clamp + linear(oil, oil_rate)),
+                    Axial::Force => SheaveMode::Force(share * given.pulley(pulley).force(&of.cylinder)),
                     Axial::Held => SheaveMode::Held,
                 }
             }),
             shaft: PerPulley::from_fn(|pulley| {
-                let (inputs, rates) = (given.inputs.pulley(pulley), given.rates.pulley(pulley));
+                let inputs = given.pulley(pulley);
                 match parameters.pulley(pulley).drive {
-                    Drive::Torque => ShaftMode::Torque(linear(share * inputs.torque, share * rates.torque)),
-                    Drive::Speed => ShaftMode::Setpoint(linear(inputs.speed_setpoint, rates.speed_setpoint)),
+                    Drive::Torque => ShaftMode::Torque(share * inputs.torque),
+                    Drive::Speed => ShaftMode::Setpoint(inputs.speed_setpoint),
                 }
             }),
         }
@@ -188,10 +216,60 @@ impl Loads {
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         let (mut given, mut share) = match *self {
             Self::Inputs(given, share) => (given, share),
-            Self::Constant(_) => (LinearInputs::NONE, 1.0),
+            Self::Constant(_) => (InputProfile::constant(&Inputs::ZERO), 1.0),
         };
         given.serialize(archive);
         archive.within(&mut share, 0.0, 1.0);
         *self = Self::Inputs(given, share);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A torque on the primary shaft alone, N·m.
+    fn torque(value: f64) -> Inputs {
+        let mut inputs = Inputs::ZERO;
+        inputs.primary.torque = value;
+        inputs
+    }
+
+    /// Time of a ramp, s, and rate; end of the ramp, s; torques at the start, 5 ms later and at the end, N·m.
+    #[test]
+    fn an_input_jumps_ramps_or_follows_its_rate() {
+        for (time, rate, kink, torques) in [
+            (0.0, 0.0, 2.0, [30.0, 30.0, 30.0]),
+            (4e-3, 0.0, 2.004, [10.0, 30.0, 30.0]),
+            (-1.0, 0.0, 2.01, [10.0, 20.0, 30.0]),
+            (0.5, 0.0, 2.01, [10.0, 20.0, 30.0]),
+            (4e-3, 100.0, 2.0, [30.0, 30.5, 31.0]),
+        ] {
+            let rates = torque(rate);
+            let profile = InputProfile::new(time, [2.0, 2.01], &torque(10.0), &torque(30.0), &rates);
+            assert!((profile.kink - kink).abs() < 1e-12, "{time}, {rates:?}");
+            // An input that changes counts at once, and the others go on.
+            let mut changed = profile;
+            let mut given = torque(30.0);
+            given.secondary.torque = -7.0;
+            changed.change(&torque(30.0), &given);
+            for (at, expected) in [2.0, 2.005, 2.01].into_iter().zip(torques) {
+                let found = profile.at(at).primary.torque;
+                assert!(
+                    (found - expected).abs() < 1e-9,
+                    "{time}, {rates:?}: {found}, not {expected}"
+                );
+                assert_eq!(changed.at(at).primary.torque, found, "{time}, {at}");
+                assert_eq!(changed.at(at).secondary.torque, -7.0, "{time}, {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_that_falls_ends_at_zero() {
+        let mut profile = InputProfile::constant(&Inputs::ZERO);
+        profile.inputs.primary.clamping_force = 10.0;
+        profile.rates[1].primary.clamping_force = -100.0;
+        assert_eq!(profile.at(1.0).primary.clamping_force, 0.0);
     }
 }

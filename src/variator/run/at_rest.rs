@@ -3,22 +3,13 @@
 use crate::pulley::Pulley;
 use crate::solver::sdirk::Stalled;
 use crate::variator::diagnostics::belt::NO_FORCE;
-use crate::variator::run::inputs::InputProfile;
-use crate::variator::run::plant::Plant;
-use crate::variator::run::soft_start::{SHARPENING, SoftStart};
-use crate::variator::run::stepper::{Accurate, COLD_STEP, Stepper};
+use crate::variator::pulleys::loads::InputProfile;
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::soft_start::SoftStart;
+use crate::variator::run::stepper::{Accurate, Stepper};
+use crate::variator::run::tuning::{FRICTION_RAMP, SETTLING, SETTLING_RESIDUALS, SETTLING_TOLERANCE, STANDING};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::Inputs;
-
-/// Time in which a belt that is clamped at a standstill settles, s, and the tolerance of the steps: only the end counts.
-const SETTLING: f64 = 0.2;
-const SETTLING_TOLERANCE: f64 = 1.0e-2;
-
-/// Time for which a belt between held sheaves stands before the start, s: friction returns. In a longer time it loses tension: 6 % in 10 ms.
-const STANDING: f64 = 5.0e-4;
-
-/// Residuals that this may take.
-const MOST_RESIDUALS: u64 = 20_000;
 
 /// Why a belt was not clamped or brought to rest.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,11 +18,11 @@ pub enum Unsettled {
     #[error(transparent)]
     Stalled(#[from] Stalled),
     /// It takes more work than a start may.
-    #[error("it does not settle within {MOST_RESIDUALS} residuals")]
+    #[error("it does not settle within {SETTLING_RESIDUALS} residuals")]
     Exhausted,
 }
 
-impl Plant {
+impl Simulation {
     /// Whether each sheave is held or closed by a force at the initial ratio.
     pub fn is_clamped(&self, inputs: &Inputs) -> bool {
         let parameters = &self.system.parameters;
@@ -57,18 +48,18 @@ impl Plant {
     /// Lets clamping forces come in over the first milliseconds, so that a run without load begins clamped.
     ///
     /// # Errors
-    /// As [`Plant::clamp_at_rest`].
+    /// As [`Simulation::clamp_at_rest`].
     pub fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
-        self.settle(SHARPENING, 0.0, &without_torques(inputs), |_| ())
+        self.settle(FRICTION_RAMP, 0.0, &without_torques(inputs), |_| ())
     }
 
     /// Lets a belt that nothing clamps hang before a start at a standstill, without loads. From the kinematic state, whose elements all touch,
     /// the film between them makes the first millisecond of a run take as many steps as seconds do.
     ///
     /// # Errors
-    /// As [`Plant::clamp_at_rest`].
+    /// As [`Simulation::clamp_at_rest`].
     pub fn let_hang(&mut self) -> Result<(), Unsettled> {
-        self.settle(SHARPENING, SETTLING_TOLERANCE, &Inputs::ZERO, |_| ())?;
+        self.settle(FRICTION_RAMP, SETTLING_TOLERANCE, &Inputs::ZERO, |_| ())?;
         self.soft_start = SoftStart { from: self.time };
         Ok(())
     }
@@ -78,7 +69,7 @@ impl Plant {
     /// Where both sheaves are under force, the clamping force replaces the one that held the ratio.
     ///
     /// # Errors
-    /// As [`Plant::clamp_at_rest`].
+    /// As [`Simulation::clamp_at_rest`].
     pub fn bring_to_rest(&mut self, inputs: &Inputs) -> Result<(), Unsettled> {
         let belt = &self.system.belt;
         let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));
@@ -93,7 +84,7 @@ impl Plant {
         let span = if self.system.parameters.holds_a_sheave() {
             STANDING
         } else {
-            SHARPENING
+            FRICTION_RAMP
         };
         self.settle(span, SETTLING_TOLERANCE, &still, |before| {
             before.soft_start = SoftStart::NONE;
@@ -117,11 +108,11 @@ impl Plant {
         let solver = &mut before.system.parameters.solver;
         solver.tolerance = solver.tolerance.max(tolerance);
         change(&mut before);
-        let mut accurate = Accurate::new(&before.system, COLD_STEP);
-        let profile = InputProfile::constant(before.time, inputs);
+        let mut accurate = Accurate::new(&before.system);
+        let profile = InputProfile::constant(inputs);
         let outcome = loop {
             match accurate.step(&mut before, &profile, self.time) {
-                Ok(false) if accurate.counts().residuals > MOST_RESIDUALS => break Err(Unsettled::Exhausted),
+                Ok(false) if accurate.counts().residuals > SETTLING_RESIDUALS => break Err(Unsettled::Exhausted),
                 Ok(false) => {}
                 Ok(true) => break Ok(()),
                 Err(stalled) => break Err(stalled.into()),
@@ -132,10 +123,9 @@ impl Plant {
         outcome
     }
 
-    /// Takes over the state that another plant of the same belt has found, with its loads and work.
+    /// Takes over the state that another simulation of the same belt has found, with its work.
     pub fn take_start(&mut self, found: Self) {
         self.state = found.state;
-        self.system.loads = found.system.loads;
         self.start_work = found.start_work;
         self.end_soft_start();
     }

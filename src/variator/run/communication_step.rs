@@ -3,9 +3,11 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::newton::Counts;
+use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
+
 use crate::variator::run::outcome::StepError;
+use crate::variator::run::tuning::{STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND, USUAL_TOLERANCE};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::{Mode, Solver};
 use crate::variator::settings::signals::Inputs;
@@ -38,6 +40,11 @@ pub enum Event {
 }
 
 impl Event {
+    /// The belt slips through from now on, or grips.
+    pub(super) fn of_slip(slips: bool) -> Self {
+        if slips { Self::Slips } else { Self::Grips }
+    }
+
     /// The event in words.
     #[must_use]
     pub fn text(self) -> String {
@@ -74,20 +81,16 @@ impl Variator {
     }
 }
 
-/// Residuals that an accurate communication step may take, and more for each second of it: twenty times what loads that jump take.
-const MOST_RESIDUALS: f64 = 1.0e4;
-const MOST_RESIDUALS_PER_SECOND: f64 = 5.0e5;
-
 /// Residuals that a communication step of this length, s, may take. Tighter tolerances than the default may take more: steps shorten
 /// with the cube root.
 fn most_residuals(solver: &Solver, length: f64) -> u64 {
-    let tighter = (1.0e-4 / solver.tolerance).cbrt().max(1.0);
+    let tighter = (USUAL_TOLERANCE / solver.tolerance).cbrt().max(1.0);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a count, positive"
     )]
-    let most = (tighter * (MOST_RESIDUALS + MOST_RESIDUALS_PER_SECOND * length)) as u64;
+    let most = (tighter * (STEP_RESIDUALS + STEP_RESIDUALS_PER_SECOND * length)) as u64;
     most
 }
 
@@ -99,12 +102,12 @@ impl CommunicationStep {
     /// Inputs out of range.
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
-        variator.checkpoint.save(&variator.plant, variator.external);
-        let plant = &variator.plant;
-        let from = plant.time;
-        let ramp = plant.system.parameters.solver.input_ramp;
-        let profile = InputProfile::new(ramp, [from, to], &plant.inputs(), inputs, rates);
-        let stops = plant.stops();
+        variator.save();
+        let simulation = &variator.simulation;
+        let from = simulation.time;
+        let ramp = simulation.system.parameters.solver.input_ramp;
+        let profile = InputProfile::new(ramp, [from, to], &simulation.inputs(), inputs, rates);
+        let stops = simulation.stops();
         variator.stepper.begin([from, to]);
         Ok(Self {
             from,
@@ -129,7 +132,7 @@ impl CommunicationStep {
     /// The communication step can't be done: the variator is in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
-        let stepped = variator.stepper.step(&mut variator.plant, &self.profile, self.to);
+        let stepped = variator.stepper.step(&mut variator.simulation, &self.profile, self.to);
         let failed = match stepped {
             Ok(is_over) => {
                 self.is_over = is_over;
@@ -144,17 +147,9 @@ impl CommunicationStep {
         let Some(error) = failed else {
             return Ok(());
         };
+        variator.roll_back();
         self.count_work(variator, 0.0);
-        Self::roll_back(variator);
         Err(error)
-    }
-
-    /// Brings the variator back to where the communication step began. Outputs have the same bits as there, and the work done since then
-    /// remains counted.
-    fn roll_back(variator: &mut Variator) {
-        variator.external = variator.checkpoint.restore(&mut variator.plant);
-        variator.stepper.start_again(&variator.plant);
-        variator.stale = true;
     }
 
     /// The error of a communication step that takes too much work. In real time the work of each millisecond is bounded.
@@ -167,7 +162,7 @@ impl CommunicationStep {
         Some(StepError::Exhausted {
             from: self.from,
             to: self.to,
-            reached: variator.plant.time,
+            reached: variator.simulation.time,
             residuals,
         })
     }
@@ -181,10 +176,9 @@ impl CommunicationStep {
             return Ok(());
         }
         inputs.validate()?;
-        let now = variator.plant.time;
-        self.profile = self.profile.changed(now, &self.given, inputs);
+        self.profile.change(&self.given, inputs);
         self.given = *inputs;
-        variator.stepper.restart([now, self.to]);
+        variator.stepper.restart([variator.simulation.time, self.to]);
         Ok(())
     }
 
@@ -193,7 +187,7 @@ impl CommunicationStep {
         if time >= self.to {
             return;
         }
-        let now = variator.plant.time;
+        let now = variator.simulation.time;
         self.to = time.max(now);
         variator.stepper.restart([now, self.to]);
         self.is_over |= self.to - now < SHORTEST_STEP;
@@ -202,11 +196,11 @@ impl CommunicationStep {
     /// What has happened since it began, the first of what there is.
     #[must_use]
     pub fn event(&self, variator: &Variator) -> Option<Event> {
-        let slips = variator.plant.slips(variator.macro_slip);
+        let slips = variator.simulation.slips(variator.macro_slip);
         if slips != variator.macro_slip {
-            return Some(if slips { Event::Slips } else { Event::Grips });
+            return Some(Event::of_slip(slips));
         }
-        let now = variator.plant.stops();
+        let now = variator.simulation.stops();
         let reached = Pulley::BOTH.map(|pulley| (pulley, now[pulley], self.stops[pulley]));
         let mut reached = reached.into_iter().filter(|(_, now, before)| now != before);
         reached.find_map(|(pulley, now, _)| Some(Event::Reaches(pulley, now?)))
@@ -214,15 +208,15 @@ impl CommunicationStep {
 
     /// Ends it at the time that it has reached.
     pub fn finish(&self, variator: &mut Variator) {
-        if variator.plant.time == self.from {
+        if variator.simulation.time == self.from {
             return;
         }
         self.count_work(variator, self.to - self.from);
-        variator.work = variator.stepper.finish(&mut variator.plant, &self.profile);
+        variator.work = variator.stepper.finish(&mut variator.simulation, &self.profile);
         variator.report_slip();
         variator.report_buckling();
         variator.warn_of_loads(false);
-        variator.update_outputs();
+        variator.stale = true;
     }
 
     /// Counts its work for so many seconds of simulation, and warns where that is too much. In real time it is bounded.
@@ -231,7 +225,7 @@ impl CommunicationStep {
             return;
         }
         let work = variator.counts() - self.before;
-        let unknowns = variator.plant.state.y.len();
+        let unknowns = variator.simulation.state.y.len();
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
         remark.into_iter().for_each(|text| variator.log(true, text));
     }

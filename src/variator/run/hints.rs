@@ -3,19 +3,11 @@
 use crate::archive::Archive;
 use crate::pulley::Pulley;
 use crate::reference_curve::ratio_of_theta;
-use crate::variator::run::plant::Plant;
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::tuning::{BALANCED, FASTEST, LASTING};
 use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
 use std::f64::consts::PI;
-
-/// Belt speed above which no belt of a car runs, m/s: they run at up to about 50 m/s.
-const FASTEST: f64 = 60.0;
-
-/// Time for which a load seems to be in another unit before that is said, s: a force that comes in passes small values.
-const LASTING: f64 = 0.2;
-
-/// Deviation from balance up to which one torque seems to have the wrong sign, as a share.
-const BALANCED: f64 = 0.25;
 
 /// What was said.
 #[derive(Clone, Debug)]
@@ -43,11 +35,11 @@ impl Hints {
     };
 
     /// Hints for the present state that were not given before. `starts`: the run starts from it.
-    pub fn new_at(&mut self, plant: &Plant, starts: bool) -> impl Iterator<Item = String> + use<> {
-        let fast = once(&mut self.fast, || fast_belt(plant, starts));
-        let unit = once(&mut self.unit, || wrong_unit(plant, &mut self.since));
-        let opens = once(&mut self.opens, || opening(plant));
-        let sign = if starts { same_sign(plant) } else { None };
+    pub fn new_at(&mut self, simulation: &Simulation, starts: bool) -> impl Iterator<Item = String> + use<> {
+        let fast = once(&mut self.fast, || fast_belt(simulation, starts));
+        let unit = once(&mut self.unit, || wrong_unit(simulation, &mut self.since));
+        let opens = once(&mut self.opens, || opening(simulation));
+        let sign = if starts { same_sign(simulation) } else { None };
         [fast, unit, opens, sign].into_iter().flatten()
     }
 
@@ -61,31 +53,31 @@ impl Hints {
 }
 
 /// A force or torque that has seemed to be in another unit for some time: `since` when, s.
-fn wrong_unit(plant: &Plant, since: &mut f64) -> Option<String> {
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
+fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
+    let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let small = |pulley: &Pulley| Demand::may_be_another_unit(&inputs, *pulley);
     let found = clamped(parameters).filter(small).find_map(|pulley| {
-        let (belt, view) = (&plant.system.belt, plant.state.view());
+        let (belt, view) = (&simulation.system.belt, simulation.state.view());
         let at = [ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary];
         Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
     });
     *since = if found.is_some() {
-        since.min(plant.time)
+        since.min(simulation.time)
     } else {
         f64::MAX
     };
-    let lasting = found.filter(|_| plant.time - *since >= LASTING);
-    lasting.map(|demand| format!("at {} s: {demand}", plant.time))
+    let lasting = found.filter(|_| simulation.time - *since >= LASTING);
+    lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 
 /// A belt that is faster than belts are.
-fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
-    let belt = &plant.system.belt;
-    let speed = plant.state.y[belt.layout.drift()].abs();
+fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
+    let belt = &simulation.system.belt;
+    let speed = simulation.state.y[belt.layout.drift()].abs();
     if speed <= FASTEST {
         return None;
     }
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
+    let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
         let (name, value) = given_speed(parameters, &inputs);
@@ -98,33 +90,40 @@ fn fast_belt(plant: &Plant, starts: bool) -> Option<String> {
     };
     Some(format!(
         "at {} s the belt runs at {} m/s, faster than belts of cars do (up to {FASTEST} m/s): {cause}",
-        plant.time,
+        simulation.time,
         short(speed)
     ))
 }
 
 /// A cylinder that opens its pulley.
-fn opening(plant: &Plant) -> Option<String> {
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
+fn opening(simulation: &Simulation) -> Option<String> {
+    let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     clamped(parameters).find_map(|pulley| {
         let given = inputs.pulley(pulley);
-        let push = plant.system.pulleys().push(pulley, plant.state.view());
+        let push = simulation.system.pulleys().push(pulley, simulation.state.view());
         let total = given.force(&parameters.pulley(pulley).cylinder) + push;
         (total <= 0.0 && total < given.clamping_force).then(|| {
             format!(
                 "at {} s {2}.pressure = {} Pa opens the {} pulley: with clampingForce = {} N, spring and rotating oil the force on its sheave \
                  is {} N",
-                plant.time, given.pressure, pulley.name(), given.clamping_force, short(total)
+                simulation.time, given.pressure, pulley.name(), given.clamping_force, short(total)
             )
         })
     })
 }
 
 /// Torques of a steady start that would balance if one of them had the other sign.
-fn same_sign(plant: &Plant) -> Option<String> {
-    let (parameters, inputs) = (&plant.system.parameters, plant.inputs());
+fn same_sign(simulation: &Simulation) -> Option<String> {
+    let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
-    let steady = parameters.initial.steady && plant.system.belt.shaft_speeds(plant.state.view()).primary.abs() > 1.0;
+    let steady = parameters.initial.steady
+        && simulation
+            .system
+            .belt
+            .shaft_speeds(simulation.state.view())
+            .primary
+            .abs()
+            > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
     let balancing = parameters.initial.ratio * primary;
     let found =

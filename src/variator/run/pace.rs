@@ -3,18 +3,9 @@
 
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
-use crate::variator::run::inputs::SHORTEST_STEP;
+use crate::variator::pulleys::loads::SHORTEST_STEP;
+use crate::variator::run::tuning::{JACOBIAN, JUDGED, RESIDUAL};
 use crate::variator::settings::signals::Inputs;
-
-/// Simulated time over which a run is judged, s.
-const SPAN: f64 = 1.0;
-
-/// Time for a residual and the correction from it, for each unknown, s: with ten loads on three meshes of two rings it was 33 to 38 ns on
-/// one core of an AMD EPYC with AVX2.
-const RESIDUAL: f64 = 36.0e-9;
-/// Residuals that take as long as a Jacobian with its factors: 12 to 17 under the same loads, since most are updates of
-/// the constitutive tangents.
-pub(super) const JACOBIAN: f64 = 14.0;
 
 /// Names of the inputs in the order of [`Inputs::values`], and a usual size of each: changes are counted in it.
 const INPUTS: [(&str, f64); 8] = [
@@ -59,7 +50,7 @@ impl Pace {
         self.simulated += simulated;
         self.residuals += work.residuals;
         self.jacobians += work.factorizations;
-        if self.simulated < SPAN - SHORTEST_STEP {
+        if self.simulated < JUDGED - SHORTEST_STEP {
             return None;
         }
         let units = self.residuals as f64 + JACOBIAN * self.jacobians as f64;

@@ -1,20 +1,7 @@
 //! Starts without load. Sharp friction on a slack belt at a standstill makes one cell after the other stick and slide by
-//! turns: half of the Jacobians of a launch went there. So loads ramp in, and friction is soft at first: its velocity v₀ is
-//! large and falls.
+//! turns: half of the Jacobians of a launch went there. So loads ramp in, and the friction velocity v₀ is large at first and falls.
 
-/// Time over which the loads ramp in, s.
-pub const LOAD_RAMP: f64 = 2.0e-3;
-
-/// Time over which friction sharpens, s.
-pub const SHARPENING: f64 = 1.0e-2;
-
-/// v₀ that friction starts with, m/s, unless its own is larger.
-const SOFT_VELOCITY: f64 = 0.02;
-
-/// Time for which loads are held on their ramp, and friction after it, s. Larger steps of the loads shake the belt
-/// more.
-const LOAD_PIECE: f64 = 1.25e-4;
-const FRICTION_PIECE: f64 = 5.0e-4;
+use crate::variator::run::tuning::{FRICTION_RAMP, LOAD_RAMP, RAMP_PARTS, RAMP_VELOCITY};
 
 /// Time at which a run started without load, if it did.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +21,9 @@ impl SoftStart {
     pub fn piece(self, time: f64) -> f64 {
         let past = time - self.from;
         if past < LOAD_RAMP {
-            LOAD_PIECE
-        } else if past < SHARPENING {
-            FRICTION_PIECE
+            LOAD_RAMP / RAMP_PARTS
+        } else if past < FRICTION_RAMP {
+            (FRICTION_RAMP - LOAD_RAMP) / RAMP_PARTS
         } else {
             f64::INFINITY
         }
@@ -53,14 +40,14 @@ impl SoftStart {
         (self.middle(time) / LOAD_RAMP).min(1.0)
     }
 
-    /// v₀ in the piece that begins at `time`, where it becomes `sharp` in the end, m/s.
+    /// v₀ in the piece that begins at `time`, where it becomes its `own` in the end, m/s.
     #[must_use]
-    pub fn friction_velocity(self, time: f64, sharp: f64) -> f64 {
-        let left = 1.0 - (self.middle(time) / SHARPENING).min(1.0);
+    pub fn friction_velocity(self, time: f64, own: f64) -> f64 {
+        let left = 1.0 - (self.middle(time) / FRICTION_RAMP).min(1.0);
         if left > 0.0 {
-            sharp * (sharp.max(SOFT_VELOCITY) / sharp).powf(left)
+            own * (own.max(RAMP_VELOCITY) / own).powf(left)
         } else {
-            sharp
+            own
         }
     }
 }
@@ -79,7 +66,7 @@ mod tests {
             (load, velocity) = (share, v);
             time += start.piece(time);
         }
-        assert!((time - 3.0 - SHARPENING).abs() < FRICTION_PIECE);
+        assert!((time - 3.0 - FRICTION_RAMP).abs() < FRICTION_RAMP / RAMP_PARTS);
         for start in [start, SoftStart::NONE] {
             assert_eq!(
                 (start.load_share(time), start.friction_velocity(time, 5e-4)),

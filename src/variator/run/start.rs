@@ -6,36 +6,27 @@ use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::run::at_rest::Unsettled;
 use crate::variator::run::outcome::{InitialisationError, Message};
-use crate::variator::run::plant::Plant;
-use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::steady_start::{NoSteadyState, StartSearch};
-use crate::variator::run::stepper::{COLD_STEP, WARM_STEP};
+use crate::variator::run::tuning::{CREEP_SPEED, CREEP_VELOCITY, LOAD_RAMP, STANDSTILL};
 use crate::variator::settings::parameters::{Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 use std::sync::Arc;
 
-/// Speed of a pulley below which it stands still, rad/s.
-pub(crate) const STANDSTILL: f64 = 1.0e-3;
-
-/// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
-/// within 2 % of that at half and at double the speed: sliding speeds are far above the friction velocity, a centrifugal tension
-/// of some 2 N is far below the ring's, and oil bears as much as between the elements of a belt that slows down.
-const CREEP_SPEED: f64 = 20.0;
-const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
-
 /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
-/// gives it and the reason. Returns what it is, and the first step from it, s.
+/// gives it and the reason. Returns what it is.
 pub(super) fn find_start(
-    plant: &mut Plant,
+    simulation: &mut Simulation,
     messages: &mut Vec<Message>,
     time: f64,
     inputs: &Inputs,
-) -> Result<(StartState, f64), InitialisationError> {
-    plant.start_work = Counts::default();
-    plant.time = time;
+) -> Result<StartState, InitialisationError> {
+    simulation.start_work = Counts::default();
+    simulation.time = time;
     let mut search = StartSearch {
-        plant,
+        simulation,
         messages,
         inputs,
     };
@@ -43,18 +34,13 @@ pub(super) fn find_start(
     let start = search.start_point();
     let found = search.find_state(&start)?;
     search.warn_of_held_sheaves(found);
-    let is_solved = matches!(
-        found,
-        StartState::Steady | StartState::ReducedTorque | StartState::NoEquilibrium
-    ) && start.primary_speed.abs() > STANDSTILL;
-    if plant.system.parameters.solver.mode == Mode::RealTime && plant.soft_start.from == time {
+    if simulation.system.parameters.solver.mode == Mode::RealTime && simulation.soft_start.from == time {
         // A ring without tension is a mechanism, too rough for steps of bounded work.
-        if let Err(why) = plant.clamp_softly(inputs) {
+        if let Err(why) = simulation.clamp_softly(inputs) {
             messages.push(no_clamping(&why));
         }
     }
-    let is_own = plant.system.belt.ring.starts_on().is_none();
-    Ok((found, if is_solved && is_own { WARM_STEP } else { COLD_STEP }))
+    Ok(found)
 }
 
 fn no_clamping(why: &Unsettled) -> Message {
@@ -67,7 +53,7 @@ fn no_clamping(why: &Unsettled) -> Message {
 impl StartSearch<'_> {
     /// Moves an initial ratio beyond an end stop to the stop.
     fn clamp_initial_ratio(&mut self) {
-        let parameters = &mut self.plant.system.parameters;
+        let parameters = &mut self.simulation.system.parameters;
         let (lowest, highest) = parameters.ratio_range();
         let given = parameters.initial.ratio;
         let ratio = given.clamp(lowest, highest);
@@ -82,7 +68,7 @@ impl StartSearch<'_> {
 
     /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
-        let (parameters, inputs) = (&self.plant.system.parameters, self.inputs);
+        let (parameters, inputs) = (&self.simulation.system.parameters, self.inputs);
         let (ratio, given) = (parameters.initial.ratio, parameters.initial.primary_speed);
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
@@ -106,7 +92,7 @@ impl StartSearch<'_> {
 
     /// Warns where both sheaves are held: clamping forces have no effect in the run.
     fn warn_of_held_sheaves(&mut self, found: StartState) {
-        if !self.plant.system.parameters.holds_both_sheaves() {
+        if !self.simulation.system.parameters.holds_both_sheaves() {
             return;
         }
         let text = if matches!(
@@ -124,11 +110,11 @@ impl StartSearch<'_> {
 
     /// Sets the state that a run starts from.
     fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
-        self.plant.end_soft_start();
-        if let Some(ring) = self.plant.system.belt.ring.starts_on() {
+        self.simulation.end_soft_start();
+        if let Some(ring) = self.simulation.system.belt.ring.starts_on() {
             return self.start_on(ring, start);
         }
-        if !self.plant.system.parameters.initial.steady {
+        if !self.simulation.system.parameters.initial.steady {
             return self.start_slack(start);
         }
         if start.primary_speed.abs() <= STANDSTILL {
@@ -156,7 +142,7 @@ impl StartSearch<'_> {
             return Ok(found);
         }
         self.start_unloaded(start)?;
-        match self.plant.clamp_at_rest(self.inputs) {
+        match self.simulation.clamp_at_rest(self.inputs) {
             Ok(true) => Ok(StartState::Clamped),
             Ok(false) => self.start_slack(start),
             Err(why) => {
@@ -170,12 +156,12 @@ impl StartSearch<'_> {
     /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
     /// is held or the torques drive the belt.
     fn may_creep(&self, start: &Start) -> bool {
-        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
+        let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
         let stands = p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
         let free = p.primary.drive == Drive::Torque && p.secondary.drive == Drive::Torque;
         let torque = inputs.primary.torque + inputs.secondary.torque / start.ratio;
         let driven = free && torque * creep_speed(start) > 0.0;
-        stands && self.plant.is_clamped(inputs) && (p.holds_a_sheave() || driven)
+        stands && self.simulation.is_clamped(inputs) && (p.holds_a_sheave() || driven)
     }
 
     /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
@@ -183,28 +169,28 @@ impl StartSearch<'_> {
     /// under force and friction holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         let primary_speed = creep_speed(start);
-        let mut creeping = self.plant.clone();
+        let mut creeping = self.simulation.clone();
         creeping.state = self.kinematic_state(&Start {
             primary_speed,
             ..*start
         })?;
-        creeping.system.parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
+        creeping.system.parameters.friction.velocity = CREEP_VELOCITY;
         let before = self.messages.len();
         let mut search = StartSearch {
-            plant: &mut creeping,
+            simulation: &mut creeping,
             messages: self.messages,
             inputs: self.inputs,
         };
         let found = search.solve_steady();
         let of_belt = creeping.sums().shaft_torque.primary;
-        self.plant.take_start(creeping);
+        self.simulation.take_start(creeping);
         let holds = (self.inputs.primary.torque + of_belt) * primary_speed <= 0.0;
-        if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {
+        if found.is_ok() && holds && !self.simulation.system.parameters.holds_a_sheave() {
             self.messages.truncate(before);
             return Ok(None);
         }
         let stopped = found.and_then(|found| {
-            self.plant.bring_to_rest(self.inputs)?;
+            self.simulation.bring_to_rest(self.inputs)?;
             Ok(found)
         });
         Ok(match stopped {
@@ -221,15 +207,15 @@ impl StartSearch<'_> {
     }
 
     fn kinematic_state(&self, start: &Start) -> Result<State, InitialisationError> {
-        kinematic_state(&self.plant.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+        kinematic_state(&self.simulation.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
     }
 
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
     fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
-        self.plant.state = self.kinematic_state(start)?;
-        if self.plant.system.parameters.secondary.drive == Drive::Speed {
-            let i = self.plant.system.belt.layout.shaft_speed(Pulley::Secondary);
-            self.plant.state.y[i] = self.inputs.secondary.speed_setpoint;
+        self.simulation.state = self.kinematic_state(start)?;
+        if self.simulation.system.parameters.secondary.drive == Drive::Speed {
+            let i = self.simulation.system.belt.layout.shaft_speed(Pulley::Secondary);
+            self.simulation.state.y[i] = self.inputs.secondary.speed_setpoint;
         }
         Ok(())
     }
@@ -238,14 +224,16 @@ impl StartSearch<'_> {
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
         self.start_cold(&Start { clamping, ..*start })?;
-        self.plant.soft_start = SoftStart { from: self.plant.time };
+        self.simulation.soft_start = SoftStart {
+            from: self.simulation.time,
+        };
         Ok(())
     }
 
     /// Starts unloaded; at a standstill the belt has come to hang.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
-        if start.primary_speed.abs() <= STANDSTILL && self.plant.let_hang().is_err() {
+        if start.primary_speed.abs() <= STANDSTILL && self.simulation.let_hang().is_err() {
             self.start_unloaded(start)?;
         }
         Ok(StartState::Unloaded)
@@ -253,20 +241,20 @@ impl StartSearch<'_> {
 
     /// Starts in the state of another ring.
     fn start_on(&mut self, ring: Arc<dyn BeltRing>, start: &Start) -> Result<StartState, InitialisationError> {
-        let parameters = &self.plant.system.parameters;
+        let parameters = &self.simulation.system.parameters;
         ring.check(parameters)?;
-        let mut other = Plant::new(parameters, ring);
-        other.time = self.plant.time;
+        let mut other = Simulation::new(parameters, ring);
+        other.time = self.simulation.time;
         let mut search = StartSearch {
-            plant: &mut other,
+            simulation: &mut other,
             messages: self.messages,
             inputs: self.inputs,
         };
         let found = search.find_state(start)?;
-        self.plant.soft_start = other.soft_start;
-        self.plant.start_work = other.start_work;
-        let belt = &self.plant.system.belt;
-        self.plant.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
+        self.simulation.soft_start = other.soft_start;
+        self.simulation.start_work = other.start_work;
+        let belt = &self.simulation.system.belt;
+        self.simulation.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
         Ok(found)
     }
 }

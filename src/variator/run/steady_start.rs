@@ -8,33 +8,16 @@ use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::at_rest::Unsettled;
 use crate::variator::run::outcome::Message;
-use crate::variator::run::pace::JACOBIAN;
-use crate::variator::run::plant::Plant;
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::tuning::{CLOSE_SHARE, JACOBIAN, LEAST_SHARE, NEXT_SHARE, SLIP_AT_CAPACITY, STEADY_WORK};
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::{Inputs, StartState};
-use crate::variator::steady::equilibrium::solve_equilibrium;
-use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio, reaction};
-
-/// Most Newton solves for a steady state.
-const STEADY_SOLVES: usize = 400;
-
-/// Share of the torques below which no smaller one is tried, and the factor to which the largest is found.
-const LEAST_SHARE: f64 = 0.05;
-const CLOSE_SHARE: f64 = 1.05;
-/// Factor from one share to the next while there is none that is carried.
-const NEXT_SHARE: f64 = 0.7;
-
-/// Most work of the search for a steady state, in residuals. Of some 220 starts, two thirds of them at random with both rings and chains,
-/// a steady state took at most 49 000, one at reduced torque 77 000.
-const STEADY_WORK: f64 = 2.5e5;
-
-/// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %.
-const SLIP_AT_CAPACITY: f64 = 0.015;
+use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
 
 /// The search for the state that a run starts from.
 pub(super) struct StartSearch<'a> {
-    pub plant: &'a mut Plant,
+    pub simulation: &'a mut Simulation,
     pub messages: &'a mut Vec<Message>,
     pub inputs: &'a Inputs,
 }
@@ -69,7 +52,7 @@ impl StartSearch<'_> {
 
     /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
-        let mut newton = Newton::new(&self.plant.system);
+        let mut newton = Newton::new(&self.simulation.system);
         newton.bound = WorkBound {
             left: STEADY_WORK,
             jacobian: [JACOBIAN, 0.0],
@@ -77,14 +60,19 @@ impl StartSearch<'_> {
             ..WorkBound::NONE
         };
         let found = self.solve_within(&mut newton);
-        self.plant.start_work += newton.counts;
+        self.simulation.start_work += newton.counts;
         found
     }
 
     /// [`StartSearch::solve_steady`] within the work of `newton`.
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
-        let parameters = &self.plant.system.parameters;
-        let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
+        let parameters = &self.simulation.system.parameters;
+        let speed = self
+            .simulation
+            .system
+            .belt
+            .shaft_speeds(self.simulation.state.view())
+            .primary;
         let at = [parameters.initial.ratio, speed];
         let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
         let holds_primary = secondary == Axial::Held && primary == Axial::Force;
@@ -120,7 +108,7 @@ impl StartSearch<'_> {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let axial = self.plant.sums().axial.primary;
+            let axial = self.simulation.sums().axial.primary;
             let text = format!(
                 "steady start: primary clamping force less axial belt force is {:.1} N",
                 whole.clamping.primary + self.primary_push() - axial
@@ -132,13 +120,13 @@ impl StartSearch<'_> {
 
     /// Force of spring and rotating oil on the primary sheave, N.
     fn primary_push(&self) -> f64 {
-        let Plant { system, state, .. } = &*self.plant;
+        let Simulation { system, state, .. } = &*self.simulation;
         system.pulleys().push(Pulley::Primary, state.view())
     }
 
     /// The steady state with a share of the torques. The first guess of the slip is in proportion to them, in the direction of the power.
     fn steady_task(&self, reaction: Pulley, demand: Option<Demand>, share: f64) -> SteadyTask {
-        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
+        let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
         let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| share * pulley.torque);
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
             (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
@@ -146,7 +134,12 @@ impl StartSearch<'_> {
             (Drive::Torque, Drive::Speed) => (ShaftMode::Torque(own), ShaftMode::Fixed),
             (Drive::Torque, Drive::Torque) => (ShaftMode::Balanced { own, primary }, ShaftMode::Fixed),
         };
-        let speed = self.plant.system.belt.shaft_speeds(self.plant.state.view()).primary;
+        let speed = self
+            .simulation
+            .system
+            .belt
+            .shaft_speeds(self.simulation.state.view())
+            .primary;
         let utilisation = demand.map_or(0.0, |demand| -share * demand.share_of_capacity());
         SteadyTask {
             ratio: p.initial.ratio,
@@ -164,7 +157,7 @@ impl StartSearch<'_> {
     /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
     /// beyond capacity has none, and isn't tried. The share.
     fn carry(&mut self, newton: &mut Newton, reaction: Pulley, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
-        let cold = self.plant.state.clone();
+        let cold = self.simulation.state.clone();
         let is_beyond = |share| demand.filter(|demand| demand.is_beyond(share));
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
@@ -173,13 +166,13 @@ impl StartSearch<'_> {
             match is_beyond(share) {
                 Some(demand) if is_least => return Err(NoSteadyState::Beyond(demand)),
                 Some(_) => {}
-                None => match self.solve(newton, &task, STEADY_SOLVES) {
+                None => match self.solve(newton, &task) {
                     // Beyond capacity a pulley that slips for ever may be steady too.
                     Ok(_) if share == 1.0 || is_least || !self.slips() => break,
                     Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
                         return Err(NoSteadyState::NotFound(report, demand));
                     }
-                    _ => self.plant.state.clone_from(&cold),
+                    _ => self.simulation.state.clone_from(&cold),
                 },
             }
             (beyond, share) = (share, NEXT_SHARE * share);
@@ -190,67 +183,66 @@ impl StartSearch<'_> {
                 warm: true,
                 ..self.steady_task(reaction, demand, middle)
             };
-            let carried = self.plant.state.clone();
-            let found = is_beyond(middle).is_none() && self.solve(newton, &task, STEADY_SOLVES / 4).is_ok();
+            let carried = self.simulation.state.clone();
+            let found = is_beyond(middle).is_none() && self.solve(newton, &task).is_ok();
             if found && !self.slips() {
                 share = middle;
             } else {
                 beyond = middle;
-                self.plant.state = carried;
+                self.simulation.state = carried;
             }
         }
         Ok(share)
     }
 
     /// Solves a task from the present state, in place.
-    fn solve(&mut self, newton: &mut Newton, task: &SteadyTask, max_solves: usize) -> Result<Settled, Settled> {
-        let Plant { system, state, .. } = &mut *self.plant;
-        solve::solve(system, newton, state, task, max_solves)
+    fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<Settled, Settled> {
+        let Simulation { system, state, .. } = &mut *self.simulation;
+        SteadySolver { system, newton }.solve(state, task)
     }
 
     /// Whether the belt slips through, from the state alone.
     fn slips(&self) -> bool {
-        macro_slip(&self.plant.system, self.plant.state.view(), &self.plant.sums(), false)
+        macro_slip(
+            &self.simulation.system,
+            self.simulation.state.view(),
+            &self.simulation.sums(),
+            false,
+        )
     }
 
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
     fn balance_forces(&mut self, newton: &mut Newton, task: &SteadyTask, found: StartState) -> StartState {
-        let Plant { system, state, .. } = &mut *self.plant;
+        let Simulation { system, state, .. } = &mut *self.simulation;
         let range = system.parameters.ratio_range();
         let at_ratio = state.clone();
-        let outcome = solve_equilibrium(system, newton, state, task, range, STEADY_SOLVES);
+        let outcome = SteadySolver { system, newton }.balance(state, task, range);
         let ratio = geometric_ratio(system, state.view());
-        let (warning, text, found) = match outcome {
-            Ok(true) => (
-                true,
-                format!(
-                    "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
-                ),
-                StartState::Steady,
-            ),
-            Ok(false) => (
-                false,
-                format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
-                StartState::Steady,
-            ),
+        match outcome {
+            Ok(true) => {
+                let text = "the clamping forces drive the variator to an end stop: the run starts at the ratio";
+                self.log(true, format!("{text} {ratio:.4}"));
+                StartState::Steady
+            }
+            Ok(false) => {
+                self.log(
+                    false,
+                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+                );
+                StartState::Steady
+            }
             Err(_) => {
                 *state = at_ratio;
                 let holding = reaction(system, state.view(), Pulley::Primary) + self.primary_push();
-                (
-                    true,
-                    format!(
-                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
-                         initial ratio, where the primary force would have to be {holding:.1} N"
-                    ),
-                    if found == StartState::Steady {
-                        StartState::NoEquilibrium
-                    } else {
-                        found
-                    },
-                )
+                let text = "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
+                            ratio, where the primary force would have to be";
+                self.log(true, format!("{text} {holding:.1} N"));
+                if found == StartState::Steady {
+                    StartState::NoEquilibrium
+                } else {
+                    found
+                }
             }
-        };
-        self.log(warning, text);
-        found
+        }
     }
 }

@@ -1,29 +1,17 @@
-//! How a plant is advanced within a communication step: one trait, and the accurate integrator.
+//! How a simulation is advanced within a communication step: one trait, and the accurate integrator.
 
 use std::fmt::Debug;
 
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Sdirk, Span, Stalled};
-use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::plant::Plant;
+use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::tuning::{FIRST_STEP, NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, USUAL_TOLERANCE};
 use crate::variator::settings::signals::Work;
 use crate::variator::system::VariatorSystem;
 
-/// First step from a kinematic state, s.
-pub(super) const COLD_STEP: f64 = 1.0e-6;
-/// First step from a steady state, s.
-pub(super) const WARM_STEP: f64 = 1.0e-4;
-
-/// Newton's tolerance at the default solver tolerance, in units of the Newton scale: tenfold changes no output of the
-/// manoeuvre in the fourth digit.
-pub(super) const NEWTON_TOLERANCE: f64 = 20.0;
-
-/// How many times wider it is where steps err as much as is tolerated. What an iteration then leaves is some tenth of such an error,
-/// as in CVODE (Hindmarsh et al. 2005). Less so at tighter tolerances: they serve to compare small differences.
-const NEWTON_WIDENING: f64 = 60.0;
-
-/// Advances a plant to the end of a communication step in own steps.
+/// Advances a simulation to the end of a communication step in own steps.
 pub(super) trait Stepper: Debug + Send + Sync {
     /// A copy.
     fn boxed(&self) -> Box<dyn Stepper>;
@@ -38,10 +26,10 @@ pub(super) trait Stepper: Debug + Send + Sync {
     ///
     /// # Errors
     /// A step that can't be done.
-    fn step(&mut self, plant: &mut Plant, profile: &InputProfile, to: f64) -> Result<bool, Stalled>;
+    fn step(&mut self, simulation: &mut Simulation, profile: &InputProfile, to: f64) -> Result<bool, Stalled>;
 
-    /// Ends a communication step at the plant's time. Returns the work since the start, and what the step left.
-    fn finish(&mut self, plant: &mut Plant, profile: &InputProfile) -> Work;
+    /// Ends a communication step at the simulation's time. Returns the work since the start, and what the step left.
+    fn finish(&mut self, simulation: &mut Simulation, profile: &InputProfile) -> Work;
 
     /// Work since the start.
     fn counts(&self) -> Counts;
@@ -51,14 +39,14 @@ pub(super) trait Stepper: Debug + Send + Sync {
         0.0
     }
 
-    /// Starts again from the plant's state, where a communication step began that can't be done: with the step size of then, without
+    /// Starts again from the simulation's state, where a communication step began that can't be done: with the step size of then, without
     /// anything else from earlier steps. The counts remain. A stepper that can do each step needs nothing.
-    fn start_again(&mut self, _plant: &Plant) {}
+    fn start_again(&mut self, _simulation: &Simulation) {}
 
     /// Takes note that the laws have changed.
     fn change_laws(&mut self) {}
 
-    /// Writes to an archive, or reads from it, all that later steps depend on beside the plant.
+    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation.
     fn serialize(&mut self, archive: &mut Archive<'_>);
 }
 
@@ -92,16 +80,17 @@ pub(super) struct Accurate {
 }
 
 impl Accurate {
-    pub fn new(system: &VariatorSystem, first_step: f64) -> Self {
+    pub fn new(system: &VariatorSystem) -> Self {
         let solver = &system.parameters.solver;
-        let mut sdirk = Sdirk::new(system, first_step, solver.max_step);
-        let share = solver.tolerance / 1.0e-4;
-        sdirk.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(0.05, 100.0);
+        let mut sdirk = Sdirk::new(system, FIRST_STEP, solver.max_step);
+        let share = solver.tolerance / USUAL_TOLERANCE;
+        let [sharpest, widest] = NEWTON_LIMITS;
+        sdirk.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(sharpest, widest);
         sdirk.newton_widening = NEWTON_WIDENING * share.min(1.0);
         Self {
             sdirk,
             span: None,
-            first_step,
+            first_step: FIRST_STEP,
         }
     }
 }
@@ -121,31 +110,33 @@ impl Stepper for Accurate {
         self.span = None;
     }
 
-    fn step(&mut self, plant: &mut Plant, profile: &InputProfile, to: f64) -> Result<bool, Stalled> {
+    fn step(&mut self, simulation: &mut Simulation, profile: &InputProfile, to: f64) -> Result<bool, Stalled> {
         let mut span = self.span.take().unwrap_or_else(|| {
-            let segment = profile.segment(plant.time);
-            let piece = plant.time + plant.soft_start.piece(plant.time);
-            plant.apply(segment);
-            Span::new(plant.time, to.min(piece).min(segment.until))
+            let mut end = to.min(simulation.time + simulation.soft_start.piece(simulation.time));
+            if profile.kink > simulation.time {
+                end = end.min(profile.kink);
+            }
+            simulation.apply(*profile);
+            Span::new(simulation.time, end)
         });
-        let (mut running, state) = plant.running();
-        if let Err(stalled) = self.sdirk.step(&mut running, state, &mut span) {
-            plant.time = stalled.time;
+        let (mut problem, state) = simulation.problem();
+        if let Err(stalled) = self.sdirk.step(&mut problem, state, &mut span) {
+            simulation.time = stalled.time;
             return Err(stalled);
         }
-        plant.time = span.reached();
+        simulation.time = span.reached();
         if !span.is_over() {
             self.span = Some(span);
             return Ok(false);
         }
-        let is_over = to - plant.time < SHORTEST_STEP;
+        let is_over = to - simulation.time < SHORTEST_STEP;
         if is_over {
-            plant.time = to;
+            simulation.time = to;
         }
         Ok(is_over)
     }
 
-    fn finish(&mut self, _plant: &mut Plant, _profile: &InputProfile) -> Work {
+    fn finish(&mut self, _simulation: &mut Simulation, _profile: &InputProfile) -> Work {
         work(self.counts(), self.sdirk.newton.left)
     }
 
@@ -157,10 +148,10 @@ impl Stepper for Accurate {
         self.sdirk.slope_rate(unknown)
     }
 
-    fn start_again(&mut self, plant: &Plant) {
-        let counts = self.counts();
-        *self = Self::new(&plant.system, self.first_step);
-        self.sdirk.newton.counts = counts;
+    fn start_again(&mut self, simulation: &Simulation) {
+        let (counts, step) = (self.counts(), self.first_step);
+        *self = Self::new(&simulation.system);
+        (self.sdirk.newton.counts, self.sdirk.step) = (counts, step);
     }
 
     fn change_laws(&mut self) {

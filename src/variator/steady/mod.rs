@@ -4,3 +4,4 @@ pub(crate) mod equilibrium;
 pub(crate) mod refine;
 pub mod solve;
 pub mod start;
+mod tuning;

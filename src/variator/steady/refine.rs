@@ -11,11 +11,9 @@ use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
+use crate::variator::steady::tuning::FEWEST;
 use crate::variator::system::VariatorSystem;
 use nalgebra::Vector3;
-
-/// Fewest elements of an arc and of a strand on a coarse mesh.
-const FEWEST: [i32; 2] = [6, 3];
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
 pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {

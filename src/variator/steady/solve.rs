@@ -14,6 +14,10 @@ use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
+use crate::variator::steady::tuning::{
+    FIRM, FIRMER, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, NEAR, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
+};
 use crate::variator::system::VariatorSystem;
 
 /// A steady state to find.
@@ -42,73 +46,109 @@ impl SteadyTask {
     }
 }
 
-/// First pseudo-time step, s: 5 to 13 % less work than with 1e-2 from a steady state and 1e-6 from the kinematic one.
-pub(super) const FIRST_STEP: f64 = 1.0e-3;
-/// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s. With [`FIRST_STEP`] instead, one start in
-/// a hundred is not found.
-const SOFT_STEP: f64 = 5.0e-3;
+/// Solves for steady states of a system, which is then under the boundary conditions of the last one.
+#[derive(Debug)]
+pub struct SteadySolver<'a> {
+    /// Equations.
+    pub system: &'a mut VariatorSystem,
+    /// Newton's method, which may have a bound on its work.
+    pub newton: &'a mut Newton,
+}
 
-/// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change some seconds.
-pub(super) const LAST_STEP: f64 = 200.0;
-
-/// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and Newton's method does
-/// not alternate between them. And the factor of each reduction, down to the specified one.
-const SOFT_VELOCITY: f64 = 0.05;
-const SHARPENING: f64 = 0.4;
-
-/// Clamping force below which a belt may be too loose to be found from a kinematic state, N, and the factor of the force whose steady state
-/// is then solved for first: without, three of nine stiff belts are not found.
-const FIRM: f64 = 1.0e4;
-const FIRMER: f64 = 3.0;
-
-/// Distance in ln(ratio) of a neighbouring state, from which the specified friction velocity is tried first: without, 5 to 15 % more work.
-pub(super) const NEAR: f64 = 0.02;
-
-/// Factor on the inertia of a pulley whose speed is solved for: a tenth more work without, and one start in a hundred is not found.
-const PSEUDO_INERTIA: f64 = 40.0;
-
-/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag would limit its speed, at many
-/// times the specified one. Without it, half of the starts beyond capacity end in such a state.
-const RUN_AWAY: f64 = 0.3;
-
-/// Times in which the reaction force and the set point of Θ are corrected, s: 1 to 9 % more work with 0.05 s for both.
-const FORCE_TIME: f64 = 0.02;
-const RATIO_TIME: f64 = 0.2;
-
-/// Finds the steady state from `state`, in place.
-///
-/// # Errors
-/// The report of the solution, when there is no steady state near by; `state` is then the last one solved.
-pub fn solve(
-    system: &mut VariatorSystem,
-    newton: &mut Newton,
-    state: &mut State,
-    task: &SteadyTask,
-    max_solves: usize,
-) -> Result<Settled, Settled> {
-    let sharp = system.parameters.friction.velocity;
-    let from_there = SteadyTask { warm: true, ..*task };
-    let mut near = state.clone();
-    if task.warm {
-        let way = (task.ratio / geometric_ratio(system, state.view())).ln().abs();
-        if way < NEAR
-            && let Ok(settled) = continuation(system, newton, &mut near, task, max_solves, sharp)
-        {
-            *state = near;
-            return Ok(settled);
+impl SteadySolver<'_> {
+    /// Finds the steady state from `state`, in place.
+    ///
+    /// # Errors
+    /// The report of the solution, when there is no steady state near by; `state` is then the last one solved.
+    pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<Settled, Settled> {
+        let own = self.system.parameters.friction.velocity;
+        let mut near = state.clone();
+        if task.warm {
+            let way = (task.ratio / geometric_ratio(self.system, state.view())).ln().abs();
+            if way < NEAR
+                && let Ok(settled) = self.continuation(&mut near, task, own)
+            {
+                *state = near;
+                return Ok(settled);
+            }
+        } else {
+            let from_there = SteadyTask { warm: true, ..*task };
+            for start in [Self::start_on_coarse_mesh, Self::start_at_firmer_force] {
+                near.copy_from(state);
+                if start(self, &mut near, task)
+                    && let Ok(settled) = self.solve(&mut near, &from_there)
+                {
+                    *state = near;
+                    return Ok(settled);
+                }
+            }
         }
-        return continuation(system, newton, state, task, max_solves, sharp.max(SOFT_VELOCITY));
+        self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
     }
-    for start in [start_on_coarse_mesh, start_at_firmer_force] {
-        near.copy_from(state);
-        if start(system, newton, &mut near, task, max_solves)
-            && let Ok(settled) = solve(system, newton, &mut near, &from_there, max_solves)
-        {
-            *state = near;
-            return Ok(settled);
+
+    /// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the
+    /// coarse mesh itself, which is solved for directly.
+    fn start_at_firmer_force(&mut self, state: &mut State, task: &SteadyTask) -> bool {
+        let firmer = SteadyTask {
+            clamping: task.clamping.map(|force| FIRMER * force),
+            ..*task
+        };
+        let is_loose = task.clamping[task.reaction.other()] < FIRM && coarser(&self.system.parameters).is_some();
+        is_loose && self.solve(state, &firmer).is_ok()
+    }
+
+    /// Moves a kinematic state near the steady one of a mesh with fewer elements; returns whether there is one.
+    fn start_on_coarse_mesh(&mut self, state: &mut State, task: &SteadyTask) -> bool {
+        let Self { system, newton } = self;
+        let Some(parameters) = coarser(&system.parameters) else {
+            return false;
+        };
+        let mut coarse = VariatorSystem::with_ring(&parameters, system.belt.ring.clone());
+        let Ok(mut found) = cold_start(&coarse, task, system.belt.shaft_speeds(state.view())) else {
+            return false;
+        };
+        let mut of_coarse = Newton::new(&coarse);
+        of_coarse.bound = newton.bound;
+        let mut solver = SteadySolver {
+            system: &mut coarse,
+            newton: &mut of_coarse,
+        };
+        let is_found = solver.solve(&mut found, task).is_ok();
+        newton.counts += of_coarse.counts;
+        newton.bound = of_coarse.bound;
+        if is_found {
+            prolong(&coarse, &found, system, state);
         }
+        is_found
     }
-    continuation(system, newton, state, task, max_solves, sharp.max(SOFT_VELOCITY))
+
+    /// Pseudo-transient continuation, with the friction velocity `velocity` at first, m/s.
+    fn continuation(&mut self, state: &mut State, task: &SteadyTask, velocity: f64) -> Result<Settled, Settled> {
+        let mut control = Control::new(self.system, state, task);
+        self.system.friction_velocity = velocity;
+        let outcome = self.settle(state, control.boundary(), |system, trial| {
+            control.correct(system, trial)
+        });
+        self.system.friction_velocity = self.system.parameters.friction.velocity;
+        outcome
+    }
+
+    /// Settles under boundary conditions, which `control` may correct.
+    pub(super) fn settle(
+        &mut self,
+        state: &mut State,
+        boundary: Boundary,
+        control: impl FnMut(&mut VariatorSystem, &Trial<'_>) -> Option<f64>,
+    ) -> Result<Settled, Settled> {
+        let settings = Settling {
+            time: 0.0,
+            first_step: FIRST_PSEUDO_STEP,
+            last_step: STEADY_TIME,
+            max_solves: MOST_SOLVES,
+        };
+        self.system.loads = Loads::Constant(boundary);
+        settle(self.system, self.newton, state, &settings, control)
+    }
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
@@ -131,76 +171,6 @@ pub(super) fn cold_start(
     Ok(state)
 }
 
-/// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the coarse
-/// mesh itself, which is solved for directly.
-fn start_at_firmer_force(
-    system: &mut VariatorSystem,
-    newton: &mut Newton,
-    state: &mut State,
-    task: &SteadyTask,
-    max_solves: usize,
-) -> bool {
-    let firmer = SteadyTask {
-        clamping: task.clamping.map(|force| FIRMER * force),
-        ..*task
-    };
-    let is_loose = task.clamping[task.reaction.other()] < FIRM && coarser(&system.parameters).is_some();
-    is_loose && solve(system, newton, state, &firmer, max_solves).is_ok()
-}
-
-/// Moves a kinematic state near the steady one of a mesh with fewer elements; returns whether there is one.
-fn start_on_coarse_mesh(
-    system: &mut VariatorSystem,
-    newton: &mut Newton,
-    state: &mut State,
-    task: &SteadyTask,
-    max_solves: usize,
-) -> bool {
-    let Some(parameters) = coarser(&system.parameters) else {
-        return false;
-    };
-    let mut coarse = VariatorSystem::with_ring(&parameters, system.belt.ring.clone());
-    let Ok(mut found) = cold_start(&coarse, task, system.belt.shaft_speeds(state.view())) else {
-        return false;
-    };
-    let mut coarse_newton = Newton::new(&coarse);
-    coarse_newton.bound = newton.bound;
-    let outcome = solve(&mut coarse, &mut coarse_newton, &mut found, task, max_solves);
-    newton.counts += coarse_newton.counts;
-    newton.bound = coarse_newton.bound;
-    if outcome.is_ok() {
-        prolong(&coarse, &found, system, state);
-    }
-    outcome.is_ok()
-}
-
-/// Pseudo-transient continuation, with the friction velocity `velocity` at first, m/s.
-fn continuation(
-    system: &mut VariatorSystem,
-    newton: &mut Newton,
-    state: &mut State,
-    task: &SteadyTask,
-    max_solves: usize,
-    velocity: f64,
-) -> Result<Settled, Settled> {
-    let mut control = Control::new(system, state, task);
-    system.loads = Loads::Constant(control.boundary());
-    let settings = Settling {
-        time: 0.0,
-        first_step: FIRST_STEP,
-        last_step: LAST_STEP,
-        max_solves,
-    };
-    system.friction_velocity = velocity;
-    system.inertia_factor = PSEUDO_INERTIA;
-    let outcome = settle(system, newton, state, &settings, |system, trial| {
-        control.correct(system, trial)
-    });
-    system.friction_velocity = control.sharp;
-    system.inertia_factor = 1.0;
-    outcome
-}
-
 /// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of the shafts, the friction
 /// velocity.
 struct Control<'a> {
@@ -212,8 +182,6 @@ struct Control<'a> {
     /// Whether the belt grips. Before, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to
     /// the branch on which a pulley slips permanently.
     gripping: bool,
-    /// The specified friction velocity, m/s.
-    sharp: f64,
 }
 
 impl<'a> Control<'a> {
@@ -233,7 +201,6 @@ impl<'a> Control<'a> {
             clamping,
             theta: system.belt.theta(state.view()),
             gripping: free.is_none() || task.warm,
-            sharp: system.parameters.friction.velocity,
         }
     }
 
@@ -269,18 +236,18 @@ impl<'a> Control<'a> {
             .holding_force(reaction, trial.after, system.of_belt[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
-        let soft = trial.step >= SOFT_STEP;
+        let is_long = trial.step >= HOMOTOPY_STEP;
         let was_gripping = self.gripping;
-        self.gripping |= soft;
+        self.gripping |= is_long;
         system.loads = Loads::Constant(self.boundary());
-        let velocity = system.friction_velocity;
-        if velocity <= self.sharp {
-            return Some(LAST_STEP);
+        let (velocity, own) = (system.friction_velocity, system.parameters.friction.velocity);
+        if velocity <= own {
+            return Some(STEADY_TIME);
         }
-        if soft && was_gripping {
-            system.friction_velocity = (velocity * SHARPENING).max(self.sharp);
+        if is_long && was_gripping {
+            system.friction_velocity = (velocity * VELOCITY_REDUCTION).max(own);
         }
-        Some(SOFT_STEP)
+        Some(HOMOTOPY_STEP)
     }
 }
 

@@ -10,15 +10,12 @@ use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::diagnostics::observe::{Context, Observer};
 use pushbelt::variator::settings::{Outputs, Parameters};
-use pushbelt::variator::steady::solve::{SteadyTask, solve};
+use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::load_cases::{LoadCase, ratio, speeds};
 use crate::variators::SPEED;
-
-/// Most Newton solves of a steady state.
-const MAX_SOLVES: usize = 600;
 
 /// A steady state.
 #[derive(Clone, Debug)]
@@ -110,7 +107,11 @@ pub fn steady_with(
         state.y[system.belt.layout.shaft_speed(pulley)] = speeds[pulley];
     }
     let mut newton = Newton::new(&system);
-    if let Err(report) = solve(&mut system, &mut newton, &mut state, task, MAX_SOLVES) {
+    let mut solver = SteadySolver {
+        system: &mut system,
+        newton: &mut newton,
+    };
+    if let Err(report) = solver.solve(&mut state, task) {
         panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
     }
     let context = Context::of_steady_state(PerPulley::default());

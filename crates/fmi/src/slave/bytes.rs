@@ -12,7 +12,7 @@ use crate::hash;
 /// The first bytes of a stored state.
 const MAGIC: &[u8; 8] = b"FMUstate";
 /// Version of the layout, to be raised with every change of what is stored.
-const VERSION: u32 = 14;
+const VERSION: u32 = 15;
 /// Bytes before the content.
 const HEAD: usize = 8 + 4 + 16 + 8;
 /// Bytes of the checksum.

@@ -121,7 +121,6 @@ impl<U: Unit> Slave<U> {
             return self.after_internal_step(step);
         };
         let unit = started(&mut self.now.unit)?;
-        unit.update_outputs();
         let over = unit.is_over(&step.step);
         let time = self.now.clock.of_master(unit.time());
         self.step = Some(step);

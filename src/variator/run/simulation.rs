@@ -1,13 +1,14 @@
-//! What a stepper advances.
+//! Equations and state of a run: what a stepper advances.
 
+use crate::archive::Archive;
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
-use crate::variator::diagnostics::energy_balance::{EnergyBalance, Running};
+use crate::variator::diagnostics::energy_balance::{EnergyBalance, Problem};
 use crate::variator::diagnostics::observe::macro_slip;
-use crate::variator::pulleys::loads::{LinearInputs, Loads};
+use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::Parameters;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 /// Equations with the inputs in force, energy balance, state and time.
 #[derive(Clone, Debug)]
-pub(super) struct Plant {
+pub(super) struct Simulation {
     pub system: VariatorSystem,
     pub energy: EnergyBalance,
     pub state: State,
@@ -28,7 +29,7 @@ pub(super) struct Plant {
     pub start_work: Counts,
 }
 
-impl Plant {
+impl Simulation {
     /// A variator with parameters that are in their ranges, with this ring, without a state.
     pub fn new(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
         let system = VariatorSystem::with_ring(parameters, ring);
@@ -42,19 +43,33 @@ impl Plant {
         }
     }
 
+    /// Writes to an archive, or reads from it, all values that change in a run.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.state.serialize(archive);
+        self.system.serialize(archive);
+        let EnergyBalance {
+            supplied, lost, moved, ..
+        } = &mut self.energy;
+        for value in [&mut self.time, supplied, lost, moved] {
+            archive.real(value);
+        }
+        // −∞ where there was none.
+        archive.within(&mut self.soft_start.from, f64::NEG_INFINITY, f64::MAX);
+    }
+
     /// Equations and state for the solver.
-    pub fn running(&mut self) -> (Running<'_>, &mut State) {
-        let running = Running {
+    pub fn problem(&mut self) -> (Problem<'_>, &mut State) {
+        let problem = Problem {
             system: &mut self.system,
             energy: &mut self.energy,
         };
-        (running, &mut self.state)
+        (problem, &mut self.state)
     }
 
-    /// Sets the friction velocity of the present time.
-    fn soften(&mut self) {
-        let sharp = self.system.parameters.friction.velocity;
-        let velocity = self.soft_start.friction_velocity(self.time, sharp);
+    /// Brings the friction velocity of the present time into force.
+    fn regularise(&mut self) {
+        let own = self.system.parameters.friction.velocity;
+        let velocity = self.soft_start.friction_velocity(self.time, own);
         if self.system.friction_velocity != velocity {
             self.system.friction_velocity = velocity;
             // All kept derivatives are of the same law, so a stored state holds one law only.
@@ -62,26 +77,26 @@ impl Plant {
         }
     }
 
-    /// Ends a soft start: sharp friction, no kept derivatives.
+    /// Ends a soft start: its own friction velocity, no kept derivatives.
     pub fn end_soft_start(&mut self) {
         self.soft_start = SoftStart::NONE;
-        self.soften();
+        self.regularise();
         self.system.forget_derivatives();
     }
 
     /// Brings inputs into force, with the friction of the present time. The rates jump with the loads.
-    pub fn apply(&mut self, inputs: LinearInputs) {
+    pub fn apply(&mut self, inputs: InputProfile) {
         let loads = self.loads(inputs);
         self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
     /// The same where they were in force before at this state, or for outputs alone: the rates stay.
-    pub fn restore(&mut self, inputs: LinearInputs) {
+    pub fn restore(&mut self, inputs: InputProfile) {
         self.system.loads = self.loads(inputs);
     }
 
-    fn loads(&mut self, inputs: LinearInputs) -> Loads {
-        self.soften();
+    fn loads(&mut self, inputs: InputProfile) -> Loads {
+        self.regularise();
         Loads::Inputs(inputs, self.soft_start.load_share(self.time))
     }
 
