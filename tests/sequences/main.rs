@@ -84,7 +84,7 @@ fn valgrind(name: &str) -> Result<(), Failed> {
         .args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"])
         .arg(test)
         .args(["--exact", name, "--test-threads=1"])
-        .env("PUSHBELT_SEQUENCES", "12")
+        .env("PUSHBELT_SEQUENCES", "6")
         .output()
         .map_err(|error| format!("valgrind can't be started: {error}"))?;
     let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));

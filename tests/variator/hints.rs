@@ -62,9 +62,6 @@ fn a_slack_belt_at_rest_takes_its_first_step() {
     }
 }
 
-/// What hints contain.
-const HINTS: [&str; 4] = ["kN?", "N·mm?", "rpm?", "sign"];
-
 #[test]
 fn a_speed_in_rpm_is_remarked_upon_once() {
     let mut parameters = coarse(RingModel::Ale0);
@@ -152,7 +149,7 @@ fn ordinary_use_gets_no_hint() {
     run.go(0.3, 1e-2);
     runs.push(run);
     for run in &runs {
-        for text in HINTS {
+        for text in ["kN?", "N·mm?", "rpm?", "sign"] {
             assert_eq!(run.warnings(text), 0, "{:?}", run.messages);
         }
     }

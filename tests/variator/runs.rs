@@ -187,7 +187,7 @@ fn the_result_does_not_depend_on_the_communication_step() {
     }
 }
 
-/// Two equal runs agree to the last bit, and so does the continuation of a snapshot and of a stored state, while inputs ramp.
+/// Two equal runs agree to the last bit, and so do copies and stored states, while inputs ramp and with changed friction.
 #[test]
 fn runs_and_snapshots_repeat_bit_for_bit() {
     for mut parameters in MODELS.map(coarse).into_iter().chain(MODELS.map(chain)) {
@@ -195,6 +195,7 @@ fn runs_and_snapshots_repeat_bit_for_bit() {
         let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
         let [mut one, two] = [(); 2].map(|()| {
             let mut variator = started(parameters.clone(), &of(0));
+            variator.set_friction(0.08, 0.03).expect("in range");
             for k in 1..10 {
                 variator.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
             }
