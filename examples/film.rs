@@ -3,13 +3,13 @@
 //!
 //! `cargo run --release --example film`
 //!
-//! Values in the order of [`Film`] give one row of the first table, `ALE0` behind them uses that ring:
+//! Values in the order of the table's columns give one row of it, `ALE0` behind them uses that ring:
 //! `cargo run --release --example film -- 19 1.5e-6 1e-7 9 300`
 
 use std::error::Error;
 
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_support::film::{Film, FilmBench, Load, RATIOS, SHARES};
+use pushbelt_support::film::{FilmBench, Load, RATIOS, SHARES, film as film_of};
 
 /// Suction, thickness, roughness and the two dampings of the rows: the default, and changes of it.
 const TRIED: [[f64; 5]; 11] = [
@@ -34,15 +34,12 @@ fn heading() {
     println!("|---|{}", "---|".repeat(19));
 }
 
-fn row(film: Film, ring: RingModel) -> Result<(), Box<dyn Error>> {
-    let bench = FilmBench::new(film, ring);
-    let Film {
-        suction,
-        thickness,
-        roughness,
-        damping,
-        squeeze,
-    } = film;
+fn row(film: [f64; 5], ring: RingModel) -> Result<(), Box<dyn Error>> {
+    let mut bench = FilmBench::new(ring);
+    for (parameter, value) in film_of(&mut bench.parameters).into_iter().zip(film) {
+        *parameter = value;
+    }
+    let [suction, thickness, roughness, damping, squeeze] = film;
     print!(
         "| {} | {suction} | {:.3} | {:.3} | {damping} | {squeeze} | {:.1} |",
         if ring == RingModel::Ale0 { "`ALE0`" } else { "`ALE`" },
@@ -73,34 +70,18 @@ fn row(film: Film, ring: RingModel) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let default = Film::of(&Parameters::default());
     if arguments.is_empty() {
         heading();
-        for [suction, thickness, roughness, damping, squeeze] in TRIED {
-            let film = Film {
-                suction,
-                thickness,
-                roughness,
-                damping,
-                squeeze,
-            };
+        for film in TRIED {
             row(film, RingModel::Ale)?;
             row(film, RingModel::Ale0)?;
         }
         return Ok(());
     }
-    let number = |k: usize, or: f64| arguments.get(k).map_or(Ok(or), |text| text.parse::<f64>());
-    let film = Film {
-        suction: number(0, default.suction)?,
-        thickness: number(1, default.thickness)?,
-        roughness: number(2, default.roughness)?,
-        damping: number(3, default.damping)?,
-        squeeze: number(4, default.squeeze)?,
-    };
-    let ring = if arguments.get(5).is_some_and(|name| name == "ALE0") {
-        RingModel::Ale0
-    } else {
-        RingModel::Ale
-    };
-    row(film, ring)
+    let mut film = film_of(&mut Parameters::default()).map(|value| *value);
+    for (value, text) in film.iter_mut().zip(&arguments) {
+        *value = text.parse()?;
+    }
+    let of_circles = arguments.get(5).is_some_and(|name| name == "ALE0");
+    row(film, if of_circles { RingModel::Ale0 } else { RingModel::Ale })
 }

@@ -11,8 +11,8 @@ use std::error::Error;
 use clap::Parser;
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
-use pushbelt_support::film::{Film, FilmBench, Load, RATIOS};
+use pushbelt::variator::settings::{Outputs, RingModel};
+use pushbelt_support::film::{FilmBench, Load, RATIOS};
 use pushbelt_support::fingerprint::STEP;
 use pushbelt_support::inside::stations;
 use pushbelt_support::loads::{Driven, LOADS};
@@ -44,7 +44,7 @@ fn least(variator: &Variator) -> f64 {
 }
 
 fn bench(ring: RingModel, finer: bool) -> FilmBench {
-    let mut bench = FilmBench::new(Film::of(&Parameters::default()), ring);
+    let mut bench = FilmBench::new(ring);
     if finer {
         bench.parameters.mesh = bench.parameters.mesh.refined(2);
     }

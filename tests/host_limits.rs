@@ -35,10 +35,8 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
         assert!([OK, WARNING].contains(&(f.pushbeltLinearize)(c, 100.0, &raw mut text)));
         (f.pushbeltFreeText)(text);
         for k in 0..10 {
-            assert_eq!(
-                (f.fmi2SetReal)(c, &raw const of.torque, 1, &(10.0 * f64::from(k % 3))),
-                OK
-            );
+            let torque = 10.0 * f64::from(k % 3);
+            assert_eq!((f.fmi2SetReal)(c, &raw const of.torque, 1, &raw const torque), OK);
             assert_eq!((f.fmi2DoStep)(c, 1e-3 * f64::from(k), 1e-3, 1), OK);
             assert_eq!((f.fmi2GetReal)(c, &raw const of.output, 1, &raw mut value), OK);
         }
@@ -59,9 +57,9 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
 fn an_instance_fits_on_a_small_stack() {
     let library = Library::load();
     let f = &library.functions;
+    let guid = pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None);
     let description = Description {
-        guid: CString::new(pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None))
-            .expect("no zero inside"),
+        guid: CString::new(guid).expect("no zero inside"),
         choices: ["ring.model", "solver.mode"].map(reference),
         spatial: reference("ring.spatial"),
         torque: reference("primary.torque"),
@@ -102,11 +100,7 @@ fn a_mesh_without_memory_is_an_error() {
     .map(reference);
     let c = f.instantiate();
     let memory = std::fs::read_to_string("/proc/self/statm").expect("Linux");
-    let pages: u64 = memory
-        .split(' ')
-        .next()
-        .and_then(|pages| pages.parse().ok())
-        .expect("pages");
+    let pages: u64 = memory.split(' ').next().expect("a number").parse().expect("pages");
     let limit = pages * 4096 + 100_000_000;
     let limit = libc::rlimit {
         rlim_cur: limit,
@@ -115,10 +109,8 @@ fn a_mesh_without_memory_is_an_error() {
     // SAFETY: a limit, an instance that is not used any more when it is freed, and as many values as references.
     unsafe {
         assert_eq!(libc::setrlimit(libc::RLIMIT_AS, &raw const limit), 0);
-        assert_eq!(
-            (f.fmi2SetInteger)(c, mesh.as_ptr(), 4, [200, 200, 200, 16].as_ptr()),
-            OK
-        );
+        let status = (f.fmi2SetInteger)(c, mesh.as_ptr(), 4, [200, 200, 200, 16].as_ptr());
+        assert_eq!(status, OK);
         assert_eq!((f.fmi2SetupExperiment)(c, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!((f.fmi2EnterInitializationMode)(c), OK);
         assert_eq!((f.fmi2ExitInitializationMode)(c), ERROR);

@@ -11,11 +11,8 @@ use pushbelt_support::shared_library::{Functions, Library, OK, count, path};
 /// Bytes of memory of this process that are in use.
 fn resident() -> u64 {
     let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux");
-    let resident = pages
-        .split_whitespace()
-        .nth(1)
-        .and_then(|number| number.parse::<u64>().ok());
-    resident.expect("a number of pages") * 4096
+    let resident = pages.split_whitespace().nth(1).expect("two numbers");
+    4096 * resident.parse::<u64>().expect("a number of pages")
 }
 
 fn threads() -> usize {
@@ -39,7 +36,7 @@ fn cycle(f: &Functions, steps: u32) {
     unsafe {
         f.make_cheap(c);
         f.start(c);
-        f.run(c, 1.0, steps);
+        f.run(c, steps);
         (f.fmi2FreeInstance)(c);
     }
 }
@@ -62,7 +59,7 @@ fn instances_steps_and_loading_leave_no_memory_or_threads() {
     unsafe {
         f.make_cheap(c);
         f.start(c);
-        f.run(c, 0.0, 1);
+        f.run(c, 1);
     }
     let mut done = 1_u32;
     let mut go_on = |count: u32| {

@@ -1,270 +1,215 @@
 //! Real time: bounded work in each millisecond, closeness to the accurate run, no allocation, stored states.
 
-use pushbelt::archive::Archive;
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
+use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
+use pushbelt::variator::settings::{Inputs, Mode, Parameters};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_support::meter::{ABOVE, EFFORT, Meter};
 use pushbelt_support::noise;
+use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
 use pushbelt_support::tracking::{Trace, trace};
-use pushbelt_support::variators::{MODELS, coarse, inputs, one_cell, variator};
+use pushbelt_support::variators::{MODELS, chain, coarse, inputs, one_cell, variator};
 
-fn in_real_time(mut parameters: Parameters) -> Parameters {
-    parameters.solver.mode = Mode::RealTime;
+fn in_real_time(mut parameters: Parameters, effort: i32) -> Parameters {
+    (parameters.solver.mode, parameters.solver.effort) = (Mode::RealTime, effort);
     parameters
 }
 
+/// `solver.effort` by default.
+const USUAL: i32 = 4;
+
 /// The meshes among which a test rig chooses.
 fn meshes() -> [Parameters; 3] {
-    [
-        variator(RingModel::Ale0),
-        one_cell(RingModel::Ale),
-        variator(RingModel::Ale),
-    ]
+    [variator(Ale0), one_cell(Ale), variator(Ale)]
 }
 
-/// Steps begun again in the last communication step; `before` is their number until then.
-fn new_rollbacks(variator: &mut Variator, before: &mut i32) -> i32 {
-    let now = variator.outputs().work.rollbacks;
-    now - std::mem::replace(before, now)
+/// A step of a variator under a load.
+fn step(driven: &mut Driven) {
+    let inputs = driven.inputs();
+    driven.variator.advance(driven.until(), &inputs).expect("a step");
 }
 
 /// Every load at every ratio: work within the bound in each communication step, its mean as well; no step fails, all outputs are finite,
-/// and the energy balance holds.
-fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
+/// and the energy balance holds: within a share of the transmitted energy, which is almost zero in the first moments of a launch.
+fn assert_work_is_bounded(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
-            let mut parameters = in_real_time(one_cell(model));
-            parameters.solver.effort = effort;
+            let name = format!("{model:?} {load:?} {ratio}");
+            let parameters = in_real_time(one_cell(model), effort);
             let mut of_run = Meter::new(&Driven::new(load, parameters.clone(), ratio).variator);
             let found = trace(load, &parameters, ratio, seconds, |driven| {
                 let bound = EFFORT * f64::from(effort) * (load.step() / 1e-3);
                 let work = of_run.read(&driven.variator);
-                assert!(work <= bound + ABOVE, "{load:?} at ratio {ratio}: {work}");
+                assert!(work <= bound + ABOVE, "{name}: {work}");
                 assert!(driven.variator.outputs().work.behind < 0.02 + 1e-9);
             });
             let mean = of_run.sum * 1e-3 / seconds;
-            println!(
-                "{model:?} {load:?} {ratio}: {mean:.1} a millisecond, defect {:.1e}, unaccounted {:.4}",
-                found.defect, found.unaccounted
-            );
             assert!(mean <= EFFORT * f64::from(effort) + ABOVE * 1e-3 / seconds, "{mean}");
-            if load == LoadHistory::Smooth && effort >= 4 {
-                assert!(mean < 14.0, "{load:?} at ratio {ratio}: {mean}");
+            if load == LoadHistory::Smooth && effort >= USUAL {
+                assert!(mean < 14.0, "{name}: {mean}");
             }
-            assert!(
-                found.rows.iter().flatten().all(|x| x.is_finite()),
-                "{load:?} at ratio {ratio}"
-            );
-            let allowed = if load == LoadHistory::Launch {
-                IN_A_LAUNCH
-            } else {
-                unaccounted
-            };
-            assert!(
-                found.unaccounted.abs() < allowed,
-                "{load:?} at ratio {ratio}: {}",
-                found.unaccounted
-            );
+            assert!(found.rows.iter().flatten().all(|x| x.is_finite()), "{name}");
+            let launches = load == LoadHistory::Launch;
+            let allowed = if launches { 0.1 } else { unaccounted };
+            assert!(found.unaccounted.abs() < allowed, "{name}: {}", found.unaccounted);
         }
     }
 }
 
-/// Relative to the transmitted energy, which is almost zero in the first moments of a launch.
-const UNACCOUNTED: f64 = 0.002;
-const IN_A_LAUNCH: f64 = 0.1;
-const WITH_LEAST_EFFORT: f64 = 0.005;
-
 #[test]
 fn work_of_ale_is_bounded() {
-    work_of(RingModel::Ale, 4, 0.3, UNACCOUNTED);
+    assert_work_is_bounded(Ale, USUAL, 0.2, 0.002);
 }
 
 #[test]
 fn work_of_ale0_is_bounded() {
-    work_of(RingModel::Ale0, 4, 0.3, UNACCOUNTED);
-    work_of(RingModel::Ale0, 1, 0.1, WITH_LEAST_EFFORT);
+    assert_work_is_bounded(Ale0, USUAL, 0.2, 0.002);
+    assert_work_is_bounded(Ale0, 1, 0.1, 0.005);
 }
 
-fn beside_accurate(load: LoadHistory, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
-    beside(&one_cell(model), (load, model, ratio), 4, seconds)
-}
-
-/// Compared with an accurate run of these parameters.
+/// A run in real time, and an accurate one of this tolerance.
 fn beside(
-    accurate: &Parameters,
-    (load, model, ratio): (LoadHistory, RingModel, f64),
+    model: RingModel,
+    (load, ratio): (LoadHistory, f64),
     effort: i32,
     seconds: f64,
+    tolerance: f64,
 ) -> (Trace, Trace) {
-    let exact = trace(load, accurate, ratio, seconds, |_| ());
-    let mut parameters = in_real_time(one_cell(model));
-    parameters.solver.effort = effort;
-    let found = trace(load, &parameters, ratio, seconds, |_| ());
-    println!(
-        "{model:?} {load:?} {ratio}: off by {:?} of {:?}",
-        found.off(&exact),
-        exact.ranges()
-    );
+    let mut accurate = one_cell(model);
+    accurate.solver.tolerance = tolerance;
+    let parameters = in_real_time(one_cell(model), effort);
+    let [found, exact] = [&parameters, &accurate].map(|parameters| trace(load, parameters, ratio, seconds, |_| ()));
     (found, exact)
+}
+
+/// The default tolerance.
+const TOLERANCE: f64 = 1e-4;
+
+/// Speeds and slip are within a share of their ranges; ratio and thrust ratio, whose ranges may be tiny, within the given bounds.
+fn assert_followed((found, exact): &(Trace, Trace), share: f64, bounds: [f64; 2], name: &str) {
+    let (off, ranges) = (found.off(exact), exact.ranges());
+    let allowed = [0, 1, 3].map(|k| (k, share * ranges[k]));
+    for (k, allowed) in allowed.into_iter().chain([(2, bounds[0]), (4, bounds[1])]) {
+        assert!(off[k] < allowed, "{name}, output {k}: {} of {allowed}", off[k]);
+    }
 }
 
 /// A slam into macro-slip and back is reported within 5 ms, with speeds and slip within 2 % of their ranges.
 #[test]
 fn a_slam_is_followed() {
     for model in MODELS {
-        let (found, exact) = beside_accurate(LoadHistory::Slam, model, 1.0, 0.4);
-        let (off, ranges) = (found.off(&exact), exact.ranges());
-        for k in [0, 1, 3] {
-            assert!(off[k] < 0.02 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
-        }
-        let first = |trace: &Trace| trace.first_slip().expect("it slips") as f64;
-        assert_close(first(&found), first(&exact), 5.0, "first step of macro-slip");
-        let last = |trace: &Trace| trace.slipping.iter().rposition(|&slips| slips).expect("it slips") as f64;
-        assert_close(last(&found), last(&exact), 10.0, "last step of macro-slip");
+        let both = beside(model, (LoadHistory::Slam, 1.0), USUAL, 0.4, TOLERANCE);
+        assert_followed(&both, 0.02, [f64::INFINITY; 2], &format!("{model:?}"));
+        let last = |trace: &Trace| trace.slipping.iter().rposition(|&slips| slips).expect("it slips");
+        assert!(last(&both.0).abs_diff(last(&both.1)) <= 10, "last step of macro-slip");
     }
-}
-
-#[test]
-fn macro_slip_is_reported_within_5_ms() {
     for parameters in meshes() {
         for &ratio in LoadHistory::Slam.ratios() {
-            let first = |parameters: &Parameters| {
-                let found = trace(LoadHistory::Slam, parameters, ratio, 0.03, |_| ());
-                found.first_slip().expect("it slips") as f64
-            };
-            let (exact, found) = (first(&parameters), first(&in_real_time(parameters.clone())));
-            assert_close(found, exact, 5.0, "first step of macro-slip");
+            let [exact, found] = [parameters.clone(), in_real_time(parameters.clone(), USUAL)].map(|parameters| {
+                let found = trace(LoadHistory::Slam, &parameters, ratio, 0.03, |_| ());
+                found.first_slip().expect("it slips")
+            });
+            assert!(found.abs_diff(exact) <= 5, "{exact} and {found} ms");
         }
     }
 }
 
-/// Under smooth loads, ripple and noise, in the units of a controller.
+/// Smooth loads and noise, in the units of a controller, and ripple: it requires steps below 1 ms. With 1 ms the thrust ratio has errors of
+/// 5 % of its range.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
         for load in [LoadHistory::Smooth, LoadHistory::Ripple, LoadHistory::Noise] {
-            let (found, exact) = beside_accurate(load, model, 1.0, 0.3);
-            let [primary, secondary, ratio, slip, thrust] = found.off(&exact);
-            assert!(
-                primary < 5e-3 && secondary < 5e-3,
-                "{model:?} {load:?}: {primary}, {secondary} rad/s"
-            );
-            assert!(ratio < 2e-4 && slip < 2e-4, "{model:?} {load:?}: {ratio}, {slip}");
-            assert!(thrust < 2e-4, "{model:?} {load:?}: {thrust}");
-        }
-    }
-}
-
-/// A ripple of 100 Hz requires steps below 1 ms: with 1 ms the thrust ratio has errors of 5 % of its range.
-#[test]
-fn ripple_is_followed() {
-    for model in MODELS {
-        for ratio in [2.2, 0.5] {
-            let mut sharp = one_cell(model);
-            sharp.solver.tolerance = 1e-6;
-            let (found, exact) = beside(&sharp, (LoadHistory::Ripple, model, ratio), 4, 0.5);
-            let (off, ranges) = (found.off(&exact), exact.ranges());
-            for (k, share) in [0.02, 0.02, 0.02, 0.02, 0.03].into_iter().enumerate() {
-                let (off, range) = (off[k], ranges[k]);
-                assert!(off < share * range, "{model:?} {ratio} {k}: {off} of {range}");
+            let (found, exact) = beside(model, (load, 1.0), USUAL, 0.3, TOLERANCE);
+            assert!(exact.defect > 0.0 && exact.defect < 1.0, "{}", exact.defect);
+            for (off, allowed) in found.off(&exact).into_iter().zip([5e-3, 5e-3, 2e-4, 2e-4, 2e-4]) {
+                assert!(off < allowed, "{model:?} {load:?}: {off}");
             }
         }
-    }
-}
-
-/// Speeds and slip have errors within a share of their ranges, the thrust ratio within its own bound. The ratio, whose range is
-/// some 1e-2, has errors within 1e-2.
-fn assert_followed((load, model, ratio): (LoadHistory, RingModel, f64), effort: i32, share: f64, thrust_ratio: f64) {
-    let (found, exact) = beside(&one_cell(model), (load, model, ratio), effort, 0.3);
-    let (off, ranges) = (found.off(&exact), exact.ranges());
-    for k in [0, 1, 3] {
-        assert!(
-            off[k] < share * ranges[k],
-            "{load:?} {model:?} {k}: {} of {}",
-            off[k],
-            ranges[k]
-        );
-    }
-    assert!(off[2] < 1e-2, "{load:?} {model:?} ratio: {}", off[2]);
-    assert!(off[4] < thrust_ratio, "{model:?}: {}", off[4]);
-}
-
-/// An engine's firing, also with noise on the forces.
-#[test]
-fn firing_is_followed() {
-    for model in MODELS {
-        let share = if model == RingModel::Ale { 0.1 } else { 0.01 };
-        for &ratio in LoadHistory::Firing.ratios() {
-            assert_followed((LoadHistory::Firing, model, ratio), 8, share, 5e-3);
+        for ratio in [2.2, 0.5] {
+            let both = beside(model, (LoadHistory::Ripple, ratio), USUAL, 0.3, 1e-6);
+            let ranges = both.1.ranges();
+            let name = format!("{model:?} at ratio {ratio}");
+            assert_followed(&both, 0.02, [0.02 * ranges[2], 0.03 * ranges[4]], &name);
         }
-        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), 8, 0.2, 3e-2);
     }
 }
 
-/// A torque that reverses from drive to coast, and a hunting clutch: they take the work of an effort of 13.
+/// An engine's firing, also with noise on the forces; a torque that reverses from drive to coast, and a hunting clutch: they take the work of
+/// an effort of 13.
 #[test]
-fn flips_and_hunting_are_followed() {
-    for ratio in [2.2, 1.0, 0.5] {
-        assert_followed((LoadHistory::Flips, RingModel::Ale0, ratio), 13, 0.05, 2e-2);
+fn firing_flips_and_hunting_are_followed() {
+    use LoadHistory::{Firing, FiringAndNoise, Flips, Hunting};
+    for (load, model, ratios, effort, share, thrust_ratio) in [
+        (Firing, Ale, &[2.2, 1.0, 0.5][..], 8, 0.1, 5e-3),
+        (Firing, Ale0, &[2.2, 1.0, 0.5], 8, 0.01, 5e-3),
+        (FiringAndNoise, Ale, &[2.2], 8, 0.2, 3e-2),
+        (FiringAndNoise, Ale0, &[2.2], 8, 0.2, 3e-2),
+        (Flips, Ale0, &[2.2, 1.0, 0.5], 13, 0.05, 2e-2),
+        (Flips, Ale, &[1.0, 0.5], 13, 0.1, 2e-2),
+        (Hunting, Ale0, &[2.2], 13, 0.05, 2e-2),
+    ] {
+        for &ratio in ratios {
+            let both = beside(model, (load, ratio), effort, 0.3, TOLERANCE);
+            let name = format!("{load:?} {model:?} {ratio}");
+            assert_followed(&both, share, [1e-2, thrust_ratio], &name);
+        }
     }
-    for ratio in [1.0, 0.5] {
-        assert_followed((LoadHistory::Flips, RingModel::Ale, ratio), 13, 0.1, 2e-2);
-    }
-    assert_followed((LoadHistory::Hunting, RingModel::Ale0, 2.2), 13, 0.05, 2e-2);
 }
 
 /// Also `ALE` at ratio 2.2, with a bound on the delay.
 #[test]
 fn with_more_effort_ale_follows_a_clutch_that_hunts() {
-    for (load, ratio, share) in [
-        (LoadHistory::Hunting, 2.2, 0.05),
-        (LoadHistory::Hunting, 1.0, 0.05),
-        (LoadHistory::Flips, 2.2, 0.05),
+    for (load, ratio) in [
+        (LoadHistory::Hunting, 2.2),
+        (LoadHistory::Hunting, 1.0),
+        (LoadHistory::Flips, 2.2),
     ] {
-        let accurate = one_cell(RingModel::Ale);
-        let mut parameters = in_real_time(accurate.clone());
-        parameters.solver.effort = 13;
+        let accurate = one_cell(Ale);
         let mut latest = 0.0_f64;
         let exact = trace(load, &accurate, ratio, 0.2, |_| ());
-        let found = trace(load, &parameters, ratio, 0.2, |driven| {
+        let found = trace(load, &in_real_time(accurate, 13), ratio, 0.2, |driven| {
             latest = latest.max(driven.variator.outputs().work.behind);
         });
         let (off, ranges) = (found.off(&exact), exact.ranges());
-        println!("{load:?} {ratio}: off by {off:?} of {ranges:?}, behind by {latest} s");
         assert!(latest < 4e-3, "{load:?} {ratio}: {latest} s");
         for speed in 0..2 {
-            assert!(
-                off[speed] < share * ranges[speed],
-                "{load:?} {ratio}: {} of {}",
-                off[speed],
-                ranges[speed]
-            );
+            assert!(off[speed] < 0.05 * ranges[speed], "{load:?} {ratio}: {}", off[speed]);
         }
     }
 }
 
-/// A standstill, a launch and a stop; clamping forces that are applied to a slack belt.
+/// A pull chain under a step of torque and force.
+#[test]
+fn real_time_follows_an_accurate_chain() {
+    for model in MODELS {
+        let [accurate, bounded] = [chain(model), in_real_time(chain(model), USUAL)].map(|parameters| {
+            let mut run = Run::new(parameters, inputs((40.0, 11e3), (-40.0, 10e3)));
+            run.inputs = inputs((55.0, 13e3), (-40.0, 10e3));
+            let o = run.go(0.3, 1e-3);
+            [o.thrust_ratio, o.ratio_geometric, o.primary.speed, o.slip]
+        });
+        for (a, b) in bounded.into_iter().zip(accurate) {
+            assert_close(a, b, 0.02, "thrust ratio, ratio, speed or slip");
+        }
+    }
+}
+
+/// A standstill, a launch and a stop.
 #[test]
 fn starts_without_load_are_smooth() {
     for model in MODELS {
-        let mut parameters = in_real_time(coarse(model));
+        let mut parameters = in_real_time(coarse(model), USUAL);
         parameters.initial.primary_speed = 0.0;
-        let mut variator = Variator::new(parameters).expect("valid parameters");
-        variator
-            .initialise(0.0, &inputs((0.0, 13e3), (0.0, 10e3)))
-            .expect("a start");
+        let mut variator = started(parameters, &inputs((0.0, 13e3), (0.0, 10e3)));
         assert!(variator.outputs().secondary.axial_force > 9e3, "clamped before the run");
         for k in 1..=300 {
             let torque = if k < 200 { 40.0 } else { 0.0 };
             let given = inputs((torque, 13e3), (-0.5 * torque, 10e3));
             variator.advance(1e-3 * f64::from(k), &given).expect("a step");
-            let outputs = variator.outputs();
-            assert!(
-                outputs.primary.speed.is_finite() && outputs.primary.speed < 400.0,
-                "{model:?} {k}"
-            );
+            let speed = variator.outputs().primary.speed;
+            assert!(speed.is_finite() && speed < 400.0, "{model:?} {k}");
         }
         assert!(variator.outputs().primary.speed > 20.0, "{model:?}: it has been driven");
     }
@@ -293,24 +238,18 @@ fn external_torques_are_those_of_the_clock() {
 /// Communication steps that are not whole milliseconds have work in proportion to their time.
 #[test]
 fn the_bound_is_in_proportion_to_time() {
-    let mut variator = Variator::new(in_real_time(coarse(RingModel::Ale0))).expect("valid parameters");
-    let given = inputs((50.0, 13e3), (-49.0, 10e3));
-    variator.initialise(0.0, &given).expect("a start");
+    let parameters = in_real_time(coarse(Ale0), USUAL);
+    let mut variator = started(parameters, &inputs((50.0, 13e3), (-49.0, 10e3)));
     let mut of_run = Meter::new(&variator);
     let mut time = 0.0;
     for step in [1e-5, 0.4e-3, 1e-3, 1.0000001e-3, 2.5e-3, 10e-3] {
         time += step;
-        variator
-            .advance(time, &inputs((60.0, 13e3), (-49.0, 10e3)))
-            .expect("a step");
+        let given = inputs((60.0, 13e3), (-49.0, 10e3));
+        variator.advance(time, &given).expect("a step");
         let work = of_run.read(&variator);
         assert!(work <= 4.0 * EFFORT * step / 1e-3 + ABOVE, "{step} s: {work}");
-        assert_close(
-            variator.outputs().primary.external_torque,
-            60.0,
-            1e-9,
-            "torque at the end",
-        );
+        let torque = variator.outputs().primary.external_torque;
+        assert_close(torque, 60.0, 1e-9, "torque at the end");
     }
     assert_eq!(variator.outputs().work.behind, 0.0);
 }
@@ -326,51 +265,38 @@ fn a_run_continues_after_steps_without_a_solution() {
             (LoadHistory::Flips, 0.5),
             (LoadHistory::Slam, 0.5),
         ] {
-            let ended = [Mode::Accurate, Mode::RealTime].map(|mode| {
-                let mut parameters = variator(model);
-                parameters.solver.mode = mode;
-                parameters.solver.effort = 8;
+            let ended = [variator(model), in_real_time(variator(model), 8)].map(|parameters| {
                 let mut driven = Driven::new(load, parameters, ratio);
                 let (mut before, mut held) = (0.0, 0);
-                while driven.until() < 1.2 {
-                    let inputs = driven.inputs();
-                    driven.variator.advance(driven.until(), &inputs).expect("a step");
-                    let outputs = driven.variator.outputs();
-                    held = if outputs.primary.speed == before { held + 1 } else { 0 };
+                while driven.until() < 0.8 {
+                    step(&mut driven);
+                    let speed = driven.variator.outputs().primary.speed;
+                    held = if speed == before { held + 1 } else { 0 };
                     assert!(held < 6, "{model:?} {load:?} {ratio} stands at {}", driven.until());
-                    before = outputs.primary.speed;
+                    before = speed;
                 }
-                rollbacks += driven.variator.outputs().work.rollbacks;
-                driven.variator.outputs().clone()
+                let outputs = driven.variator.outputs();
+                rollbacks += outputs.work.rollbacks;
+                [outputs.primary.speed, outputs.ratio_geometric]
             });
-            let [exact, found] = ended
-                .each_ref()
-                .map(|outputs| [outputs.primary.speed, outputs.ratio_geometric]);
-            println!("{model:?} {load:?} {ratio}: {found:.3?} instead of {exact:.3?}");
-            assert!((found[0] - exact[0]).abs() < 0.03 * exact[0], "{model:?} {load:?}");
-            assert!((found[1] - exact[1]).abs() < 0.02 * exact[1], "{model:?} {load:?}");
+            let [exact, found] = ended;
+            assert_close(found[0], exact[0], 0.03, &format!("speed, {model:?} {load:?}"));
+            assert_close(found[1], exact[1], 0.02, &format!("ratio, {model:?} {load:?}"));
         }
     }
-    println!("{rollbacks} rollbacks");
-    // Of 7200 milliseconds.
-    assert!(rollbacks <= 720, "{rollbacks}");
+    // Of 4800 milliseconds.
+    assert!(rollbacks <= 480, "{rollbacks}");
 }
 
 /// Clamping forces far from equilibrium lead to a fast shift in overdrive: few steps are begun again.
 #[test]
 fn few_steps_are_begun_again() {
     for parameters in meshes() {
-        let mut parameters = in_real_time(parameters);
+        let mut parameters = in_real_time(parameters, USUAL);
         parameters.initial.ratio = 0.5;
         parameters.secondary.inertia = 4.0;
-        let mut variator = Variator::new(parameters).expect("valid parameters");
-        let given = inputs((50.0, 12e3), (-25.0, 12e3));
-        variator.initialise(0.0, &given).expect("a start");
-        for k in 1..=500 {
-            variator.advance(1e-3 * f64::from(k), &given).expect("a step");
-        }
-        let rollbacks = variator.outputs().work.rollbacks;
-        println!("{rollbacks} steps begun again in 500 ms");
+        let mut run = Run::new(parameters, inputs((50.0, 12e3), (-25.0, 12e3)));
+        let rollbacks = run.go(0.5, 1e-3).work.rollbacks;
         assert!(rollbacks <= 5, "{rollbacks}");
     }
 }
@@ -388,22 +314,19 @@ struct Jumps {
 }
 
 impl Jumps {
-    fn new(parameters: &Parameters, seed: u64) -> Self {
+    fn new(parameters: &Parameters, effort: i32, seed: u64) -> Self {
         let mut next = noise(seed);
         let mut between = |least: f64, most: f64| least + (most - least) * (next() + 0.5);
-        let mut parameters = in_real_time(parameters.clone());
+        let mut parameters = in_real_time(parameters.clone(), effort);
         let (ratio, speed) = (between(0.5, 2.2), between(0.0, 400.0));
         parameters.initial.ratio = ratio;
         parameters.initial.primary_speed = if seed == 0 { 0.0 } else { speed };
         parameters.secondary.inertia = between(0.05, 4.0);
         let cruise = parameters.initial.primary_speed / ratio;
-        let mut variator = Variator::new(parameters).expect("valid parameters");
         let load = (20.0, 15e3, 12e3);
-        variator
-            .initialise(0.0, &inputs((load.0, load.1), (-load.0 * ratio, load.2)))
-            .expect("a start");
+        let start = inputs((load.0, load.1), (-load.0 * ratio, load.2));
         Self {
-            variator,
+            variator: started(parameters, &start),
             noise: Box::new(next),
             ratio,
             cruise,
@@ -420,33 +343,35 @@ impl Jumps {
         let mut between = |least: f64, most: f64| least + (most - least) * ((self.noise)() + 0.5);
         if time > self.until {
             self.until = time + 10_f64.powf(between(-3.0, -0.7));
-            let primary = if between(0.0, 1.0) < 0.05 {
-                0.0
-            } else {
-                between(4e3, 22e3)
-            };
+            let none = between(0.0, 1.0) < 0.05;
+            let primary = if none { 0.0 } else { between(4e3, 22e3) };
             self.load = (between(-120.0, 150.0), primary, between(4e3, 22e3));
         }
         let (torque, primary, secondary) = self.load;
         let vehicle = -torque * self.ratio - 2.0 * (self.variator.outputs().secondary.speed - self.cruise);
         (time, inputs((torque, primary), (vehicle, secondary)))
     }
+
+    /// Time at the end of a step.
+    fn advance(&mut self) -> f64 {
+        let (time, given) = self.next();
+        self.variator.advance(time, &given).expect("a step");
+        time
+    }
 }
 
-/// The run neither stops nor runs away, its delay is bounded, and so is its work.
+/// The run neither stops nor runs away, its delay is bounded, and so is its work. Of some runs `solver.defect` is looked at: the error of
+/// solved steps alone is below 1, as that of accurate steps, also where steps are begun again.
 #[test]
 fn a_run_continues_under_random_jumps() {
+    let mut begun_again = 0;
     for parameters in meshes() {
         for (seed, effort) in [(0, 4), (1, 4), (2, 8), (3, 8), (2, 2)] {
-            let mut parameters = parameters.clone();
-            parameters.solver.effort = effort;
-            let mut jumps = Jumps::new(&parameters, seed);
+            let mut jumps = Jumps::new(&parameters, effort, seed);
             let mut of_run = Meter::new(&jumps.variator);
-            let (mut before, mut still, mut longest) = (f64::NAN, 0, 0);
-            let (mut latest, mut behind) = (0.0_f64, 0.0);
+            let (mut before, mut still) = (f64::NAN, 0);
             for _ in 1..=500 {
-                let (time, given) = jumps.next();
-                jumps.variator.advance(time, &given).expect("a step");
+                let time = jumps.advance();
                 let work = of_run.read(&jumps.variator);
                 assert!(work <= EFFORT * f64::from(effort) + ABOVE, "{seed} at {time} s: {work}");
                 let outputs = jumps.variator.outputs();
@@ -454,89 +379,56 @@ fn a_run_continues_under_random_jumps() {
                 assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
                 assert!(p.axial_force.abs().max(s.axial_force.abs()) < 1e5, "{seed} at {time} s");
                 still = if p.speed == before { still + 1 } else { 0 };
-                longest = longest.max(still);
+                assert!(still <= 20, "{seed} at {time} s: still for {still} ms");
                 before = p.speed;
-                latest = latest.max(outputs.work.behind);
-                behind += outputs.work.behind / 500.0;
+                assert!(outputs.work.behind < 0.02 + 1e-9, "{seed} at {time} s");
+                assert!((0.0..1.0).contains(&outputs.work.defect), "{seed} at {time} s");
             }
-            let rollbacks = jumps.variator.outputs().work.rollbacks;
-            println!(
-                "effort {effort}, seed {seed}: {rollbacks} steps begun again; behind by {behind:.1e} s in the mean, {latest:.1e} s at most; still for {longest} ms"
-            );
-            assert!(longest <= 20, "{seed}: still for {longest} ms");
-            assert!(latest < 0.02 + 1e-9, "{seed}: {latest} s");
+            begun_again += jumps.variator.outputs().work.rollbacks;
         }
     }
+    assert!(begun_again > 0, "all steps had a solution");
 }
 
-/// Copies of a run and its stored states continue with the same bits.
-fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (f64, Inputs)) {
-    let mut archive = Archive::writer();
-    variator.serialize(&mut archive);
-    let mut restored = Variator::new(variator.parameters().clone()).expect("valid parameters");
-    let bytes = archive.into_bytes();
-    let mut archive = Archive::reader(&bytes);
-    restored.serialize(&mut archive);
-    assert_eq!(archive.finish(), Ok(()));
-    let mut copy = variator.clone();
-    for _ in 0..20 {
-        let (time, inputs) = given(variator);
-        for run in [&mut *variator, &mut copy, &mut restored] {
-            run.advance(time, &inputs).expect("a step");
-        }
-        assert_eq!(variator.state(), copy.state());
-        assert_eq!(variator.state(), restored.state());
-        assert_eq!(variator.outputs(), restored.outputs());
-    }
-}
-
-/// In a slam while the belt slips; under firing while a step is open; under ripple.
+/// In a slam while the belt slips; under firing while a step is open; under ripple; right after a step without a solution; a chain.
 #[test]
 fn copies_and_stored_states_continue_alike() {
-    for (load, parameters) in [
-        (LoadHistory::Slam, coarse(RingModel::Ale0)),
-        (LoadHistory::Slam, coarse(RingModel::Ale)),
-        (LoadHistory::Firing, one_cell(RingModel::Ale)),
-        (LoadHistory::Ripple, coarse(RingModel::Ale0)),
+    for (load, parameters, effort) in [
+        (LoadHistory::Slam, coarse(Ale0), USUAL),
+        (LoadHistory::Slam, coarse(Ale), USUAL),
+        (LoadHistory::Slam, chain(Ale), USUAL),
+        (LoadHistory::Firing, one_cell(Ale), 1),
+        (LoadHistory::Ripple, coarse(Ale0), USUAL),
     ] {
-        let mut parameters = in_real_time(parameters);
-        if load == LoadHistory::Firing {
-            parameters.solver.effort = 1;
-        }
-        let mut driven = Driven::new(load, parameters, 1.0);
-        for step in 0.. {
+        let mut parameters = in_real_time(parameters, effort);
+        let mut driven = Driven::new(load, parameters.clone(), 1.0);
+        parameters.secondary.inertia = driven.variator.parameters().secondary.inertia;
+        for k in 0.. {
             let over = match load {
-                LoadHistory::Slam => step == 40,
-                LoadHistory::Ripple => step == 15,
+                LoadHistory::Slam => k == 40,
+                LoadHistory::Ripple => k == 15,
                 _ => driven.variator.outputs().work.behind > 0.0,
             };
             if over {
                 break;
             }
-            assert!(step < 300, "no step of {load:?} was open");
-            let inputs = driven.inputs();
-            driven.variator.advance(driven.until(), &inputs).expect("a step");
+            assert!(k < 300, "no step of {load:?} was open");
+            step(&mut driven);
         }
         let mut variator = driven.variator.clone();
-        continue_alike(&mut variator, |variator| {
+        assert_continues_alike(&mut variator, parameters, |variator| {
             driven.variator = variator.clone();
             let inputs = driven.inputs();
             (driven.until(), inputs)
         });
     }
-}
-
-/// The same for states right after a step without a solution.
-#[test]
-fn states_after_a_step_without_a_solution_continue_alike() {
-    let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
+    let mut jumps = Jumps::new(&one_cell(Ale), USUAL, 2);
     while jumps.variator.outputs().work.rollbacks == 0 {
-        let (time, given) = jumps.next();
-        assert!(time < 1.0, "all steps had a solution");
-        jumps.variator.advance(time, &given).expect("a step");
+        assert!(jumps.advance() < 1.0, "all steps had a solution");
     }
     let mut variator = jumps.variator.clone();
-    continue_alike(&mut variator, |variator| {
+    let parameters = variator.parameters().clone();
+    assert_continues_alike(&mut variator, parameters, |variator| {
         jumps.variator = variator.clone();
         jumps.next()
     });
@@ -546,9 +438,7 @@ fn states_after_a_step_without_a_solution_continue_alike() {
 #[test]
 fn a_step_allocates_nothing() {
     for model in MODELS {
-        let mut parameters = in_real_time(variator(model));
-        parameters.solver.effort = 2;
-        let mut driven = Driven::new(LoadHistory::Flips, parameters, 1.0);
+        let mut driven = Driven::new(LoadHistory::Flips, in_real_time(variator(model), 2), 1.0);
         let mut open = 0;
         for step in 0..60 {
             let inputs = driven.inputs();
@@ -563,36 +453,10 @@ fn a_step_allocates_nothing() {
                 driven.variator = driven.variator.clone();
             }
             if step == 40 {
-                let mut archive = Archive::writer();
-                driven.variator.serialize(&mut archive);
-                let bytes = archive.into_bytes();
-                let mut archive = Archive::reader(&bytes);
-                driven.variator.serialize(&mut archive);
-                assert_eq!(archive.finish(), Ok(()));
+                let parameters = driven.variator.parameters().clone();
+                driven.variator = restored(&mut driven.variator, parameters);
             }
         }
         assert!(open > 0, "{model:?}: no step was open");
     }
-}
-
-/// `solver.defect` is the error of solved steps alone: below 1, as that of accurate steps.
-#[test]
-fn the_defect_is_an_error() {
-    let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
-    let mut before = 0;
-    let mut again = 0;
-    for _ in 0..300 {
-        let (time, given) = jumps.next();
-        jumps.variator.advance(time, &given).expect("a step");
-        again += new_rollbacks(&mut jumps.variator, &mut before);
-        let work = jumps.variator.outputs().work;
-        assert!((0.0..1.0).contains(&work.defect), "at {time} s: {}", work.defect);
-    }
-    assert!(again > 0, "all steps had a solution");
-}
-
-#[test]
-fn accurate_steps_report_their_defect() {
-    let found = trace(LoadHistory::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
-    assert!(found.defect > 0.0 && found.defect < 1.0, "{}", found.defect);
 }

@@ -3,7 +3,6 @@
 
 #![allow(unsafe_code, reason = "it calls C functions")]
 
-mod coupled;
 mod derivatives;
 #[cfg(target_arch = "x86_64")]
 #[path = "../../crates/fmi/tests/fmi/environment.rs"]

@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 use pushbelt::chain::{PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force};
-use pushbelt_support::laws::{belt, integral};
+use pushbelt_support::laws::belt;
 use pushbelt_support::noise;
 
 use crate::assert_near;
@@ -12,44 +12,15 @@ fn elastic(nu: f64) -> f64 {
     push_force(&belt(), [nu, 0.0]).force
 }
 
-/// In contact, at first touch and in a gap.
+/// In contact, at first touch and in a gap. The energy is zero at gaps of a tenth of the belt, the largest admissible play.
 #[test]
 fn push_force_is_the_derivative_of_the_energy() {
+    let none = energy_density(&belt(), 0.9);
+    assert!(none.abs() < 1e-10 * energy_density(&belt(), 1.001), "{none} J/m");
     for strain in [5e-3, 0.0, -1e-3] {
         let energy = energy_density(&belt(), Dual64::from_re(1.0 + strain).derivative());
         let push = elastic(1.0 + strain);
         assert_near(energy.eps, push, push, 1e-9, "∂E/∂ν");
-    }
-}
-
-/// The energy is zero at gaps of a tenth of the belt, the largest admissible play, and is ∫Q dν from there.
-#[test]
-fn energy_integrates_the_push_force() {
-    let none = energy_density(&belt(), 0.9);
-    for strain in [-1e-3, 0.0, 1e-3, 1e-2] {
-        let found = energy_density(&belt(), 1.0 + strain);
-        // Panels get smaller towards the density at which elements touch.
-        let ends = [-0.1, -1e-2, -1e-3, strain];
-        let work: f64 = ends
-            .windows(2)
-            .map(|ends| integral(|x| elastic(1.0 + x), [ends[0], ends[1]], 500))
-            .sum();
-        assert_near(found - none, work, energy_density(&belt(), 1.001), 1e-10, "∫Q dν");
-        assert!(none.abs() < 1e-10 * energy_density(&belt(), 1.001), "{none} J/m");
-    }
-}
-
-/// The work to shorten a cell of constant amount N and length N/ν is N∫Q/ν² dν, which is ν∫Q/ν² dν per length. The law has
-/// ∫Q dν instead. With Q = k_e x and x = ν − 1 it is too large by the share x/3 + O(x²).
-#[test]
-fn energy_is_that_of_a_cell_that_shortens_to_first_order() {
-    for strain in [5e-3, 1e-2, 2e-2] {
-        let nu = 1.0 + strain;
-        let work = nu * integral(|x| elastic(1.0 + x) / (1.0 + x).powi(2), [-1e-2, strain], 3000);
-        let found = energy_density(&belt(), nu) - energy_density(&belt(), 0.99);
-        let share = found / work - 1.0;
-        println!("ν − 1 = {strain}: energy too large by {share:.2e}");
-        assert_near(share, strain / 3.0, strain / 3.0, 0.03, "what the expansion leaves");
     }
 }
 
@@ -70,13 +41,8 @@ fn damping_of_the_stack_acts_in_contact() {
     let full = dry.push_stiffness * dry.damping;
     for rate in [-3.0, 3.0] {
         assert_near(viscous(&dry, 1.005, rate), full * rate, full, 1e-9, "in contact");
-        assert_near(
-            viscous(&dry, 1.0, rate),
-            0.5 * full * rate,
-            full,
-            1e-12,
-            "half at first touch",
-        );
+        let touching = viscous(&dry, 1.0, rate);
+        assert_near(touching, 0.5 * full * rate, full, 1e-12, "at first touch");
         assert_near(viscous(&dry, 0.99, rate), 0.0, full, 1e-12, "none across a gap");
     }
 }
@@ -106,10 +72,7 @@ fn oil_dissipates_and_cavitates() {
         for rate in [1e-3, 0.1, 10.0, 1e4] {
             assert!(viscous(&oil, nu, rate) > 0.0, "ν = {nu}, {rate} 1/s");
             let suction = -viscous(&oil, nu, -rate);
-            assert!(
-                (0.0..oil.suction).contains(&suction),
-                "ν = {nu}, {rate} 1/s: {suction} N"
-            );
+            assert!((0.0..oil.suction).contains(&suction), "ν = {nu}: {suction} N");
         }
     }
     let smoothed = oil.film_damping * RATE_SMOOTHING;

@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 use pushbelt::contact::{FlankForce, FlankMotion, energy_density, flank_force};
 use pushbelt::scalar::{Real, Tangent};
-use pushbelt_support::laws::{contact, cos_beta, friction, integral};
+use pushbelt_support::laws::{contact, cos_beta, friction};
 use pushbelt_support::noise;
 
 use crate::{assert_near, slope};
@@ -83,13 +83,6 @@ fn normal_force_is_the_derivative_of_the_energy() {
     }
 }
 
-#[test]
-fn energy_integrates_the_normal_force() {
-    let ends = [-20.0 * MICRON, 40.0 * MICRON];
-    let [from, to] = ends.map(|g| energy_density(&contact(), cos_beta(), g));
-    assert_near(integral(axial, ends, 600), to - from, to, 1e-10, "work");
-}
-
 /// Power of friction per flank and pitch-line length, W/m.
 fn friction_power(x: [f64; 4]) -> f64 {
     let force = force(x);
@@ -136,10 +129,8 @@ fn friction_and_damping_never_supply_energy() {
         let x = [100.0 * MICRON, 2.0, 1.0, 1.0].map(|size| size * random() * (20.0 * random()).exp());
         let found = force(x);
         assert!(friction_power(x) < 0.0, "{x:?}");
-        assert!(
-            found.tangential.hypot(found.along_flank) < cone(x[0]) * (1.0 + 1e-12),
-            "{x:?}"
-        );
+        let friction = found.tangential.hypot(found.along_flank);
+        assert!(friction < cone(x[0]) * (1.0 + 1e-12), "{x:?}");
         assert!(found.viscous * x[1] > 0.0, "{x:?}");
     }
 }

@@ -27,10 +27,8 @@ fn the_loop_closes_and_its_tangent_is_continuous() {
     let frame = curve().on_path(&path(0.0));
     let segments = curve().segments();
     for segment in 0..segments {
-        let (end, start) = (
-            TwoPulley::point(&frame, segment, 1.0),
-            TwoPulley::point(&frame, (segment + 1) % segments, 0.0),
-        );
+        let end = TwoPulley::point(&frame, segment, 1.0);
+        let start = TwoPulley::point(&frame, (segment + 1) % segments, 0.0);
         assert!((end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-13);
     }
     let end = TwoPulley::point(&frame, segments - 1, 1.0);

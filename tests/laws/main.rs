@@ -1,10 +1,9 @@
-//! The laws of contact, chain, ring and end stops and the reference curve, with a test for each regime: derivatives against
-//! differences, forces against the gradient of their energy, signs of losses.
+//! The laws of contact, chain and end stops and the reference curve, with a test for each regime: derivatives against differences, forces
+//! against the gradient of their energy, signs of losses. The suite of `paper` tests the beam of `ALE` with the other rings.
 
 mod chain;
 mod contact;
 mod curve;
-mod ring;
 mod stops;
 
 /// Derivative at 0 by differences of fourth order.

@@ -29,10 +29,7 @@ fn stops_push_towards_the_middle() {
 fn a_sheave_between_the_stops_is_free() {
     for z in [TRAVEL.open + 5e-4, 0.0, TRAVEL.closed - 5e-4] {
         let found = TRAVEL.stop_force(z, 0.1);
-        assert!(
-            found.force.abs() < 1.0 && found.viscous.abs() < 1.0,
-            "{found:?} at {z} m"
-        );
+        assert!(found.force.abs().max(found.viscous.abs()) < 1.0, "{found:?}");
     }
 }
 
@@ -53,13 +50,8 @@ fn damping_dissipates_energy_at_a_stop_only() {
     let full = STOP_STIFFNESS * STOP_DAMPING;
     for z_dot in [-0.1, 0.1] {
         for z in [TRAVEL.open - 20e-6, TRAVEL.closed + 20e-6] {
-            assert_near(
-                TRAVEL.stop_force(z, z_dot).viscous,
-                -full * z_dot,
-                full,
-                1e-3,
-                "damping",
-            );
+            let found = TRAVEL.stop_force(z, z_dot).viscous;
+            assert_near(found, -full * z_dot, full, 1e-3, "damping");
         }
         for z in [TRAVEL.open, TRAVEL.open + STOP_SMOOTHING, 0.0, TRAVEL.closed] {
             assert!(TRAVEL.stop_force(z, z_dot).viscous * z_dot < 0.0, "at {z} m");

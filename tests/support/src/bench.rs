@@ -42,10 +42,8 @@ pub fn step_parts_row(name: &str, seconds: [f64; 4]) -> (String, String) {
 
 /// Work of a run in words.
 pub fn text(counts: &Counts) -> String {
-    format!(
-        "{} steps, {} residuals, {} factorizations",
-        counts.steps, counts.residuals, counts.factorizations
-    )
+    let [steps, residuals, factors] = [counts.steps, counts.residuals, counts.factorizations];
+    format!("{steps} steps, {residuals} residuals, {factors} factorizations")
 }
 
 /// Time and work of a manoeuvre with the variator of `build`; `around` is called with each communication step.

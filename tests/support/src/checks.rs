@@ -1,32 +1,46 @@
 //! Assertions, and lists of numbers.
 
+use pushbelt::variator::settings::Outputs;
+
 /// `found` is `expected` within a relative bound.
 #[track_caller]
 pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
+    let off = found / expected - 1.0;
     assert!(
-        (found / expected - 1.0).abs() <= relative,
-        "{what}: {found} against {expected}, off by {:.2e}",
-        found / expected - 1.0
+        off.abs() <= relative,
+        "{what}: {found} against {expected}, off by {off:.2e}"
     );
 }
 
-/// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half indicates that the case has
-/// changed.
+/// A belt in reverse is that of `forward` mirrored in the line of the axes: speeds and torques change sign, all else is the same.
+#[track_caller]
+pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
+    for (name, sign, read) in [
+        ("primary speed", -1.0, (|o| o.primary.speed) as fn(&Outputs) -> f64),
+        ("secondary speed", -1.0, |o| o.secondary.speed),
+        ("belt speed", -1.0, |o| o.belt_speed),
+        ("ring speed", -1.0, |o| o.ring_speed),
+        ("primary torque", -1.0, |o| o.primary.shaft_torque),
+        ("secondary torque", -1.0, |o| o.secondary.shaft_torque),
+        ("thrust ratio", 1.0, |o| o.thrust_ratio),
+        ("ratio", 1.0, |o| o.ratio_geometric),
+        ("push force", 1.0, |o| o.push_force_max),
+        ("tension", 1.0, |o| o.ring_tension_max),
+        ("losses", 1.0, |o| o.losses.total()),
+    ] {
+        let (found, expected) = (read(reverse), sign * read(forward));
+        let off = (found - expected).abs();
+        assert!(off <= relative * expected.abs(), "{name}: {found}, {expected}");
+    }
+}
+
+/// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half indicates a run that ended early.
 #[track_caller]
 pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
-    assert!(
-        100 * found <= 105 * pinned,
-        "{what}: {found}, pinned at {pinned}: more work than 5 % over the pin. Find out why, or pin the new count if the \
-         change is meant"
-    );
-    assert!(
-        2 * found >= pinned,
-        "{what}: {found}, pinned at {pinned}: less than half. If that is an improvement and no run that ended early, pin \
-         the new count"
-    );
-    if 100 * found < 95 * pinned {
-        println!("{what}: {found}, pinned at {pinned}: an improvement, pin the new count");
-    }
+    let advice =
+        format!("{what}: {found}, pinned at {pinned}: find out why, or pin the new count if the change is meant");
+    assert!(100 * found <= 105 * pinned, "{advice}");
+    assert!(2 * found >= pinned, "{advice}");
 }
 
 /// Numbers in a line.
@@ -43,8 +57,6 @@ pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
 pub fn assert_order(name: &str, errors: &[f64], expected: f64) {
     let observed = orders(errors, 2.0);
     println!("{name}: errors {}, orders {observed:.2?}", list(errors));
-    assert!(
-        observed.iter().all(|order| (order - expected).abs() < 0.2),
-        "{name}: {observed:?}"
-    );
+    let near = observed.iter().all(|order| (order - expected).abs() < 0.2);
+    assert!(near, "{name}: {observed:?}");
 }

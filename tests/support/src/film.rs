@@ -4,45 +4,21 @@ use std::error::Error;
 
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, RingModel, StartState};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, RingModel, ShaftDrag, StartState};
 
 use crate::inside::stations;
 
-/// The oil between the elements.
-#[derive(Clone, Copy, Debug)]
-pub struct Film {
-    /// `belt.suction`, N.
-    pub suction: f64,
-    /// `belt.filmThickness`, m.
-    pub thickness: f64,
-    /// `belt.roughness`, m.
-    pub roughness: f64,
-    /// `belt.filmDamping`, N·s.
-    pub damping: f64,
-    /// `belt.squeezeDamping`, N·s.
-    pub squeeze: f64,
-}
-
-impl Film {
-    pub fn of(parameters: &Parameters) -> Self {
-        let belt = &parameters.belt;
-        Self {
-            suction: belt.suction,
-            thickness: belt.film_thickness,
-            roughness: belt.roughness,
-            damping: belt.film_damping,
-            squeeze: belt.squeeze_damping,
-        }
-    }
-
-    pub fn put(self, parameters: &mut Parameters) {
-        let belt = &mut parameters.belt;
-        belt.suction = self.suction;
-        belt.film_thickness = self.thickness;
-        belt.roughness = self.roughness;
-        belt.film_damping = self.damping;
-        belt.squeeze_damping = self.squeeze;
-    }
+/// The oil between the elements: `belt.suction`, N, `belt.filmThickness`, m, `belt.roughness`, m, `belt.filmDamping`, N·s, and
+/// `belt.squeezeDamping`, N·s.
+pub fn film(p: &mut Parameters) -> [&mut f64; 5] {
+    let belt = &mut p.belt;
+    [
+        &mut belt.suction,
+        &mut belt.film_thickness,
+        &mut belt.roughness,
+        &mut belt.film_damping,
+        &mut belt.squeeze_damping,
+    ]
 }
 
 pub const RATIOS: [(&str, f64); 3] = [("LOW", 2.25), ("medium", 1.0), ("OD", 1.0 / 2.25)];
@@ -72,19 +48,17 @@ pub enum Load {
 }
 
 impl FilmBench {
-    pub fn new(film: Film, ring: RingModel) -> Self {
+    /// With the default film.
+    pub fn new(ring: RingModel) -> Self {
         let mut parameters = Parameters {
             ring_model: ring,
             ..Parameters::default()
         };
-        film.put(&mut parameters);
         parameters.primary.axial = Axial::Held;
         parameters.secondary.drive = Drive::Speed;
         parameters.layers.friction = 0.0;
         for pulley in [&mut parameters.primary, &mut parameters.secondary] {
-            pulley.drag.constant = 0.0;
-            pulley.drag.viscous = 0.0;
-            pulley.drag.bearing_friction = 0.0;
+            pulley.drag = ShaftDrag::default();
         }
         Self { parameters }
     }
@@ -128,10 +102,8 @@ impl FilmBench {
             let Some(variator) = self.steady(ratio, SLOW, 2e3, Load::Share(0.0))? else {
                 return Ok(f64::NAN);
             };
-            least = stations(&variator, variator.state())
-                .iter()
-                .map(|s| s.push)
-                .fold(least, f64::min);
+            let stations = stations(&variator, variator.state());
+            least = stations.iter().map(|s| s.push).fold(least, f64::min);
         }
         Ok(least)
     }
@@ -141,11 +113,9 @@ impl FilmBench {
         let Some(mut variator) = self.steady(1.0, SPEED, 15e3, Load::Share(share))? else {
             return Ok(f64::NAN);
         };
-        let wrap: f64 = stations(&variator, variator.state())
-            .iter()
-            .filter(|s| s.on_arc())
-            .map(|s| 0.5 * s.curvature[0] * s.weight)
-            .sum();
+        let stations = stations(&variator, variator.state());
+        let arcs = stations.iter().filter(|s| s.on_arc());
+        let wrap: f64 = arcs.map(|s| 0.5 * s.curvature[0] * s.weight).sum();
         Ok(variator.outputs().primary.idle_arc / wrap)
     }
 

@@ -3,12 +3,10 @@
 use nalgebra::DMatrix;
 use pushbelt::pulley::PerPulley;
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::solver::{State, System, View};
+use pushbelt::solver::{State, System};
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
-use pushbelt::variator::mesh::layout::Layout;
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::Parameters;
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::steady::Steady;
@@ -124,65 +122,4 @@ impl Steady {
         let (law, o) = (&self.system.belt.law, &self.outputs);
         -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2]
     }
-
-    /// The state of a planar ring in the equations of a ring in space, with both belt planes at the same height.
-    #[must_use]
-    pub fn lifted(&self, parameters: &Parameters) -> Lifted {
-        let mut space = VariatorSystem::new(parameters);
-        space.loads = self.system.loads;
-        let layout = space.belt.layout;
-        let places = shared(&self.system.belt.layout, &layout);
-        let mut state = State::zero(layout.len());
-        for &(i, j) in &places {
-            (state.y[j], state.y_dot[j], state.q[j]) = (self.state.y[i], self.state.y_dot[i], self.state.q[i]);
-        }
-        let middles = space.belt.middles(state.view());
-        for node in 0..layout.elements {
-            state.q[layout.node(node, 4)] = middles.primary;
-        }
-        let planar = rows(&mut self.system.clone(), self.state.view());
-        let mut lateral = rows(&mut space, state.view());
-        let pairs = places
-            .iter()
-            .map(|&(i, j)| [planar[i], std::mem::take(&mut lateral[j])]);
-        Lifted {
-            middles,
-            shared: pairs.collect(),
-            lateral,
-        }
-    }
-}
-
-/// Residuals of one state in the equations of a planar ring and of a ring in space.
-#[derive(Clone, Debug)]
-pub struct Lifted {
-    /// Middles of the pulleys along z, m.
-    pub middles: PerPulley<f64>,
-    /// Rows that both have, in the plane and in space.
-    pub shared: Vec<[f64; 2]>,
-    /// Rows of the ring in space; zero in place of those that both have.
-    pub lateral: Vec<f64>,
-}
-
-fn rows(system: &mut VariatorSystem, view: View<'_>) -> Vec<f64> {
-    let mut rows = vec![0.0; view.y.len()];
-    system.residual(0.0, view, &mut rows);
-    rows
-}
-
-/// Indices of the same unknowns in two layouts.
-fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
-    let nodes = (0..flat.elements).flat_map(|node| (0..4).map(move |k| (node, k)));
-    let cells = 0..flat.cells();
-    let globals = flat.drift()..flat.len();
-    nodes
-        .map(|(node, k)| (flat.node(node, k), space.node(node, k)))
-        .chain(
-            cells
-                .clone()
-                .map(|cell| (flat.belt_speed(cell), space.belt_speed(cell))),
-        )
-        .chain(cells.map(|cell| (flat.amount(cell), space.amount(cell))))
-        .chain(globals.zip(space.drift()..))
-        .collect()
 }

@@ -1,7 +1,6 @@
 //! What the tests, benchmarks and examples of `pushbelt` share. It is a development dependency and not published.
 
 pub mod bench;
-mod c_functions;
 pub mod checks;
 pub mod curves;
 pub mod disturbed;

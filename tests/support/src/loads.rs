@@ -8,6 +8,7 @@ use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
 
 use crate::load_cases::clamping;
 use crate::noise;
+use crate::run::started;
 use crate::variators::{SPEED, inputs};
 
 /// Load on the variator as a function of time.
@@ -59,12 +60,24 @@ impl LoadHistory {
         char::from(b'a' + at as u8)
     }
 
+    /// Communication step, s, mean torque on the primary shaft and largest torque that the secondary clamping force transmits, N·m, and speed
+    /// of the primary shaft at the start, rad/s.
+    fn figures(self) -> [f64; 4] {
+        match self {
+            Self::Smooth => [1e-3, 50.0, 1.3 * 80.0, SPEED],
+            Self::Firing => [1e-3, 80.0, 1.3 * 110.0, SPEED],
+            Self::Ripple | Self::Noise | Self::Stairs => [1e-3, 50.0, 1.3 * 60.0, SPEED],
+            Self::Slam => [1e-3, 50.0, 100.0, SPEED],
+            Self::Launch => [1e-3, 0.0, 1.3 * 80.0, 0.0],
+            Self::Flips => [10e-3, 0.0, 1.3 * 60.0, SPEED],
+            Self::FiringAndNoise => [1e-3, 20.0, 1.3 * 60.0, SPEED],
+            Self::Hunting => [10e-3, 0.0, 1.3 * 60.0, 20.0],
+        }
+    }
+
     /// Communication step, s.
     pub fn step(self) -> f64 {
-        match self {
-            Self::Flips | Self::Hunting => 10e-3,
-            _ => 1e-3,
-        }
+        self.figures()[0]
     }
 
     /// Ratios at which it is run.
@@ -72,34 +85,6 @@ impl LoadHistory {
         match self {
             Self::FiringAndNoise => &RATIOS[..1],
             _ => &RATIOS,
-        }
-    }
-
-    /// Mean torque on the primary shaft, N·m.
-    fn mean_torque(self) -> f64 {
-        match self {
-            Self::Firing => 80.0,
-            Self::FiringAndNoise => 20.0,
-            Self::Launch | Self::Flips | Self::Hunting => 0.0,
-            _ => 50.0,
-        }
-    }
-
-    /// Largest torque that the secondary clamping force transmits, N·m.
-    fn capacity(self) -> f64 {
-        match self {
-            Self::Firing => 1.3 * 110.0,
-            Self::Slam => 100.0,
-            Self::Smooth | Self::Launch => 1.3 * 80.0,
-            _ => 1.3 * 60.0,
-        }
-    }
-
-    fn start_speed(self) -> f64 {
-        match self {
-            Self::Launch => 0.0,
-            Self::Hunting => 20.0,
-            _ => SPEED,
         }
     }
 }
@@ -133,14 +118,12 @@ impl Driven {
     pub fn new(load: LoadHistory, mut parameters: Parameters, ratio: f64) -> Self {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = ratio;
-        parameters.initial.primary_speed = load.start_speed();
-        let clamping = clamping(&parameters, ratio, load.capacity());
-        let torque = load.mean_torque();
+        let [_, torque, capacity, speed] = load.figures();
+        parameters.initial.primary_speed = speed;
+        let clamping = clamping(&parameters, ratio, capacity);
         let started = |primary: f64| {
-            let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
             let start = inputs((torque, primary), (-torque * ratio, clamping));
-            variator.initialise(0.0, &start).expect("a start");
-            variator
+            started(parameters.clone(), &start)
         };
         // The start holds the ratio. The run begins with the force that holds the belt there, to avoid a jump.
         let primary = started(clamping).outputs().primary.axial_force;
@@ -150,7 +133,7 @@ impl Driven {
             load,
             ratio,
             middle: [clamping, primary],
-            cruise: load.start_speed() / ratio,
+            cruise: speed / ratio,
             integral: 0.0,
             steps: 0,
             seed: 1,
@@ -170,7 +153,7 @@ impl Driven {
     /// Torques on P and S, N·m.
     fn torques(&self, time: f64, outputs: &Outputs) -> [f64; 2] {
         let (p, s) = (outputs.primary.speed, outputs.secondary.speed);
-        let mean = self.load.mean_torque();
+        let mean = self.load.figures()[1];
         let cruising = |torque: f64| -torque * self.ratio - OF_SPEED * (s - self.cruise);
         let sign = if self.steps.is_multiple_of(2) { 1.0 } else { -1.0 };
         match self.load {

@@ -7,12 +7,62 @@ use std::path::{Path, PathBuf};
 use std::ptr::null;
 
 use libloading::Library as Loaded;
+use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
+use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 
-use crate::c_functions::functions;
-pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, real_outputs, real_references, reference};
 use crate::shared_library3::Functions3;
+
+pub const OK: c_int = 0;
+pub const WARNING: c_int = 1;
+pub const ERROR: c_int = 3;
+
+/// The exported functions of a table of C functions, each with a list of arguments, a result and a body.
+macro_rules! functions {
+    (
+        $all:ident:
+        $(
+            $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?
+                $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
+        )*
+    ) => {
+        /// The exported functions.
+        #[allow(non_snake_case, reason = "names of the standard and of the header")]
+        #[derive(Clone, Copy)]
+        pub struct $all {
+            $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
+        }
+
+        impl $all {
+            pub(crate) fn of(library: &libloading::Library) -> Self {
+                // SAFETY: these are the types with which the library exports them; a status is an `int`.
+                unsafe {
+                    Self {
+                        $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*
+                    }
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use functions;
+
+/// Value reference of a variable.
+pub fn reference(name: &str) -> u32 {
+    let table = VariatorUnit::table();
+    let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
+    variable.reference
+}
+
+/// Value references of the real outputs.
+pub fn real_outputs() -> Vec<u32> {
+    let table = VariatorUnit::table();
+    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
+    let real = outputs.filter(|v| matches!(v.kind, Kind::Real { .. }));
+    real.map(|v| v.reference).collect()
+}
 
 /// Statuses as the library returns them.
 type Status = c_int;
@@ -33,11 +83,8 @@ pub struct Library {
 pub fn path() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
     let folder = test.parent().expect("a test lies in a folder");
-    let name = format!(
-        "{}pushbelt_library{}",
-        std::env::consts::DLL_PREFIX,
-        std::env::consts::DLL_SUFFIX
-    );
+    let (prefix, suffix) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{prefix}pushbelt_library{suffix}");
     let path = folder.join(name);
     assert!(path.is_file(), "{} is missing", path.display());
     path
@@ -64,8 +111,8 @@ impl Library {
 impl Functions {
     /// An instance without a logger.
     pub fn instantiate(&self) -> Component {
-        let guid = CString::new(pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None))
-            .expect("no zero inside");
+        let guid = pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None);
+        let guid = CString::new(guid).expect("no zero inside");
         // SAFETY: valid strings, and null where it is allowed.
         let c = unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
         assert!(!c.is_null());
@@ -81,10 +128,8 @@ impl Functions {
         let steady = reference("initial.steady");
         // SAFETY: `c` is an instance, and there are as many values as references.
         unsafe {
-            assert_eq!(
-                (self.fmi2SetInteger)(c, integers.as_ptr(), 4, [1, 4, 4, 4].as_ptr()),
-                OK
-            );
+            let status = (self.fmi2SetInteger)(c, integers.as_ptr(), 4, [1, 4, 4, 4].as_ptr());
+            assert_eq!(status, OK);
             assert_eq!((self.fmi2SetBoolean)(c, &steady, 1, &0), OK);
         }
     }
@@ -102,25 +147,20 @@ impl Functions {
         }
     }
 
-    /// `count` steps of 1 ms with an oscillating load; the bits of some outputs after each.
+    /// `count` steps of 1 ms from 0 with an oscillating load.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
-    pub unsafe fn run(&self, c: Component, load: f64, count: u32) -> Vec<[u64; 3]> {
+    pub unsafe fn run(&self, c: Component, count: u32) {
         let torque = reference("secondary.torque");
-        let outputs = ["thrustRatio", "belt.speed", "energy.residual"].map(reference);
-        let step = |k: u32| {
-            let mut values = [0.0; 3];
-            // SAFETY: `c` is an instance, and there are as many values as references.
+        for k in 0..count {
+            // SAFETY: `c` is an instance, and there is a value for the reference.
             unsafe {
-                let load = -49.0 + load * f64::from(k % 7);
+                let load = -49.0 + f64::from(k % 7);
                 assert_eq!((self.fmi2SetReal)(c, &torque, 1, &load), OK);
                 assert_eq!((self.fmi2DoStep)(c, f64::from(k) * 1e-3, 1e-3, 1), OK);
-                assert_eq!((self.fmi2GetReal)(c, outputs.as_ptr(), 3, values.as_mut_ptr()), OK);
             }
-            values.map(f64::to_bits)
-        };
-        (0..count).map(step).collect()
+        }
     }
 }
 

@@ -9,12 +9,13 @@ use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::diagnostics::observe::{Context, Observer};
+use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 
-use crate::load_cases::{LoadCase, ratio, speeds};
+use crate::load_cases::{LoadCase, given, pair, ratio, speeds};
 use crate::variators::SPEED;
 
 /// A steady state.
@@ -85,6 +86,29 @@ impl Steady {
 /// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task leaves free is a first guess.
 pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>) -> Steady {
     steady_with(parameters, parameters.ring_of_model(), task, speeds)
+}
+
+/// At a ratio that the primary sheave holds, under a secondary clamping force, N: both shafts have given speeds, rad/s.
+pub fn turning(parameters: &Parameters, ratio: f64, force: f64, speeds: PerPulley<f64>) -> Steady {
+    steady(parameters, &given(ratio, Pulley::Primary, force, 0.0), speeds)
+}
+
+/// The same at a primary speed, rad/s, with a torque on the secondary shaft, N·m, often none.
+pub fn loaded(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
+    let task = SteadyTask {
+        shaft: pair(ShaftMode::Torque(torque), ShaftMode::Fixed),
+        ..given(ratio, Pulley::Primary, force, 0.0)
+    };
+    steady(parameters, &task, speeds(ratio, speed))
+}
+
+/// The same where the belt takes a torque, N·m, from the primary shaft.
+pub fn transmitting(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
+    let task = SteadyTask {
+        shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
+        ..given(ratio, Pulley::Primary, force, 0.01 * (torque * speed).signum())
+    };
+    steady(parameters, &task, speeds(ratio, speed))
 }
 
 /// [`steady`] with a ring other than that of the parameters.

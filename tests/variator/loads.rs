@@ -1,11 +1,10 @@
 //! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
-use pushbelt::archive::Archive;
 use pushbelt::variator::run::{CommunicationStep, Message, Variator};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
-use pushbelt_support::run::Run;
+use pushbelt_support::run::{Run, restored, started};
 use pushbelt_support::variators::{coarse, inputs, variator};
 
 /// Time for which each load acts, s.
@@ -22,7 +21,6 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
         }
         driven.variator.counts().factorizations - start
     });
-    println!("{model:?}: {found:?}");
     for ((load, found), pinned) in LOADS.iter().zip(found).zip(pinned) {
         assert_pinned(found, pinned, &format!("Jacobians of {load:?}"));
     }
@@ -56,17 +54,12 @@ fn held_inputs_reach_their_values_and_the_energy_balance_holds() {
             run.inputs = inputs((50.0 + 20.0 * sign, 13e3 + 500.0 * sign), (-49.0, 10e3 - 300.0 * sign));
             let step = [1e-3, 2.5e-3, 0.4e-3][k % 3];
             let outputs = run.go(step, step);
-            assert_close(
-                outputs.primary.external_torque,
-                50.0 + 20.0 * sign,
-                1e-9,
-                "torque at the end of a step",
-            );
+            let torque = outputs.primary.external_torque;
+            assert_close(torque, 50.0 + 20.0 * sign, 1e-9, "torque at the end of a step");
         }
         run.assert_balances();
         run.variator.outputs().primary.speed
     });
-    println!("primary speed at the end: {speeds:?} rad/s");
     for speed in speeds {
         assert_close(speed, speeds[0], 5e-3, "speed without a ramp");
     }
@@ -79,37 +72,12 @@ fn derivatives_take_precedence_over_the_ramp() {
     let mut rates = Inputs::ZERO;
     rates.primary.torque = 1e4;
     let end_of = |ramp: f64| {
-        let mut variator = Variator::new(ramping(ramp)).expect("valid parameters");
-        variator.initialise(0.0, &start).expect("a start");
+        let mut variator = started(ramping(ramp), &start);
         variator.advance_along(1e-3, &start, &rates).expect("a step");
         variator.outputs().primary.external_torque
     };
     for ramp in [0.0, 1e-3, -1.0] {
         assert_close(end_of(ramp), 60.0, 1e-9, "torque at the end of its ramp");
-    }
-}
-
-/// A run that is stored and restored while inputs change has the same results as without that.
-#[test]
-fn copies_and_stored_states_continue_alike_while_inputs_change() {
-    let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
-    let mut variator = Variator::new(ramping(-1.0)).expect("valid parameters");
-    variator.initialise(0.0, &of(0)).expect("a start");
-    for k in 1..10 {
-        variator.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
-    }
-    let mut copy = variator.clone();
-    let mut archive = Archive::writer();
-    variator.serialize(&mut archive);
-    let bytes = archive.into_bytes();
-    let mut restored = Variator::new(ramping(-1.0)).expect("valid parameters");
-    restored.serialize(&mut Archive::reader(&bytes));
-    for k in 10..20 {
-        for run in [&mut variator, &mut copy, &mut restored] {
-            run.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
-        }
-        assert_eq!(variator.state(), copy.state());
-        assert_eq!(variator.state(), restored.state());
     }
 }
 
@@ -129,10 +97,7 @@ fn a_failed_step_leaves_nothing() {
     while step.advance(&mut variator).is_ok() {
         assert!(!step.is_over(), "a step that can't be done");
     }
-    let mut archive = Archive::writer();
-    variator.serialize(&mut archive);
-    let mut restored = Variator::new(parameters).expect("valid parameters");
-    restored.serialize(&mut Archive::reader(&archive.into_bytes()));
+    let mut restored = restored(&mut variator, parameters);
     for run in [&mut variator, &mut restored] {
         run.advance(1.2e-4, &gentle).expect("a step");
     }
@@ -144,22 +109,19 @@ fn a_failed_step_leaves_nothing() {
 #[test]
 fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
     let mut driven = Driven::new(LoadHistory::Hunting, variator(RingModel::Ale), 2.2);
-    let mut restored = None;
+    let mut again = None;
     let (start, mut remarks) = (driven.variator.counts(), Vec::new());
     while driven.until() < 1.0 - 1e-9 {
         let inputs = driven.inputs();
         let until = driven.until();
-        for run in std::iter::once(&mut driven.variator).chain(&mut restored) {
+        for run in std::iter::once(&mut driven.variator).chain(&mut again) {
             run.advance(until, &inputs).expect("a step");
             let remark = |message: Message| message.text.contains("of simulation took").then_some(message.text);
             remarks.extend(run.take_messages().into_iter().filter_map(remark));
         }
-        if restored.is_none() && until > 0.9 {
-            let mut archive = Archive::writer();
-            driven.variator.serialize(&mut archive);
-            let mut read = Variator::new(driven.variator.parameters().clone()).expect("valid parameters");
-            read.serialize(&mut Archive::reader(&archive.into_bytes()));
-            restored = Some(read);
+        if again.is_none() && until > 0.9 {
+            let parameters = driven.variator.parameters().clone();
+            again = Some(restored(&mut driven.variator, parameters));
         }
     }
     let work = driven.variator.counts() - start;
@@ -178,8 +140,7 @@ fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
 #[test]
 fn outputs_count_the_work_since_the_start() {
     let start = inputs((50.0, 13e3), (-49.0, 10e3));
-    let mut variator = Variator::new(coarse(RingModel::Ale0)).expect("valid parameters");
-    variator.initialise(0.0, &start).expect("a start");
+    let mut variator = started(coarse(RingModel::Ale0), &start);
     assert_eq!(variator.outputs().work.steps, 0);
     let before = variator.counts();
     for k in 1..=20 {
@@ -188,14 +149,8 @@ fn outputs_count_the_work_since_the_start() {
         variator.advance(1e-3 * f64::from(k), &given).expect("a step");
         assert!(variator.outputs().work.steps >= k);
     }
-    let work = variator.outputs().work;
-    let after = variator.counts();
-    let taken =
-        |of: fn(&pushbelt::solver::newton::Counts) -> u64| i32::try_from(of(&after) - of(&before)).expect("few");
-    assert_eq!(
-        work.steps,
-        taken(|counts| counts.steps + counts.rejected + counts.failed)
-    );
-    assert_eq!(work.residuals, taken(|counts| counts.residuals));
-    assert_eq!(work.jacobians, taken(|counts| counts.factorizations));
+    let (work, counts) = (variator.outputs().work, variator.counts() - before);
+    let counted = [work.steps, work.residuals, work.jacobians].map(|count| u64::try_from(count).expect("a count"));
+    let steps = counts.steps + counts.rejected + counts.failed;
+    assert_eq!(counted, [steps, counts.residuals, counts.factorizations]);
 }

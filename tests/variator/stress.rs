@@ -1,23 +1,11 @@
 //! Stress in the layers of the ring, from the fields of the variator.
 
 use pushbelt::pulley::Pulley;
-use pushbelt::variator::pulleys::loads::ShaftMode;
-use pushbelt::variator::settings::{PROFILE_POINTS, Parameters, RingModel};
-use pushbelt::variator::steady::solve::SteadyTask;
+use pushbelt::variator::settings::{Outputs, PROFILE_POINTS, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
-use pushbelt_support::load_cases::{given, pair, speeds};
 use pushbelt_support::run::Run;
-use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::steady::transmitting;
 use pushbelt_support::variators::{MODELS, SPEED, coarse, inputs, variator};
-
-/// Steady running at a ratio under a torque, N·m, and a clamping force, N.
-fn loaded(parameters: &Parameters, ratio: f64, torque: f64, force: f64) -> Steady {
-    let task = SteadyTask {
-        shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
-        ..given(ratio, Pulley::Primary, force, 0.01)
-    };
-    steady(parameters, &task, speeds(ratio, SPEED))
-}
 
 /// Area of all layers of both sets, m², and ½ E t, N/m.
 fn section(parameters: &Parameters) -> [f64; 2] {
@@ -35,8 +23,7 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
         let parameters = variator(model);
         let [area, bending] = section(&parameters);
         for (ratio, torque, force) in [(2.3, 150.0, 30e3), (0.43, 150.0, 30e3), (0.43, 100.0, 10e3)] {
-            let state = loaded(&parameters, ratio, torque, force);
-            let o = &state.outputs;
+            let o = transmitting(&parameters, ratio, force, torque, SPEED).outputs;
             let stress = &o.ring_stress;
             let (small, large) = if ratio > 1.0 {
                 (Pulley::Primary, Pulley::Secondary)
@@ -49,16 +36,9 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
             assert_close(stress.max, high + of_bending - residual, 0.04, "largest stress");
             // The tension changes along the arc too.
             let of_tension = 0.5 * (high - low);
-            assert!(
-                (stress.amplitude[small] - 0.5 * of_bending).abs() < 0.02 * of_bending + of_tension,
-                "amplitude"
-            );
-            assert_close(
-                stress.amplitude[small] + stress.mean[small],
-                stress.max,
-                1e-9,
-                "the cycle's upper end",
-            );
+            assert!((stress.amplitude[small] - 0.5 * of_bending).abs() < 0.02 * of_bending + of_tension);
+            let upper = stress.amplitude[small] + stress.mean[small];
+            assert_close(upper, stress.max, 1e-9, "upper end of the cycle");
             assert!(stress.amplitude[large] < 0.6 * stress.amplitude[small]);
         }
     }
@@ -68,7 +48,11 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
 #[test]
 fn both_rings_have_the_same_stress() {
     for (ratio, torque, force) in [(2.3, 100.0, 20e3), (1.0, 100.0, 15e3), (0.5, 100.0, 15e3)] {
-        let [ale0, ale] = MODELS.map(|model| loaded(&variator(model), ratio, torque, force).outputs.ring_stress);
+        let [ale0, ale] = MODELS.map(|model| {
+            transmitting(&variator(model), ratio, force, torque, SPEED)
+                .outputs
+                .ring_stress
+        });
         assert_close(ale.max, ale0.max, 0.03, "largest stress");
         for pulley in Pulley::BOTH {
             assert_close(ale.amplitude[pulley], ale0.amplitude[pulley], 0.06, "amplitude");
@@ -84,8 +68,7 @@ fn residual_curvature_shifts_the_mean_only() {
         let mut parameters = coarse(RingModel::Ale);
         parameters.initial.ratio = 0.6;
         parameters.layers.residual_curvature = curvature;
-        let mut run = Run::new(parameters, inputs((50.0, 16e3), (-27.0, 10e3)));
-        run.go(0.02, 1e-3)
+        Run::new(parameters, inputs((50.0, 16e3), (-27.0, 10e3))).go(0.02, 1e-3)
     };
     let (straight, bent) = (run(0.0), run(5.0));
     let [_, bending] = section(&variator(RingModel::Ale));
@@ -93,14 +76,9 @@ fn residual_curvature_shifts_the_mean_only() {
     assert_close(a.max - b.max, 5.0 * bending, 1e-9, "shift of the largest stress");
     for pulley in Pulley::BOTH {
         assert_close(a.amplitude[pulley], b.amplitude[pulley], 1e-9, "amplitude");
-        assert_close(
-            a.mean[pulley] - b.mean[pulley],
-            5.0 * bending,
-            1e-9,
-            "shift of the mean",
-        );
+        assert_close(a.mean[pulley] - b.mean[pulley], 5.0 * bending, 1e-9, "mean");
     }
-    let still = |o: &pushbelt::variator::settings::Outputs| pushbelt::variator::settings::Outputs {
+    let still = |o: &Outputs| Outputs {
         ring_stress: Default::default(),
         ..o.clone()
     };

@@ -1,23 +1,22 @@
 //! Drag of the shafts, friction between the layers of the ring, and elements that start and stop turning: their values, the energy balance with them, and
 //! agreement with their laws.
 
+use std::f64::consts::TAU;
+
 use pushbelt::pulley::{PerPulley, Pulley};
-use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Drive, Losses, Parameters, RingModel};
-use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_support::checks::assert_close;
-use pushbelt_support::load_cases::{LoadCase, given, pair, speeds};
+use pushbelt_support::load_cases::clamping;
 use pushbelt_support::run::Run;
-use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::steady::{Steady, loaded, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
+
+/// 1 rpm, rad/s.
+const RPM: f64 = TAU / 60.0;
 
 /// Running without load at the secondary shaft: a ratio, a clamping force, N, a primary speed, rad/s.
 fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady {
-    let task = SteadyTask {
-        shaft: pair(ShaftMode::Torque(0.0), ShaftMode::Fixed),
-        ..given(ratio, Pulley::Primary, force, 0.0)
-    };
-    steady(parameters, &task, speeds(ratio, speed))
+    loaded(parameters, ratio, force, 0.0, speed)
 }
 
 /// Mean pull of a strand on the pulleys, N: tension less push force and less m v² of the belt's own mass. Segment 1
@@ -42,13 +41,13 @@ fn pull(state: &Steady, segment: usize) -> f64 {
 fn torque_that_turns_the_variator_without_load() {
     for (rpm, still) in [(500.0, 1.14), (2000.0, 1.26), (5000.0, 1.50)] {
         let expected = still + 0.0435 * f64::powi(rpm / 2000.0, 2);
-        let speed = rpm * std::f64::consts::TAU / 60.0;
+        let speed = rpm * RPM;
         let state = idling(&variator(RingModel::Ale), 1.0, 10e3, speed);
         let o = &state.outputs;
         let torque = state.external_torques().primary;
-        let shafts = o.losses.shafts / speed;
         let load = pull(&state, 1) + pull(&state, 3);
-        assert_close(shafts, 2.0 * (0.15 + 4e-4 * speed + 1.8e-3 * 0.02 * load), 0.01, "drag");
+        let drag = 2.0 * (0.15 + 4e-4 * speed + 1.8e-3 * 0.02 * load);
+        assert_close(o.losses.shafts / speed, drag, 0.01, "drag");
         assert_close(torque, expected, 0.05, "torque without load");
         assert_close(torque * speed, o.losses.total(), 5e-3, "the power supplied is the loss");
     }
@@ -60,11 +59,8 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
     let centrifugal = mass * state.outputs.ring_speed.powi(2);
     let mut sums = PerPulley::default();
     for at in state.stations() {
-        let pulley = if at.segment == 2 {
-            Pulley::Primary
-        } else {
-            Pulley::Secondary
-        };
+        let primary = at.segment == 2;
+        let pulley = if primary { Pulley::Primary } else { Pulley::Secondary };
         let s = at.sample;
         sums[pulley] += (s.tension - centrifugal) * s.curvature[0] * s.weight;
     }
@@ -77,19 +73,10 @@ fn loss_of_the_layers_is_that_of_their_law() {
     for model in MODELS {
         let parameters = variator(model);
         for (ratio, torque) in [(0.45, 0.0), (0.45, 50.0), (0.7, 100.0), (1.2, 80.0), (2.2, 80.0)] {
-            let task = SteadyTask {
-                shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
-                ..given(ratio, Pulley::Primary, 20e3, 0.005)
+            let state = match torque {
+                0.0 => idling(&parameters, ratio, 20e3, SPEED),
+                _ => transmitting(&parameters, ratio, 20e3, torque, SPEED),
             };
-            let task = if torque == 0.0 {
-                SteadyTask {
-                    shaft: pair(ShaftMode::Torque(0.0), ShaftMode::Fixed),
-                    ..task
-                }
-            } else {
-                task
-            };
-            let state = steady(&parameters, &task, speeds(ratio, SPEED));
             let (o, sums) = (&state.outputs, pressing(&state));
             let layers = &parameters.layers;
             let slip = o.ring_speed * layers.thickness * (1.0 / o.primary.radius - 1.0 / o.secondary.radius).abs();
@@ -102,64 +89,46 @@ fn loss_of_the_layers_is_that_of_their_law() {
     }
 }
 
-/// A variator whose elements of 2 g and 12 mm have this moment of inertia about their rocking edge, kg·m².
+/// Moment of inertia of elements of 2 g and 12 mm about their rocking edge, kg·m².
 const INERTIA: f64 = 2.6e-8;
 
-fn with_turning_elements(mut parameters: Parameters) -> Parameters {
-    parameters.belt.element_inertia = INERTIA;
-    parameters
-}
-
 /// Elements per second times I (V/R)² of both arcs: in overdrive a torque of some 0.3 N·m at 2000 rpm and 2 N·m at
-/// 5000 rpm, which grows with the square of the speed. The power is that of the primary shaft.
+/// 5000 rpm, which grows with the square of the speed. The primary shaft supplies it: what remains of the power balance is what remains
+/// without it.
 #[test]
 fn loss_of_turning_elements_is_that_of_their_law() {
     for model in MODELS {
-        let parameters = with_turning_elements(variator(model));
+        let mut parameters = variator(model);
+        let mut still = parameters.clone();
+        (parameters.belt.element_inertia, still.belt.element_inertia) = (INERTIA, 0.0);
         for ratio in [0.444, 1.0, 2.25] {
-            let torque = |rpm: f64| {
-                let speed = rpm * std::f64::consts::TAU / 60.0;
-                let state = idling(&parameters, ratio, 10e3, speed);
-                let o = &state.outputs;
-                let stations = state.stations();
-                let stack: f64 = stations
+            let [slow, fast] = [2000.0, 5000.0].map(|rpm| idling(&parameters, ratio, 10e3, rpm * RPM));
+            for state in [&slow, &fast] {
+                let (o, stations) = (&state.outputs, state.stations());
+                let lengths = stations
                     .iter()
-                    .map(|at| at.sample.density * at.sample.lambda * at.sample.weight)
-                    .sum();
-                let length: f64 = stations.iter().map(|at| at.sample.lambda * at.sample.weight).sum();
+                    .map(|at| (at.sample.density, at.sample.lambda * at.sample.weight));
+                let (stack, length) = lengths.fold((0.0, 0.0), |(n, l), (density, of)| (n + density * of, l + of));
                 let elements = o.belt_speed * stack / length / parameters.belt.element_thickness;
                 let turning = |radius: f64| INERTIA * (o.belt_speed / radius).powi(2);
                 let expected = elements * (turning(o.primary.radius) + turning(o.secondary.radius));
                 assert_close(o.losses.spin, expected, 0.01, "loss of turning elements");
-                o.losses.spin / speed
-            };
-            let (slow, fast) = (torque(2000.0), torque(5000.0));
-            if ratio < 0.5 {
-                assert_close(slow, 0.33, 0.1, "torque at 2000 rpm");
-                assert_close(fast, 2.05, 0.1, "torque at 5000 rpm");
             }
-            assert_close(fast / slow, 6.25, 0.02, "torque over speed");
+            let torques =
+                [(&slow, 2000.0), (&fast, 5000.0)].map(|(state, rpm)| state.outputs.losses.spin / (rpm * RPM));
+            assert_close(torques[1] / torques[0], 6.25, 0.02, "torque over speed");
+            if ratio < 0.5 {
+                assert_close(torques[0], 0.33, 0.1, "torque at 2000 rpm");
+                assert_close(torques[1], 2.05, 0.1, "torque at 5000 rpm");
+                let without = idling(&still, ratio, 10e3, 5000.0 * RPM);
+                assert_eq!(without.outputs.losses.spin, 0.0);
+                let supplied = |state: &Steady| state.external_torques().primary * 5000.0 * RPM;
+                let rest = |state: &Steady| supplied(state) - state.outputs.losses.total();
+                let spin = fast.outputs.losses.spin;
+                assert_close(supplied(&fast) - supplied(&without), spin, 0.1, "power of the shaft");
+                assert!((rest(&fast) - rest(&without)).abs() < 0.01 * spin, "{model:?}");
+            }
         }
-    }
-}
-
-/// The primary shaft supplies the loss of turning elements: what remains of the power balance is what remains without it.
-#[test]
-fn the_shaft_supplies_the_loss_of_turning_elements() {
-    for model in MODELS {
-        let speed = 5000.0 * std::f64::consts::TAU / 60.0;
-        let [with, without] = [INERTIA, 0.0].map(|inertia| {
-            let mut parameters = variator(model);
-            parameters.belt.element_inertia = inertia;
-            let state = idling(&parameters, 0.444, 10e3, speed);
-            let supplied = state.external_torques().primary * speed;
-            (state.outputs.losses, supplied)
-        });
-        let spin = with.0.spin;
-        let rest = |(losses, supplied): (Losses, f64)| supplied - losses.total();
-        assert_eq!(without.0.spin, 0.0);
-        assert_close(with.1 - without.1, spin, 0.1, "power of the shaft");
-        assert!((rest(with) - rest(without)).abs() < 0.01 * spin, "{model:?}");
     }
 }
 
@@ -190,16 +159,10 @@ fn a_variator_loses_less_than_a_whole_transmission() {
         (0.5, 2000.0, 41.0, 0.947),
         (0.5, 3000.0, 27.0, 0.795),
     ] {
-        let theta = (1.0 - ratio) / (1.0 + ratio);
-        let per_force = LoadCase::new(&parameters, "", theta, 1.0e3).clamping / 1.0e3;
-        let task = SteadyTask {
-            shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
-            ..given(ratio, Pulley::Primary, (per_force * torque).max(4e3), 0.01)
-        };
-        let speed = rpm * std::f64::consts::TAU / 60.0;
-        let state = steady(&parameters, &task, speeds(ratio, speed));
+        let force = clamping(&parameters, ratio, 1.3e3) * torque / 1e3;
+        let state = transmitting(&parameters, ratio, force.max(4e3), torque, rpm * RPM);
         let with_spin = state.outputs.efficiency;
-        let efficiency = with_spin + state.outputs.losses.spin / (state.external_torques().primary * speed);
+        let efficiency = with_spin + state.outputs.losses.spin / (state.external_torques().primary * rpm * RPM);
         assert!(with_spin < efficiency);
         assert!(efficiency > measured && efficiency < 0.99, "{efficiency} at {ratio}");
     }
@@ -208,18 +171,13 @@ fn a_variator_loses_less_than_a_whole_transmission() {
 /// Without its parameters each loss is exactly zero, and both efficiencies are one.
 #[test]
 fn each_loss_is_zero_without_its_parameters() {
-    let parameters = belt_alone(coarse(RingModel::Ale));
-    let task = SteadyTask {
-        shaft: pair(ShaftMode::Transmit(50.0), ShaftMode::Fixed),
-        ..given(0.5, Pulley::Primary, 8e3, 0.01)
-    };
-    let alone = steady(&parameters, &task, speeds(0.5, SPEED)).outputs;
+    let usual = coarse(RingModel::Ale);
+    let [alone, usual] = [belt_alone(usual.clone()), usual].map(|p| transmitting(&p, 0.5, 8e3, 50.0, SPEED).outputs);
     let Losses {
         layers, spin, shafts, ..
     } = alone.losses;
     assert_eq!((layers, spin, shafts), (0.0, 0.0, 0.0));
     assert_eq!(alone.efficiency, alone.belt_efficiency);
-    let usual = steady(&coarse(RingModel::Ale), &task, speeds(0.5, SPEED)).outputs;
     assert!(usual.losses.layers > 0.0 && usual.losses.shafts > 0.0);
     assert!(usual.efficiency < usual.belt_efficiency && usual.belt_efficiency < alone.efficiency);
 }
@@ -227,40 +185,17 @@ fn each_loss_is_zero_without_its_parameters() {
 /// The energy balance of a shift in overdrive with all losses.
 #[test]
 fn energy_balance_with_all_losses() {
-    let span = 0.2;
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.initial.ratio = 0.6;
         parameters.belt.element_inertia = INERTIA;
         let mut run = Run::new(parameters, inputs((20.0, 12e3), (-11.0, 10e3)));
-        run.go(0.25 * span, 1e-3);
+        run.go(0.05, 1e-3);
         run.inputs.primary.clamping_force = 16e3;
-        let o = run.go(0.75 * span, 1e-3);
-        assert!(
-            o.losses.layers > 1.0 && o.losses.spin > 20.0 && o.losses.shafts > 50.0,
-            "{model:?}: {:?}",
-            o.losses
-        );
+        let losses = run.go(0.15, 1e-3).losses;
+        let all = losses.layers > 1.0 && losses.spin > 20.0 && losses.shafts > 50.0;
+        assert!(all, "{model:?}: {losses:?}");
         run.assert_balances();
-    }
-}
-
-/// Under drag, a clamped belt without torque stays at a standstill.
-#[test]
-fn drag_moves_nothing_at_a_standstill() {
-    for model in MODELS {
-        let mut parameters = coarse(model);
-        parameters.initial.primary_speed = 0.0;
-        parameters.initial.ratio = 0.6;
-        let moved = |parameters: Parameters| {
-            let mut run = Run::new(parameters, inputs((0.0, 10e3), (0.0, 8e3)));
-            let o = run.go(0.2, 2e-3);
-            run.assert_balances();
-            assert!(o.losses.layers >= 0.0 && o.losses.shafts >= 0.0);
-            (o.primary.speed.abs()).max(o.secondary.speed.abs())
-        };
-        let (with, without) = (moved(parameters.clone()), moved(belt_alone(parameters)));
-        assert!(with < without + 1e-3, "{model:?}: {with} {without}");
     }
 }
 
@@ -275,10 +210,7 @@ fn the_reaction_in_speed_drive_includes_the_drag() {
         let mut run = Run::new(parameters, given);
         let o = run.go(0.05, 5e-3);
         let drags = [&o.primary, &o.secondary].map(|pulley| pulley.external_torque + pulley.shaft_torque);
-        assert!(
-            drags.iter().all(|drag| (0.3..0.6).contains(drag)),
-            "{model:?}: {drags:?}"
-        );
+        assert!(drags.iter().all(|drag| (0.3..0.6).contains(drag)), "{drags:?}");
         let power = drags[0] * o.primary.speed + drags[1] * o.secondary.speed;
         assert_close(power, o.losses.shafts, 1e-3, "loss of the shafts");
         run.assert_balances();

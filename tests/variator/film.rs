@@ -1,21 +1,17 @@
 //! End play that is free: gaps, idle arcs, slip and traction of the default film, beside what was measured on belts.
 
-use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt::variator::settings::{Inputs, RingModel};
 use pushbelt_support::checks::assert_close;
-use pushbelt_support::film::{Film, FilmBench, RATIOS, SHARES};
-use pushbelt_support::variators::MODELS;
-
-fn bench(model: RingModel) -> FilmBench {
-    FilmBench::new(Film::of(&Parameters::default()), model)
-}
+use pushbelt_support::film::{FilmBench, RATIOS, SHARES};
+use pushbelt_support::run::started;
+use pushbelt_support::variators::{MODELS, variator};
 
 /// Oil between faces that neither approach nor slide bears nothing: in a loosely clamped belt some elements are free. −19 N is
 /// atmospheric pressure on a face.
 #[test]
 fn some_elements_of_a_loose_belt_are_free() {
     for model in MODELS {
-        let least = bench(model).least_push().expect("steady states");
+        let least = FilmBench::new(model).least_push().expect("steady states");
         assert!((-19.0..5.0).contains(&least), "{model:?}: {least} N");
     }
 }
@@ -23,7 +19,7 @@ fn some_elements_of_a_loose_belt_are_free() {
 /// Half of the primary arc is idle at half load, and less of it at a higher torque (Trans. JSAE 40(4) 1029).
 #[test]
 fn the_idle_arc_shrinks_as_the_torque_rises() {
-    let bench = bench(RingModel::Ale);
+    let bench = FilmBench::new(RingModel::Ale);
     let found = SHARES.map(|share| bench.onset(share).expect("a steady state"));
     for (found, least) in found.into_iter().zip([0.6, 0.5, 0.3]) {
         assert!(found >= least, "{found} {least}");
@@ -35,7 +31,7 @@ fn the_idle_arc_shrinks_as_the_torque_rises() {
 #[test]
 fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0028), (RingModel::Ale0, 0.0025)] {
-        let [less, more] = [2e-4, 4e-4].map(|play| bench(model).slip(play).expect("a steady state"));
+        let [less, more] = [2e-4, 4e-4].map(|play| FilmBench::new(model).slip(play).expect("a steady state"));
         assert!((least..0.005).contains(&(more - less)), "{model:?}: {}", more - less);
     }
 }
@@ -43,7 +39,7 @@ fn slip_grows_with_the_play() {
 /// Measured belts slip by 2 to 4 % near the peak of traction in underdrive, and by 1 to 2 % in overdrive.
 #[test]
 fn traction_peaks_at_more_slip_in_underdrive() {
-    let bench = bench(RingModel::Ale);
+    let bench = FilmBench::new(RingModel::Ale);
     let [low, _, high] = RATIOS.map(|(_, ratio)| bench.near_peak(ratio).expect("steady states")[0]);
     assert!(low >= 0.017 && (0.01..low).contains(&high), "{low} {high}");
 }
@@ -53,32 +49,15 @@ fn traction_peaks_at_more_slip_in_underdrive() {
 #[test]
 fn the_gaps_of_the_profile_add_up_to_the_play() {
     for model in MODELS {
-        let parameters = Parameters {
-            ring_model: model,
-            ..Parameters::default()
-        };
-        let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
-        variator.initialise(0.0, &Inputs::default()).expect("a steady state");
-        let profile = variator.profile().clone();
+        let parameters = variator(model);
+        let mut variator = started(parameters.clone(), &Inputs::default());
+        let profile = variator.profile();
         let step = parameters.geometry.belt_length / profile.gap.len() as f64;
-        let sum: f64 = profile
-            .gap
-            .iter()
-            .map(|gap| gap / parameters.belt.element_thickness * step)
-            .sum();
-        let stretch: f64 = profile
-            .ring_tension
-            .iter()
-            .map(|tension| tension / parameters.ring.axial_stiffness * step)
-            .sum();
+        let sum = profile.gap.iter().sum::<f64>() / parameters.belt.element_thickness * step;
+        let stretch = profile.ring_tension.iter().sum::<f64>() / parameters.ring.axial_stiffness * step;
         assert_close(sum, parameters.belt.play + stretch, 0.1, "sum of the gaps");
-        assert!(
-            profile
-                .gap
-                .iter()
-                .zip(&profile.push_force)
-                .all(|(gap, push)| *push < 500.0 || *gap < 1e-7)
-        );
+        let mut places = profile.gap.iter().zip(&profile.push_force);
+        assert!(places.all(|(gap, push)| *push < 500.0 || *gap < 1e-7));
     }
 }
 
@@ -87,16 +66,12 @@ fn the_gaps_of_the_profile_add_up_to_the_play() {
 fn idle_arcs_follow_the_direction_of_travel() {
     for model in MODELS {
         let arcs = |sign: f64, torque: f64| {
-            let mut parameters = Parameters {
-                ring_model: model,
-                ..Parameters::default()
-            };
+            let mut parameters = variator(model);
             parameters.initial.primary_speed *= sign;
             let mut inputs = Inputs::default();
             inputs.primary.torque = sign * torque;
             inputs.secondary.torque = -sign * torque;
-            let mut variator = Variator::new(parameters).expect("valid parameters");
-            variator.initialise(0.0, &inputs).expect("a steady state");
+            let mut variator = started(parameters, &inputs);
             let o = variator.outputs();
             [o.primary.idle_arc, o.secondary.idle_arc]
         };

@@ -1,31 +1,27 @@
 //! Limit cases with a closed-form law: no friction, full slip, small steps of the clamping force.
 
 use pushbelt::pulley::Pulley;
-use pushbelt::variator::settings::Outputs;
-use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Axial, BeltKind, Drive, Outputs, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::inside::sliding;
-use pushbelt_support::load_cases::{given, pair, speeds};
+use pushbelt_support::load_cases::{pair, speeds};
 use pushbelt_support::run::Run;
 use pushbelt_support::shift::unloaded_shift;
-use pushbelt_support::steady::steady;
-use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, full_slip_torque, inputs, rigid, variator};
+use pushbelt_support::steady::turning;
+use pushbelt_support::variators::{
+    MODELS, SPEED, belt_alone, chain, coarse, full_slip_torque, inputs, rigid, variator,
+};
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
 /// (F − σV²)α/(2 tan β).
-fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refinement: i32) -> [f64; 3] {
-    let mut parameters = belt_alone(rigid(variator(model)));
-    parameters.friction.pulley = 1e-9;
-    parameters.friction.ring = 0.0;
+fn off_frictionless(parameters: &Parameters, ratio: f64, contact_stiffness: f64, refinement: i32) -> [f64; 3] {
+    let mut parameters = belt_alone(rigid(parameters.clone()));
+    (parameters.friction.pulley, parameters.friction.ring) = (1e-9, 0.0);
     parameters.contact.stiffness = contact_stiffness;
     parameters.mesh = parameters.mesh.refined(refinement);
     // The law neglects bending, whose share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley.
     parameters.ring.bending_stiffness = 1e-3;
-    let state = steady(
-        &parameters,
-        &given(ratio, Pulley::Primary, 10.0e3, 0.0),
-        speeds(ratio, SPEED),
-    );
+    let state = turning(&parameters, ratio, 10e3, speeds(ratio, SPEED));
     let stations = state.stations();
     let strand: Vec<_> = stations.iter().filter(|at| at.segment == 1).collect();
     let middle = &strand[strand.len() / 2].sample;
@@ -43,63 +39,49 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     ]
 }
 
-/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A compliant flank presses beside the arc too, over
-/// √(2 r g/tan β): the law is the limit of stiff contact on a mesh that resolves this edge. Worst deviation of the thrust
-/// ratio and of S over three ratios, for each stiffness and mesh.
-fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
-    [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(stiffness, refinement)| {
-        let mut worst = [0.0_f64; 2];
-        for ratio in [0.45, 1.0, 2.2] {
-            let off = off_frictionless(model, ratio, stiffness, refinement);
-            println!(
-                "{model:?} ratio {ratio} k_c {stiffness:e} mesh × {refinement}: thrust ratio {:+.2e}, S on P {:+.2e}, on S {:+.2e}",
-                off[0], off[1], off[2]
-            );
-            worst[0] = worst[0].max(off[0].abs());
-            worst[1] = worst[1].max(off[1].abs()).max(off[2].abs());
-        }
-        worst
-    })
-}
-
+/// Without friction F_P/F_S = α_P/α_S and, of a pushbelt, S = (F − σV²)α/(2 tan β). A compliant flank presses beside the arc too, over
+/// √(2 r g/tan β): the law is the limit of stiff contact on a mesh that resolves this edge.
 #[test]
 fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
-    for model in MODELS {
-        let worst = frictionless_ladder(model);
-        for k in 0..2 {
-            assert!(
-                worst[2][k] < 3e-4 && worst[2][k] < 0.5 * worst[1][k] && worst[1][k] < 0.5 * worst[0][k],
-                "{model:?}: {worst:?}"
-            );
+    let worst = |parameters: &Parameters, stiffness: f64, refinement: i32| {
+        let mut worst = [0.0_f64; 2];
+        for ratio in [0.45, 1.0, 2.2] {
+            let off = off_frictionless(parameters, ratio, stiffness, refinement).map(f64::abs);
+            worst = [worst[0].max(off[0]), worst[1].max(off[1]).max(off[2])];
         }
+        worst
+    };
+    for model in MODELS {
+        let belt = variator(model);
+        let [soft, stiffer, stiff] = [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(k, mesh)| worst(&belt, k, mesh));
+        for k in 0..2 {
+            let falls = stiff[k] < 0.5 * stiffer[k] && stiffer[k] < 0.5 * soft[k];
+            assert!(stiff[k] < 3e-4 && falls, "{model:?}: {soft:?}, {stiffer:?}, {stiff:?}");
+        }
+        let of_chain = worst(&chain(model), 4e10, 2)[0];
+        assert!(of_chain < 3e-4, "{model:?}: {of_chain}");
     }
 }
 
 /// A pulley on which the whole belt slides tangentially transmits T = 2μSR/cos β, in the direction of sliding.
 #[test]
 fn a_pulley_that_slips_all_around_transmits_its_capacity() {
-    for model in MODELS {
+    for parameters in MODELS.map(variator).into_iter().chain(MODELS.map(chain)) {
+        let parameters = belt_alone(parameters);
         // The smaller pulley slips. At a slip far above micro-slip, friction has no radial component.
         for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
-            let parameters = belt_alone(variator(model));
+            if ratio < 1.0 && parameters.kind == BeltKind::PullChain {
+                continue;
+            }
             let slipping = pair(SPEED / ratio * (1.0 - slip), SPEED);
-            let o = steady(&parameters, &given(ratio, Pulley::Primary, 10.0e3, 0.0), slipping).outputs;
-            let (torque, law) = if ratio < 1.0 {
-                (
-                    o.secondary.shaft_torque,
-                    slip.signum() * full_slip_torque(&parameters, &o.secondary),
-                )
+            let o = turning(&parameters, ratio, 10e3, slipping).outputs;
+            let (pulley, sign) = if ratio < 1.0 {
+                (&o.secondary, 1.0)
             } else {
-                (
-                    o.primary.shaft_torque,
-                    -slip.signum() * full_slip_torque(&parameters, &o.primary),
-                )
+                (&o.primary, -1.0)
             };
-            println!(
-                "{model:?} ratio {ratio}, slip {slip}: {torque:.4} N·m, law {law:.4} N·m, {:+.1e}",
-                torque / law - 1.0
-            );
-            assert_close(torque, law, 2e-3, "torque at full slip");
+            let law = sign * slip.signum() * full_slip_torque(&parameters, pulley);
+            assert_close(pulley.shaft_torque, law, 2e-3, "torque at full slip");
         }
     }
 }
@@ -139,49 +121,15 @@ fn over_torque_slips_at_capacity_and_recovers() {
                 worst = worst.max((ratio - 1.0).abs());
             }
         }
-        let slipping = run.variator.outputs().slip;
         run.inputs = normal;
         let after = run.go(0.4, 2e-3);
-        println!(
-            "{model:?}: slip {:.4} before, {slipping:.3}, {:.4} after; {seen} times full slip, torque off by {worst:.1e} at most",
-            before.slip, after.slip
-        );
         assert!(flagged && seen > 10, "{model:?} did not slip");
         for text in ["begins to slip through", "grips again"] {
             assert!(run.reported(text), "{model:?}: {text}");
         }
         assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
-        assert!(
-            !after.macro_slip && after.slip > 0.0 && after.slip < 0.01,
-            "{model:?}: slip {}",
-            after.slip
-        );
-        run.assert_balances();
-    }
-}
-
-/// Both speeds are prescribed. A third apart, one pulley slips at capacity; at equal pitch-line speeds the belt grips again.
-#[test]
-fn speeds_pulled_apart_slip_at_capacity_and_recover() {
-    for model in MODELS {
-        let mut parameters = belt_alone(coarse(model));
-        parameters.primary.drive = Drive::Speed;
-        parameters.secondary.drive = Drive::Speed;
-        let mut run = Run::new(parameters, inputs((0.0, 12.0e3), (0.0, 9.0e3)));
-        let gripping = run.go(0.01, 2e-3);
-        run.inputs.secondary.speed_setpoint = 0.67 * SPEED;
-        run.go(0.02, 2e-3);
-        let o = run.go(0.01, 2e-3);
-        let ratio = slip_torque_ratio(&run, &o).expect("full slip");
-        run.inputs.secondary.speed_setpoint = SPEED / o.ratio_geometric;
-        let after = run.go(0.1, 2e-3);
-        println!(
-            "{model:?}: slip {:.3}, torque over 2μSR/cos β {ratio:.5}; then slip {:.4}",
-            o.slip, after.slip
-        );
-        assert!(!gripping.macro_slip && o.macro_slip && !after.macro_slip);
-        assert_close(ratio, 1.0, 5e-3, "torque at full slip");
-        assert!(after.slip.abs() < 0.03);
+        let grips = !after.macro_slip && (0.0..0.01).contains(&after.slip);
+        assert!(grips, "{model:?}: slip {}", after.slip);
         run.assert_balances();
     }
 }
@@ -254,14 +202,10 @@ fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4]
     let run = balanced(model, omega);
     let slope = equilibrium_slope(model, omega);
     let [rest, equilibrium, ratio] = shift(&run, omega, 1.0, turns);
-    println!("{model:?} ω_P {omega:.1}: d ln i/dt = {rest:+.6}/s without a step, d ln i_F/d ln i = {slope:+.3}");
     STEPS.map(|factor| {
         let [rate, thrust, reached] = shift(&run, omega, factor, turns);
         let (rate, drive) = (rate - rest, thrust - equilibrium - slope * (reached - ratio));
         let coefficient = rate / (omega * drive);
-        println!(
-            "{model:?} ω_P {omega:.1} F_P·{factor}: d ln i/dt = {rate:+.6}/s at Δln = {drive:+.5}: {coefficient:+.6}"
-        );
         // More primary force shifts towards overdrive: i_g falls.
         assert!(coefficient < 0.0, "{model:?}: shifts against the force");
         coefficient
@@ -296,10 +240,6 @@ fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
     for (s, force) in [(0.6, 8e3), (1.0, 12e3), (1.8, 20e3)] {
         let [deflecting, guided] = [RingModel::Ale, RingModel::Ale0].map(|model| {
             let found = unloaded_shift(model, s, force);
-            println!(
-                "{model:?} s {s}, {force} N: {:.4} 1/s, energy residual {:.2} of what is allowed",
-                found.gain, found.run.residual
-            );
             found.run.assert_balances();
             found.gain
         });

@@ -6,33 +6,37 @@ use pushbelt::reference_curve::TwoPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
-use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt::variator::settings::{BeltKind, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
     Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product, small,
 };
 
-/// The small variator in space.
-fn spatial() -> Parameters {
-    Parameters {
-        spatial: true,
-        ..small(RingModel::Ale)
-    }
+const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
+
+/// Small variators of a kind: `ALE`, `ALE` in space, `ALE0` between sheaves of which one hardly tilts.
+fn variators(kind: BeltKind) -> [Parameters; 3] {
+    let [ale, mut space, mut ale0] =
+        [RingModel::Ale, RingModel::Ale, RingModel::Ale0].map(|model| Parameters { kind, ..small(model) });
+    space.spatial = true;
+    ale0.primary.tilt.stiffness = 1e12;
+    [ale, space, ale0]
 }
 
+/// Those of forward differentiation, and after an update of the constitutive tangents alone the current ones.
 #[test]
-fn hand_written_derivatives_are_those_of_forward_differentiation() {
-    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, equations: Equations| {
-        let mut parameters = parameters.clone();
-        parameters.primary.tilt.stiffness = tilt;
-        assert_derivatives_by_hand(&parameters, &ring, equations);
-    };
-    let ale = deflecting_equations::<2, TwoPulley>;
-    of(&small(RingModel::Ale), Arc::new(Ale::<2>), 7e5, ale);
-    let in_space = deflecting_equations::<3, TwoPulley>;
-    of(&spatial(), Arc::new(Ale::<3>), 7e5, in_space);
-    let ale0 = guided_equations::<TwoPulley>;
-    of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12, ale0);
+fn hand_written_derivatives_are_exact() {
+    let rings: [(Arc<dyn BeltRing>, Equations); 3] = [
+        (Arc::new(Ale::<2>), deflecting_equations::<2, TwoPulley>),
+        (Arc::new(Ale::<3>), deflecting_equations::<3, TwoPulley>),
+        (Arc::new(Ale0), guided_equations::<TwoPulley>),
+    ];
+    for kind in KINDS {
+        for (parameters, (ring, equations)) in variators(kind).iter().zip(&rings) {
+            assert_derivatives_by_hand(parameters, ring, *equations);
+            assert_update_of_slopes(parameters, ring);
+        }
+    }
 }
 
 /// Cached derivatives are used where nothing has changed. A cell that begins to slip gets updated constitutive tangents, with
@@ -66,30 +70,20 @@ fn cached_derivatives_are_used_until_they_change() {
     assert_eq!(renewed(&mut system, &state, 2.0e4).0, [packs, 0]);
 }
 
+/// Forward, in reverse and at rest.
 #[test]
-fn an_update_of_constitutive_tangents_gives_the_current_jacobian() {
-    assert_update_of_slopes(&small(RingModel::Ale), &(Arc::new(Ale::<2>) as Arc<dyn BeltRing>));
-    assert_update_of_slopes(&spatial(), &(Arc::new(Ale::<3>) as Arc<dyn BeltRing>));
-    assert_update_of_slopes(&small(RingModel::Ale0), &(Arc::new(Ale0) as Arc<dyn BeltRing>));
-}
-
-#[test]
-fn jacobian_of_ale_matches_differences() {
-    for speed in [200.0, -200.0] {
-        assert_jacobian(disturbed(&small(RingModel::Ale), speed), 0.4);
-    }
-}
-
-#[test]
-fn jacobian_in_space_matches_differences() {
-    for speed in [200.0, -200.0] {
-        assert_jacobian(disturbed(&spatial(), speed), 0.2);
-    }
-}
-
-#[test]
-fn jacobian_of_ale0_matches_differences() {
-    for speed in [200.0, 0.0] {
-        assert_jacobian(disturbed(&small(RingModel::Ale0), speed), 0.4);
+fn jacobians_match_differences() {
+    for kind in KINDS {
+        for (parameters, step) in variators(kind).iter().zip([0.4, 0.2, 0.4]) {
+            let step = if kind == BeltKind::PullChain { 1e-2 } else { step };
+            let slow = if parameters.ring_model == RingModel::Ale {
+                -200.0
+            } else {
+                0.0
+            };
+            for speed in [200.0, slow] {
+                assert_jacobian(disturbed(parameters, speed), step);
+            }
+        }
     }
 }

@@ -1,0 +1,5 @@
+//! Parameters, inputs and variables: their ranges, and the model descriptions.
+
+mod initial_unknowns;
+mod model_description;
+mod validation;
