@@ -1,6 +1,6 @@
 //! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
-use pushbelt::variator::run::{CommunicationStep, Message, Variator};
+use pushbelt::variator::run::Message;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
@@ -79,29 +79,6 @@ fn derivatives_take_precedence_over_the_ramp() {
     for ramp in [0.0, 1e-3, -1.0] {
         assert_close(end_of(ramp), 60.0, 1e-9, "torque at the end of its ramp");
     }
-}
-
-/// After a step that can't be done, under another friction, a run continues as from its stored state: nothing of the step is left.
-#[test]
-fn a_failed_step_leaves_nothing() {
-    let mut parameters = variator(RingModel::Ale);
-    (parameters.solver.tolerance, parameters.solver.input_ramp) = (1e-9, 0.0);
-    parameters.friction.velocity = 1e-6;
-    let gentle = inputs((50.0, 13e3), (-49.0, 10e3));
-    let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
-    variator.initialise(0.0, &gentle).expect("a start");
-    variator.advance(1e-4, &gentle).expect("a step");
-    let far = inputs((1e4, 5e5), (-1e4, 5e5));
-    let mut step = CommunicationStep::begin(&mut variator, 2e-3, &far, &Inputs::ZERO).expect("inputs in range");
-    variator.set_friction(0.1, 0.01).expect("coefficients in range");
-    while step.advance(&mut variator).is_ok() {
-        assert!(!step.is_over(), "a step that can't be done");
-    }
-    let mut restored = restored(&mut variator, parameters);
-    for run in [&mut variator, &mut restored] {
-        run.advance(1.2e-4, &gentle).expect("a step");
-    }
-    assert_eq!(variator.state(), restored.state());
 }
 
 /// A hunting clutch takes more work than real time allows. The remark counts work, so it is the same on a busy machine and after

@@ -11,8 +11,8 @@ use crate::variator::system::VariatorSystem;
 impl SteadySolver<'_> {
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
     /// secant method on ln(force/reaction) over ln(ratio), each state solved for from the kinematic one or, where it is near,
-    /// from the last. Where that finds no state, the ratio changes by no more than [`NEAR`] from then on. At the ends of `range`, where the sheaves are near their stops, they are released. Whether a sheave then rests
-    /// against its end stop.
+    /// from the last. Where that finds no state, the ratio changes by no more than [`NEAR`] from then on. At the ends of `range`,
+    /// where the sheaves are near their stops, they are released. Whether a sheave then rests against its end stop.
     ///
     /// # Errors
     /// The report of the last solution, if an intermediate state was not found or the forces don't balance in the end.
