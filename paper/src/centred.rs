@@ -5,8 +5,8 @@ use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::belt_ring::{
-    Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, ReusePolicy,
-    RingUnknowns, Sample,
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, RingUnknowns,
+    Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
 use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};
@@ -61,11 +61,10 @@ impl Assembly for HeldCentres {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        policy: ReusePolicy,
+        factors: [f64; 2],
         (matrix, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
-        let loads = self.free.jacobian(acting, view, slopes, policy, (matrix, resultants));
+        let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));
         for centre in self.centres.clone() {
             matrix.set_unit_row(centre, HOLD);
         }
@@ -84,8 +83,8 @@ impl Assembly for HeldCentres {
         self.free.restore_derivatives(acting);
     }
 
-    fn serialize_derivatives(&mut self, belt: &Belt, archive: &mut Archive<'_>) {
-        self.free.serialize_derivatives(belt, archive);
+    fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
+        self.free.serialize_derivatives(archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {

@@ -7,10 +7,10 @@ use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
-use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
+use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-use crate::variator::belt::{Belt, HOLD};
+use crate::variator::belt::{Belt, HOLD, THETA_PER_METRE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, Loads};
@@ -115,35 +115,6 @@ impl VariatorSystem {
         self.of_belt = loads;
     }
 
-    /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
-    #[doc(hidden)]
-    pub fn form_jacobian(
-        &mut self,
-        policy: ReusePolicy,
-        time: f64,
-        view: View<'_>,
-        factors: [f64; 2],
-        out: &mut Arrow,
-    ) {
-        out.clear();
-        let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
-        self.resultants.clear();
-        let of_belt = (&mut *out, &mut self.resultants);
-        let loads = self
-            .assembly
-            .jacobian(InForce { belt, law, friction }, view, factors, policy, of_belt);
-        let boundary = self.boundary(time);
-        self.pulleys()
-            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
-        for c in belt.gauge() {
-            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out.add(c.multiplier, node, HOLD * sign);
-                out.add(node, c.multiplier, HOLD * sign);
-            }
-        }
-    }
-
     /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
         let (belt, law) = (&*self.belt, &self.belt.law);
@@ -180,10 +151,10 @@ impl VariatorSystem {
     /// Writes to an archive, or reads from it, the loads and the points of the cached derivatives.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.loads.serialize(archive);
-        self.assembly.serialize_derivatives(&self.belt, archive);
+        self.assembly.serialize_derivatives(archive);
     }
 
-    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
+    /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
     #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
@@ -215,8 +186,6 @@ const TENSION: f64 = 0.1;
 const TILT: f64 = 1.0e-8;
 /// A middle pitch radius, m, which turns speeds of sliding into angular speeds: the published variators run on 0.03 to 0.08 m.
 const RADIUS: f64 = 0.06;
-/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
-const THETA_PER_METRE: f64 = 10.0;
 
 impl System for VariatorSystem {
     fn shape(&self) -> Shape {
@@ -238,9 +207,26 @@ impl System for VariatorSystem {
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         let [before, _] = self.differentiations();
-        self.form_jacobian(ReusePolicy::WhereValid, time, view, [alpha, beta], out);
+        out.clear();
+        let friction = &self.friction();
+        let (belt, law) = (&*self.belt, &self.belt.law);
+        self.resultants.clear();
+        let factors = [alpha, beta];
+        let of_belt = (&mut *out, &mut self.resultants);
+        let loads = self
+            .assembly
+            .jacobian(InForce { belt, law, friction }, view, factors, of_belt);
+        let boundary = self.boundary(time);
+        self.pulleys()
+            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
+        for c in belt.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out.add(c.multiplier, node, HOLD * sign);
+                out.add(node, c.multiplier, HOLD * sign);
+            }
+        }
         let [after, _] = self.differentiations();
-        (after - before) as f64 / self.belt.mesh.groups.len() as f64
+        (after - before) as f64
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {

@@ -13,8 +13,7 @@ use crate::travelling::order::{Order, nodal};
 use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, ReusePolicy, Sample, Sampler, Transport,
-    Transports,
+    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantSlopes, Sample, Transport, Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.
@@ -133,10 +132,10 @@ fn add_cell_slopes<E: LagrangianElement>(
         let theta = (own + THETA).wrapping_sub(first);
         let still_here = first + PASS <= own + DRIFT || first > own + THETA;
         let rows = if still_here {
-            evaluation.cell(over, &frames.still, still, &mut NoObserver)
+            evaluation.cell(over, &frames.still, still, |_| ())
         } else {
             let frame = frames.moving.get(theta).unwrap_or(&frames.still);
-            evaluation.cell(over, frame, Moving(still), &mut NoObserver)
+            evaluation.cell(over, frame, Moving(still), |_| ())
         };
         let columns = &at[first..(first + PASS).min(count)];
         let mut add = |row: usize, value: &Slopes| {
@@ -199,7 +198,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         for cell in 0..belt.mesh.cells.len() {
             let over = CellOver::new(belt, &frame, cell, s);
             let at = over.unknowns();
-            let rows = evaluation.cell(&over, &frame, Values, &mut NoObserver);
+            let rows = evaluation.cell(&over, &frame, Values, |_| ());
             for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
                 for (k, row) in nodal.iter().enumerate() {
                     out[at[over.first(slot) + k]] += row;
@@ -228,7 +227,6 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        _policy: ReusePolicy,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
@@ -268,20 +266,24 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         let belt = acting.belt;
         let frame = belt.curve.frame(belt.theta(view));
         let s = view.q[belt.layout.drift()];
+        let at_present = |element| MeanTension {
+            value: self.ring.mean_tension(&values(&belt.layout, view, element)),
+            ..MeanTension::default()
+        };
+        let mean_tensions: Vec<_> = (0..self.ring.elements()).map(at_present).collect();
         let evaluation = Evaluation {
             acting,
             view,
             ring: &self.ring,
-            mean_tensions: &self.mean_tensions,
+            mean_tensions: &mean_tensions,
         };
         for (cell, place) in belt.mesh.cells.iter().enumerate() {
             let over = CellOver::new(belt, &frame, cell, s);
             let mut stations = out[place.group * belt.mesh.points..].iter_mut();
-            let mut record = |sample| {
+            evaluation.cell(&over, &frame, Values, |at| {
                 let group = stations.next().expect("a place for each station");
-                group.set(place.lane, &sample);
-            };
-            evaluation.cell(&over, &frame, Values, &mut Sampler(&mut record));
+                group.set(place.lane, &at.sample());
+            });
         }
     }
 

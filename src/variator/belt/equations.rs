@@ -14,17 +14,6 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
-/// Which cached derivatives a Jacobian reuses. The constitutive tangents are evaluated where the geometry is reused by choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReusePolicy {
-    /// Those that are still valid.
-    WhereValid,
-    /// The geometry, where derivatives for a similar step size exist.
-    Geometry,
-    /// None.
-    None,
-}
-
 /// The belt, and the laws in force.
 #[derive(Clone, Copy, Debug)]
 pub struct InForce<'a> {
@@ -46,14 +35,13 @@ pub trait Assembly: Debug + Send + Sync {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
-    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier
-    /// call are reused as `policy` says: by [`ReusePolicy::WhereValid`] where they are valid for a simplified Newton method.
+    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are
+    /// reused where they are valid for a simplified Newton method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        policy: ReusePolicy,
+        factors: [f64; 2],
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 
@@ -68,13 +56,13 @@ pub trait Assembly: Debug + Send + Sync {
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the cached derivatives at the unknowns that were read from an archive.
+    /// Evaluates the cached derivatives in the states that were read from an archive.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes the unknowns of the cached derivatives to an archive, or reads them from it.
-    fn serialize_derivatives(&mut self, _belt: &Belt, _archive: &mut Archive<'_>) {}
+    /// Writes the states of the cached derivatives to an archive, or reads them from it.
+    fn serialize_derivatives(&mut self, _archive: &mut Archive<'_>) {}
 
-    /// Numbers of packs of cells that were differentiated, and of packs whose constitutive tangents alone were updated.
+    /// Number of evaluations of all derivatives, and of constitutive tangents alone.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
     }

@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// Scale of rows of constraints, of the order of the other entries of a row.
 pub const HOLD: f64 = 1.0e6;
 
+/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
+pub(crate) const THETA_PER_METRE: f64 = 10.0;
+
 /// The constants of a belt.
 #[derive(Clone, Debug)]
 pub struct Belt {

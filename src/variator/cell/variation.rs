@@ -12,9 +12,9 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::directions::Directions;
 use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation};
-use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents, StationArguments};
+use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
+use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::law::spin::passing;
@@ -108,15 +108,6 @@ struct CellVariation {
     difference: Lanes,
 }
 
-/// Variation of the stack in a cell.
-#[derive(Clone, Copy, Debug)]
-struct StackVariation {
-    arguments: [Lanes; ARGUMENTS],
-    density: Lanes,
-    /// Push force, N.
-    push: Lanes,
-}
-
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Linearises `evaluated` cells with this `ring`.
     #[inline(always)]
@@ -170,12 +161,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         match direction {
             Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
-            Direction::Ring(_) | Direction::Speed(_) | Direction::Amount => self.column::<false>(direction, arguments),
-            Direction::Pulley(number) => self.pulley_column(number, arguments),
+            _ => self.column::<false>(direction, arguments),
         }
     }
 
-    /// Variation with an unknown that moves the ring (`MOVES`) or the elements alone.
+    /// Variation with an unknown that moves the ring (`MOVES`), or elements or pulley alone.
     #[inline(always)]
     fn column<const MOVES: bool>(
         &self,
@@ -188,18 +178,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
         let mut out = CellBalance {
-            speed: [stack.push, -stack.push],
+            speed: [stack.push[1], -stack.push[1]],
             transport: Transport {
                 flow: cell.flow_in,
-                density: stack.density,
+                density: stack.density[1],
             },
             ..CellBalance::default()
-        };
-        let on_stations = StackForce {
-            density: [self.cell.density, stack.density],
-            push: [self.push, stack.push],
-            gradient: [self.cell.speed_gradient(), cell.difference * self.cell.inverse_length],
-            passing: along(&self.passing, &[stack.density, cell.through * self.cell.inverse_length]),
         };
         let mut sum = self.ring.empty();
         for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {
@@ -210,8 +194,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let tension = self
                 .ring
                 .vary_own_load(i + 1, station.ring, by, direction.of_ring(), &mut load);
-            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
-            let flank = station.vary_approach::<MOVES>(&self.given, by, chain);
+            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &stack);
+            let flank = match direction {
+                Direction::Pulley(number) => station.by_pulley[number],
+                _ => station.vary_approach::<MOVES>(&self.given, by, chain),
+            };
             let change = StationVariation {
                 by,
                 chain,
@@ -220,7 +207,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 inward,
                 tension,
             };
-            arguments.stations[i] = self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
+            let motions = station.vary_motions(&self.given, &flank);
+            let flanks = station.vary_flanks(&self.given, &flank, &motions);
+            let (along_ring, of_laws) = station.vary_ring_friction::<MOVES>(&change, &motions);
+            self.add_loads::<MOVES>((i, station), &change, (load, &flanks, along_ring), &mut out, &mut sum);
+            arguments.stations[i] = of_laws;
         }
         (out, self.ring.varied_forces(&sum, direction.of_ring(), beta))
     }
@@ -305,35 +296,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let arguments = [density, thinning];
         StackVariation {
             arguments,
-            density,
-            push: along(&self.push_by, &arguments),
+            density: [self.cell.density, density],
+            push: [self.push, along(&self.push_by, &arguments)],
+            gradient: [self.cell.speed_gradient(), by.difference * self.cell.inverse_length],
+            passing: along(&self.passing, &[density, by.through * self.cell.inverse_length]),
         }
-    }
-
-    /// Variation with an unknown of the pulley, which moves neither ring nor elements.
-    #[inline(always)]
-    fn pulley_column(
-        &self,
-        number: usize,
-        arguments: &mut LawArguments<Lanes>,
-    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let zero = Lanes::zero();
-        let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-        let (by, chain) = (RingVariation::none(), ChainVariation::none());
-        for (i, station) in self.stations.iter().enumerate() {
-            let Some(station) = station else { continue };
-            let change = StationVariation {
-                by: &by,
-                chain: &chain,
-                flank: &station.by_pulley[number],
-                along: zero,
-                inward: [zero; 2],
-                tension: zero,
-            };
-            arguments.stations[i] =
-                self.add_station::<false>((i, station), &change, LineLoad::zero(), &mut out, &mut sum);
-        }
-        (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
     }
 
     /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws: at each
@@ -385,23 +352,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             tension: zero,
         };
         self.add_loads::<false>(at, &change, (LineLoad::zero(), flanks, [friction, zero]), out, sum);
-    }
-
-    /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of the laws.
-    #[inline(always)]
-    fn add_station<const MOVES: bool>(
-        &self,
-        (i, station): (usize, &LinearisedStation<'_, D>),
-        change: &StationVariation<'_, D>,
-        load: LineLoad<Lanes, D>,
-        out: &mut CellBalance<Lanes>,
-        sum: &mut R::Sum,
-    ) -> StationArguments<Lanes> {
-        let motions = station.vary_motions(&self.given, change.flank);
-        let flanks = station.vary_flanks(&self.given, change.flank, &motions);
-        let (along_ring, arguments) = station.vary_ring_friction::<MOVES>(change, &motions);
-        self.add_loads::<MOVES>((i, station), change, (load, &flanks, along_ring), out, sum);
-        arguments
     }
 
     /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's
