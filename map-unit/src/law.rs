@@ -16,7 +16,7 @@
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
 use pushbelt::pulley::{PerPulley, Pulley};
-use pushbelt::shaft::FADING_SPEED;
+use pushbelt::shaft::SPEED_SMOOTHING;
 use pushbelt::variator::settings::{Friction, Inputs, Parameters, bisected};
 
 use crate::tables::{Belt, Even, Place, Tables, Traction};
@@ -160,7 +160,7 @@ impl Point {
     /// Torque loss of the belt at the primary pulley, which runs at a speed, rad/s; N·m.
     #[must_use]
     pub fn lost(&self, primary: f64) -> f64 {
-        (primary / FADING_SPEED).tanh() * self.mean(|way| way.belt.torque_loss)
+        (primary / SPEED_SMOOTHING).tanh() * self.mean(|way| way.belt.torque_loss)
     }
 
     /// Resultant of the belt's contact forces on a pulley, N.

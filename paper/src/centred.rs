@@ -5,8 +5,8 @@ use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::belt_ring::{
-    Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, RingUnknowns,
-    Sample,
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, CellDivision, InForce, PulleyLoad, ResultantSlopes,
+    RingUnknowns, Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
 use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};
@@ -52,7 +52,7 @@ impl Assembly for HeldCentres {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let loads = self.free.residual(acting, view, out);
         for centre in self.centres.clone() {
-            out[centre] = HOLD * view.y[centre];
+            out[centre] = CONSTRAINT_SCALE * view.y[centre];
         }
         loads
     }
@@ -66,7 +66,7 @@ impl Assembly for HeldCentres {
     ) -> PerPulley<PulleyLoad> {
         let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));
         for centre in self.centres.clone() {
-            matrix.set_unit_row(centre, HOLD);
+            matrix.set_unit_row(centre, CONSTRAINT_SCALE);
         }
         loads
     }

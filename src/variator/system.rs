@@ -3,14 +3,13 @@
 use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
-use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-use crate::variator::belt::{Belt, HOLD, THETA_PER_METRE};
+use crate::variator::belt::{Belt, CONSTRAINT_SCALE, THETA_PER_METRE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, Loads};
@@ -108,8 +107,8 @@ impl VariatorSystem {
         self.pulleys().residual(&self.boundary(time), &loads, view, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out[c.multiplier] += HOLD * sign * view.y[node];
-                out[node] += HOLD * sign * view.y[c.multiplier];
+                out[c.multiplier] += CONSTRAINT_SCALE * sign * view.y[node];
+                out[node] += CONSTRAINT_SCALE * sign * view.y[c.multiplier];
             }
         }
         self.of_belt = loads;
@@ -123,9 +122,9 @@ impl VariatorSystem {
         self.assembly.sample(InForce { belt, law, friction }, view, out);
     }
 
-    /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
+    /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
     #[must_use]
-    pub fn ring_energy(&self, view: View<'_>) -> (Energy, f64) {
+    pub fn ring_energy(&self, view: View<'_>) -> [f64; 2] {
         self.assembly.ring_energy(&self.belt, view)
     }
 
@@ -180,8 +179,8 @@ const RING_SPEED: f64 = 1.0e-3;
 const SLIP: f64 = 2.0e-3;
 /// Slopes of the overlay per metre of its deflections: an element is some millimetres long.
 const PER_METRE: f64 = 1.0e3;
-/// Negligible errors of the element amount, m (1e-7 of chain strain, 1 N), of tension, N, and of tilt, rad.
-const AMOUNT: f64 = 1.0e-9;
+/// Negligible errors of the element content, m (1e-7 of chain strain, 1 N), of tension, N, and of tilt, rad.
+const CONTENT: f64 = 1.0e-9;
 const TENSION: f64 = 0.1;
 const TILT: f64 = 1.0e-8;
 /// A middle pitch radius, m, which turns speeds of sliding into angular speeds: the published variators run on 0.03 to 0.08 m.
@@ -221,8 +220,8 @@ impl System for VariatorSystem {
             .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out.add(c.multiplier, node, HOLD * sign);
-                out.add(node, c.multiplier, HOLD * sign);
+                out.add(c.multiplier, node, CONSTRAINT_SCALE * sign);
+                out.add(node, c.multiplier, CONSTRAINT_SCALE * sign);
             }
         }
         let [after, _] = self.differentiations();
@@ -248,12 +247,12 @@ impl System for VariatorSystem {
         out[layout.free()].fill(1.0);
         if layout.has_gauge() {
             for condition in 0..CONDITIONS {
-                out[layout.gauge(condition)] = 1.0 / HOLD;
+                out[layout.gauge(condition)] = 1.0 / CONSTRAINT_SCALE;
             }
         }
         for at in &self.belt.cells_at {
             out[at.speed] = slip;
-            out[at.amount] = AMOUNT;
+            out[at.content] = CONTENT;
         }
         out[layout.drift()] = slip;
         out[layout.theta()] = velocity * THETA_PER_METRE;

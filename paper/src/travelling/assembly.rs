@@ -10,7 +10,7 @@ use crate::travelling::evaluation::{
     Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
 use crate::travelling::order::{Order, nodal};
-use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
+use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
     Assembly, Belt, InForce, Layout, PulleyLoad, ResultantSlopes, Sample, Transport, Transports,
@@ -87,15 +87,15 @@ impl<E: LagrangianElement> TravellingCells<E> {
         }
     }
 
-    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    /// Adds the derivatives of the balance of the contents: fluxes through the left faces.
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
-            out.add(face.amounts[1], face.amounts[1], alpha);
+            out.add(face.contents[1], face.contents[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
                 let of = &self.slopes[cell];
                 let slopes = face.slopes(side, &of.transport);
                 for (&column, slope) in of.at.iter().zip(slopes).take(of.count) {
-                    for (row, slope) in face.amounts.into_iter().zip([slope, -slope]) {
+                    for (row, slope) in face.contents.into_iter().zip([slope, -slope]) {
                         if let Some(index) = out.index(row, column) {
                             out.add_at(index, slope);
                         }
@@ -150,7 +150,7 @@ fn add_cell_slopes<E: LagrangianElement>(
                 add(at[over.first(slot) + k], row);
             }
         }
-        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
+        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != CONTENT) {
             add(at[own + k], row);
         }
         for (axis, force) in rows.balance.pulley.resultant.iter().enumerate() {
@@ -287,13 +287,13 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         }
     }
 
-    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> (Energy, f64) {
-        let mut sum = (Energy::default(), 0.0);
+    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> [f64; 2] {
+        let (mut energy, mut loss) = (Energy::default(), 0.0);
         for element in 0..self.ring.elements() {
             let values = values(&belt.layout, view, element);
-            sum.0 += self.ring.energy(&(), element, &values);
-            sum.1 += self.ring.dissipation(&(), element, &values);
+            energy += self.ring.energy(&(), element, &values);
+            loss += self.ring.dissipation(&(), element, &values);
         }
-        sum
+        [energy.total(), loss]
     }
 }

@@ -243,6 +243,6 @@ const fn height<K: Directions>() -> usize {
 /// The rows of a balance without that of the content.
 #[inline(always)]
 fn in_block<K: Directions, T>(rows: &[T; MOST_ROWS]) -> impl Iterator<Item = &T> {
-    let (before, after) = rows[..K::COUNT + RESULTANT].split_at(K::AMOUNT);
+    let (before, after) = rows[..K::COUNT + RESULTANT].split_at(K::CONTENT);
     before.iter().chain(&after[1..])
 }

@@ -11,7 +11,7 @@ use crate::variator::assembly::derivatives::{Columns, Derivatives, UpdateWork};
 use crate::variator::assembly::jacobian::{Frames, differentiate};
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
 use crate::variator::assembly::pack::{FluxEntries, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::transports::{Transports, VANISHING};
+use crate::variator::assembly::transports::{RELAXATION_RATE, Transports};
 use crate::variator::assembly::unknowns::{Unknowns, rows};
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
@@ -156,13 +156,13 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         if belt.law.is_chain() {
             for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
-                out.add(i, i, alpha + VANISHING);
+                out.add(i, i, alpha + RELAXATION_RATE);
             }
             return;
         }
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
-            let row = face.amounts[1];
+            let row = face.contents[1];
             out.add(row, row, alpha);
             for ((side, of), entries) in [(1, cell), (0, before)].into_iter().zip(&self.flux_entries[cell]) {
                 let slopes = face.slopes(side, &self.transport_slopes[of]);

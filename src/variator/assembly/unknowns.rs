@@ -88,7 +88,7 @@ pub(crate) fn motion<T: Real, K: Directions>(
     motion
 }
 
-/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the amount is
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the content is
 /// zero; its balance is that of the fluxes.
 #[inline(always)]
 pub(crate) fn rows<T: Real, K: Directions, const D: usize>(

@@ -4,7 +4,6 @@
 use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
-use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -48,9 +47,9 @@ pub trait Assembly: Debug + Send + Sync {
     /// Values at the stations of each group of cells.
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]);
 
-    /// Energies, J, and damping loss, W, of a ring with elements of its own; zero for other rings.
-    fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> (Energy, f64) {
-        (Energy::default(), 0.0)
+    /// Energy, J, and damping loss, W, of a ring with elements of its own; zero for other rings.
+    fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> [f64; 2] {
+        [0.0; 2]
     }
 
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.

@@ -23,7 +23,7 @@ pub use crate::variator::assembly::unknowns::{Part, Unknowns, nodes};
 pub use crate::variator::belt::equations::{Assembly, InForce};
 pub use crate::variator::belt::ring::BeltRing;
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-pub use crate::variator::belt::{Belt, HOLD};
+pub use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 pub use crate::variator::cell::balance::balance;
 pub use crate::variator::cell::directions::Directions;
 pub use crate::variator::cell::sample::{AtStation, Sample};

@@ -53,19 +53,19 @@ pub(crate) fn vary_loads(
 ) -> FlankLoads<Lanes> {
     let [sin_beta, cos_beta, tan_beta] = law.wedge;
     // Per ring length: forces times λ.
-    let normal_by = normal * lambda + force.normal * by.lambda;
-    let tangential_by = tangential * lambda + force.tangential * by.lambda;
-    let along_by = along_flank * lambda + force.along_flank * by.lambda;
-    let (axial_normal, axial_normal_by) = (force.normal * lambda * cos_beta, normal_by * cos_beta);
+    let d_normal = normal * lambda + force.normal * by.lambda;
+    let d_tangential = tangential * lambda + force.tangential * by.lambda;
+    let d_along = along_flank * lambda + force.along_flank * by.lambda;
+    let (axial_normal, d_axial_normal) = (force.normal * lambda * cos_beta, d_normal * cos_beta);
     let axial_friction = force.along_flank * lambda * sin_beta;
-    let axial_friction_by = along_by * sin_beta;
+    let d_axial_friction = d_along * sin_beta;
     let around = force.tangential * lambda + axial_friction * at.opening_slope;
-    let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
+    let d_around = d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
     FlankLoads {
-        radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
-        around: axial_normal_by * at.opening_slope + axial_normal * by.opening_slope + tangential_by,
-        torque: -(around_by * at.rho + around * by.rho),
-        axial: axial_normal_by - axial_friction_by,
+        radial: d_axial_normal * (at.opening + tan_beta) + axial_normal * by.opening + d_along * cos_beta,
+        around: d_axial_normal * at.opening_slope + axial_normal * by.opening_slope + d_tangential,
+        torque: -(d_around * at.rho + around * by.rho),
+        axial: d_axial_normal - d_axial_friction,
         ..FlankLoads::default()
     }
 }

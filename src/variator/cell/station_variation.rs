@@ -30,9 +30,9 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     /// Variations of the flanks with ż, ψ_x, ψ_y and ω.
     pub by_pulley: [FlankVariation; 4],
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
-    drag_by: [Lanes; 2],
-    /// Derivatives of the drag of elements that start and stop turning with respect to the passing amount and V.
-    spin_by: [Lanes; 2],
+    d_drag: [Lanes; 2],
+    /// Derivatives of the drag of elements that start and stop turning with respect to the throughput and V.
+    d_spin: [Lanes; 2],
 }
 
 /// Variations at a station from which those of its forces on ring, elements and pulley are computed.
@@ -60,17 +60,17 @@ pub(crate) struct StackVariation {
     /// ∂V/∂ξ and its variation, 1/s.
     pub gradient: [Lanes; 2],
     /// Variation of the throughput, m/s.
-    pub passing: Lanes,
+    pub throughput: Lanes,
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these
+    /// Station `i` of a cell with the `throughput` of elements, with `forces` of these
     /// `tangents`. `factors` are those of acceleration and position.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
-        passing: Lanes,
+        throughput: Lanes,
         (forces, tangents): (&'a StationForces<Lanes, D>, &'a StationTangents),
         factors: [f64; 2],
     ) -> Self {
@@ -85,17 +85,17 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let spin = spin_drag(
             Tangent::<2>::constant(given.place.spin),
             Tangent::constant(ring.reference.kappa),
-            [Tangent::seed(passing, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
+            [Tangent::seed(throughput, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
         );
         Self {
-            spin_by: spin.eps,
+            d_spin: spin.eps,
             terms: chain.acceleration_terms(ring),
             weight: *weight,
             right: given.place.stations[i].right,
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
             tangents,
             by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
-            drag_by: drag.eps,
+            d_drag: drag.eps,
             forces,
             ring,
             chain,
@@ -109,24 +109,24 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         &self,
         law: &CellLaw,
         alpha: f64,
-        (by, chain_by): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
+        (by, d_chain): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
         stack: &StackVariation,
     ) -> (Lanes, [Lanes; 2]) {
         let chain = self.chain;
-        let [density, density_by] = stack.density;
-        let [push, push_by] = stack.push;
-        let mass = (density_by * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
-        let speed_dot = chain_by.speed * alpha;
-        let (a_t, a_n) = chain.vary_acceleration(self.ring, &self.terms, (by, chain_by), speed_dot, stack.gradient);
+        let [density, d_density] = stack.density;
+        let [push, d_push] = stack.push;
+        let mass = (d_density * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
+        let speed_dot = d_chain.speed * alpha;
+        let (a_t, a_n) = chain.vary_acceleration(self.ring, &self.terms, (by, d_chain), speed_dot, stack.gradient);
         let (base_t, base_n) = self.forces.acceleration;
         let mut inward = [Lanes::from(0.0); 2];
         for k in 0..D - 1 {
             inward[k] = mass * base_n[k]
                 + self.forces.mass * a_n[k]
-                + push_by * chain.curvature[k]
-                + push * chain_by.curvature[k];
+                + d_push * chain.curvature[k]
+                + push * d_chain.curvature[k];
         }
-        let spin = along(&self.spin_by, &[stack.passing, chain_by.speed]);
+        let spin = along(&self.d_spin, &[stack.throughput, d_chain.speed]);
         (mass * base_t + self.forces.mass * a_t + spin, inward)
     }
 
@@ -332,7 +332,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             ring: [change.tension, sliding],
         };
         let friction = along(&self.tangents.ring, &arguments.ring);
-        let drag = along(&self.drag_by, &[change.tension, speed]);
+        let drag = along(&self.d_drag, &[change.tension, speed]);
         ([friction, drag], arguments)
     }
 }

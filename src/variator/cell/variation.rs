@@ -17,7 +17,7 @@ use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, c
 use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, between, share};
-use crate::variator::law::spin::passing;
+use crate::variator::law::spin::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
@@ -43,10 +43,10 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
-    /// Derivatives of the passing amount of elements with respect to density and flow.
-    passing: [Lanes; 2],
+    /// Derivatives of the throughput of elements with respect to density and flow.
+    throughput: [Lanes; 2],
     /// Tangents of the push force.
-    push_by: [Lanes; ARGUMENTS],
+    d_push: [Lanes; ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
@@ -58,8 +58,8 @@ pub(crate) enum Direction {
     Ring(usize),
     /// The speed V at a face.
     Speed(usize),
-    /// The amount N of elements in the cell.
-    Amount,
+    /// The content N of the cell.
+    Content,
     /// ż (0), ψ_x, ψ_y or ω (3) of the pulley.
     Pulley(usize),
 }
@@ -74,7 +74,7 @@ impl Direction {
         if k < K::DRIFT {
             return match k - K::NODES {
                 face @ (0 | 1) => Self::Speed(face),
-                2 => Self::Amount,
+                2 => Self::Content,
                 tension => Self::Ring(tension - 3),
             };
         }
@@ -128,7 +128,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 *to = Some(LinearisedStation::new(
                     &given,
                     (i, station),
-                    cell.passing,
+                    cell.throughput,
                     (forces, &laws.stations[i]),
                     slopes,
                 ));
@@ -141,12 +141,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             cell,
             stations,
             push,
-            passing: passing(
+            throughput: throughput(
                 Tangent::<2>::seed(cell.density, 0, 1.0),
                 Tangent::seed(cell.flow, 1, 1.0),
             )
             .eps,
-            push_by: laws.stack,
+            d_push: laws.stack,
             slopes,
         }
     }
@@ -249,18 +249,17 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let Some(station) = station else { continue };
             let (chain, weight) = (station.chain, station.weight);
             let slot = (i + 1, station.ring, chain);
-            let (by, chain_by) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
+            let (by, d_chain) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
                     carried += weight
-                        * (chain_by.curvature[k] * chain.normal_speed[k]
-                            + chain.curvature[k] * chain_by.normal_speed[k]);
+                        * (d_chain.curvature[k] * chain.normal_speed[k] + chain.curvature[k] * d_chain.normal_speed[k]);
                 }
             }
-            through += weight * chain_by.flow;
+            through += weight * d_chain.flow;
             steepness += weight * by.strain_gradient;
-            *varied = Some((by, chain_by));
+            *varied = Some((by, d_chain));
         }
         if MOVES {
             for (by, _) in stations.iter_mut().flatten() {
@@ -281,14 +280,14 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Variation of the stack with the variation `by` of ring and chain.
     #[inline(always)]
     fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
-        let amount = if direction == Direction::Amount && !self.given.law.is_chain() {
+        let content = if direction == Direction::Content && !self.given.law.is_chain() {
             Lanes::from(1.0)
         } else {
             Lanes::zero()
         };
         let lengthening = by.difference - by.carried;
         let inverse = self.cell.inverse_pitch_length;
-        let density = (amount - self.cell.density * by.pitch_length) * inverse;
+        let density = (content - self.cell.density * by.pitch_length) * inverse;
         let thinning = (self.cell.density * self.cell.lengthening * inverse * by.pitch_length
             - density * self.cell.lengthening
             - self.cell.density * lengthening)
@@ -297,9 +296,9 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         StackVariation {
             arguments,
             density: [self.cell.density, density],
-            push: [self.push, along(&self.push_by, &arguments)],
+            push: [self.push, along(&self.d_push, &arguments)],
             gradient: [self.cell.speed_gradient(), by.difference * self.cell.inverse_length],
-            passing: along(&self.passing, &[density, by.through * self.cell.inverse_length]),
+            throughput: along(&self.throughput, &[density, by.through * self.cell.inverse_length]),
         }
     }
 
@@ -361,7 +360,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        (mut load, flanks, [friction_by, drag_by]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
+        (mut load, flanks, [d_friction, d_drag]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
@@ -371,16 +370,16 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         station.add_pulley_loads::<MOVES>(change.flank, flanks, force, out);
 
         let along_ring = station.forces.ring_friction + station.forces.layer_drag;
-        let along_ring_by = friction_by + drag_by;
+        let d_along_ring = d_friction + d_drag;
         let across = load.position.dot(&ring.n);
-        load.position += ring.t * along_ring_by;
-        let mut dragged = along_ring_by * ring.stretch;
+        load.position += ring.t * d_along_ring;
+        let mut dragged = d_along_ring * ring.stretch;
         if MOVES {
             load.position += by.t * along_ring;
             dragged += along_ring * by.stretch;
         }
         load.drift += dragged;
-        along += (tangential - friction_by) * station.chain.lead;
+        along += (tangential - d_friction) * station.chain.lead;
         let mut ring_along = ring_along + dragged;
         if self.given.law.is_chain() {
             load.position += ring.t * along;

@@ -182,7 +182,7 @@ fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
                 .clone()
                 .map(|cell| (flat.belt_speed(cell), space.belt_speed(cell))),
         )
-        .chain(cells.map(|cell| (flat.amount(cell), space.amount(cell))))
+        .chain(cells.map(|cell| (flat.content(cell), space.content(cell))))
         .chain(globals.zip(space.drift()..))
         .collect()
 }
