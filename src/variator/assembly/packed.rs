@@ -32,7 +32,7 @@ const ROTATED: f64 = 1.2e-2;
 /// many.
 const SHIFTED: f64 = 3.0e-3;
 
-/// Where derivatives were evaluated: state, and factors of ẏ and q; NaN where there are none.
+/// Where all derivatives were evaluated: state, and factors of ẏ and q; NaN where they were not.
 #[derive(Clone, Debug)]
 struct Origin {
     factors: [f64; 2],
@@ -40,14 +40,6 @@ struct Origin {
 }
 
 impl Origin {
-    fn exists(&self) -> bool {
-        !self.factors[0].is_nan()
-    }
-
-    fn forget(&mut self) {
-        self.factors = [f64::NAN; 2];
-    }
-
     fn set(&mut self, view: View<'_>, factors: [f64; 2]) {
         self.factors = factors;
         self.state.y.copy_from_slice(view.y);
@@ -65,8 +57,7 @@ struct PackedCells<K, const D: usize, C> {
     packs: Vec<Pack>,
     /// Derivatives of each pack.
     derivatives: Vec<Derivatives>,
-    /// Where they were evaluated, and where the tangents of the laws were, if later.
-    origins: [Origin; 2],
+    origin: Origin,
     /// Number of evaluations of all derivatives, and of constitutive tangents alone.
     differentiations: [u64; 2],
     transports: Transports,
@@ -93,7 +84,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         Box::new(Self {
             derivatives: vec![Derivatives::new::<K, D>(belt.mesh.points, by_hand); packs.len()],
             packs,
-            origins: [origin.clone(), origin],
+            origin,
             differentiations: [0; 2],
             transports: Transports::new(cells),
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
@@ -108,7 +99,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
 
     /// Whether the geometry of the derivatives is still valid in a state with these factors.
     fn is_valid(&self, belt: &Belt, view: View<'_>, factors: [f64; 2]) -> bool {
-        let [Origin { factors: then, state }, _] = &self.origins;
+        let Origin { factors: then, state } = &self.origin;
         self.by_hand && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0])) && is_near(belt, &state.q, view.q)
     }
 
@@ -123,12 +114,8 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         let belt = acting.belt;
         let update = self.is_valid(belt, view, factors);
         self.differentiations[usize::from(update)] += 1;
-        let [geometry, tangents] = &mut self.origins;
-        if update {
-            tangents.set(view, factors);
-        } else {
-            geometry.set(view, factors);
-            tangents.forget();
+        if !update {
+            self.origin.set(view, factors);
         }
         let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), factors, self.by_hand);
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
@@ -251,22 +238,21 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
     }
 
     fn forget_derivatives(&mut self) {
-        self.origins.iter_mut().for_each(Origin::forget);
+        self.origin.factors = [f64::NAN; 2];
     }
 
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
-        let origins = self.origins.clone();
+        let Origin { factors, state } = self.origin.clone();
         self.forget_derivatives();
-        for Origin { factors, state } in origins.iter().filter(|origin| origin.exists()) {
-            self.differentiate(acting, state.view(), *factors, None);
+        if !factors[0].is_nan() {
+            self.differentiate(acting, state.view(), factors, None);
         }
     }
 
     fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
-        for Origin { factors, state } in &mut self.origins {
-            factors.iter_mut().for_each(|factor| archive.any(factor));
-            state.serialize(archive);
-        }
+        let Origin { factors, state } = &mut self.origin;
+        factors.iter_mut().for_each(|factor| archive.any(factor));
+        state.serialize(archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {

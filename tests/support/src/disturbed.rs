@@ -210,6 +210,7 @@ pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>
         law.chain.film_damping *= 3.0;
         law.contact.damping *= 3.0;
         system.friction_velocity *= 2.0;
+        system.parameters.friction.ring_velocity *= 2.0;
     };
     assert_updated(&mut system, [&state, &state], of_rates, 1e-9);
 }
