@@ -14,7 +14,7 @@
 //! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
 //! elements with the mesh point) is continuous.
 //!
-//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
+//! Content: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
 //!
 //! **Push force**, with ε = ν − 1, D = Dν/Dt, the gap g, and φ = 1/(1 + g/δ_f):
 //!
@@ -309,16 +309,16 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
             let (slope_rate, omega) = (terms.slope_rate[k], terms.omega[k]);
-            let slope_rate_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let omega_by = (slope_rate_by - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
+            let d_slope_rate = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
+            let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
                 + chain.c * self.curvature[k]
                 + c * chain.curvature[k];
-            along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];
+            along -= d_omega * self.normal_speed[k] + omega * chain.normal_speed[k];
             *across = varied.dot(&point.r_ddot)
                 + normal.dot(&by.r_ddot)
                 + chain.c * slope_rate
-                + c * slope_rate_by
-                + omega_by * (self.speed - terms.along)
+                + c * d_slope_rate
+                + d_omega * (self.speed - terms.along)
                 + omega * (chain.speed - chain.along);
         }
         (along, across)
@@ -409,7 +409,7 @@ impl<T> Transport<T> {
     }
 }
 
-/// Amount per time through a face: J ν of the cell upstream.
+/// Throughput of a face: J ν of the cell upstream.
 #[inline(always)]
 pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
     let (forward, _) = smooth_plus(after.flow, UPWIND_SMOOTHING);

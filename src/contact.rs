@@ -119,7 +119,7 @@ pub fn flank_force<T: Real>(
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
-    let square = square_of_speed([motion.tangential, motion.along_flank]);
+    let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
     let (_, inverse_speed) = (square + friction.velocity * friction.velocity).root_and_inverse();
     let drag = -(elastic * (coefficient(friction, square) * inverse_speed));
     FlankForce {
@@ -136,12 +136,6 @@ pub fn flank_force<T: Real>(
 fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
     let [depth, touching, _] = penetration.soft_plus(contact.roughness);
     [depth, touching]
-}
-
-/// v² = v_t² + v_f², m²/s².
-#[inline(always)]
-fn square_of_speed<T: Real>([tangential, along_flank]: [T; 2]) -> T {
-    tangential * tangential + along_flank * along_flank
 }
 
 /// μ(v) at the square of the sliding speed, m²/s².

@@ -12,7 +12,7 @@
 //! an estimate for some 100 to 6000 rpm.
 
 /// ω₀, rad/s: 20 rpm.
-pub const FADING_SPEED: f64 = 2.0;
+pub const SPEED_SMOOTHING: f64 = 2.0;
 
 /// Smoothing width of R at zero load, N.
 const RESULTANT_SMOOTHING: f64 = 1.0;
@@ -50,11 +50,11 @@ impl ShaftDrag {
         let lever = self.bearing_friction * self.bearing_radius;
         // R = F²/√(F² + δ²), and ∂R/∂F_x = F_x (F² + 2δ²)/√(F² + δ²)³.
         let steepness = (1.0 + (RESULTANT_SMOOTHING / smooth).powi(2)) / smooth;
-        let direction = (omega / FADING_SPEED).tanh();
+        let direction = (omega / SPEED_SMOOTHING).tanh();
         let loaded = self.constant + lever * square / smooth;
         Drag {
             torque: direction * loaded + self.viscous * omega,
-            by_speed: (1.0 - direction * direction) / FADING_SPEED * loaded + self.viscous,
+            by_speed: (1.0 - direction * direction) / SPEED_SMOOTHING * loaded + self.viscous,
             by_resultant: [x, y].map(|force| direction * lever * steepness * force),
         }
     }

@@ -17,7 +17,7 @@
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::reference_curve::TwoPulley;
-use pushbelt::shaft::FADING_SPEED;
+use pushbelt::shaft::SPEED_SMOOTHING;
 use pushbelt::variator::settings::{Friction, Inputs, Parameters, bisected};
 
 use crate::tables::{Even, Place, Tables, Traction};
@@ -246,7 +246,7 @@ impl Law<'_> {
     #[must_use]
     pub fn point(&self, frame: &Frame, sliding: f64) -> Point {
         let mut mean = Point::default();
-        let fading = (frame.primary / FADING_SPEED).tanh();
+        let fading = (frame.primary / SPEED_SMOOTHING).tanh();
         for (sign, share) in frame.directions() {
             let traction = self.one_way(frame, sign * sliding);
             let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =

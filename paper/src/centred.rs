@@ -5,7 +5,7 @@ use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::belt_ring::{
-    Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, HOLD, InForce, PulleyLoad, ResultantSlopes, ReusePolicy,
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, CellDivision, InForce, PulleyLoad, ResultantSlopes,
     RingUnknowns, Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
@@ -52,7 +52,7 @@ impl Assembly for HeldCentres {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let loads = self.free.residual(acting, view, out);
         for centre in self.centres.clone() {
-            out[centre] = HOLD * view.y[centre];
+            out[centre] = CONSTRAINT_SCALE * view.y[centre];
         }
         loads
     }
@@ -61,13 +61,12 @@ impl Assembly for HeldCentres {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        policy: ReusePolicy,
+        factors: [f64; 2],
         (matrix, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
-        let loads = self.free.jacobian(acting, view, slopes, policy, (matrix, resultants));
+        let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));
         for centre in self.centres.clone() {
-            matrix.set_unit_row(centre, HOLD);
+            matrix.set_unit_row(centre, CONSTRAINT_SCALE);
         }
         loads
     }
@@ -84,8 +83,8 @@ impl Assembly for HeldCentres {
         self.free.restore_derivatives(acting);
     }
 
-    fn serialize_derivatives(&mut self, belt: &Belt, archive: &mut Archive<'_>) {
-        self.free.serialize_derivatives(belt, archive);
+    fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
+        self.free.serialize_derivatives(archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {

@@ -18,7 +18,7 @@
 //! first derivatives with respect to each coordinate: [`CoordinateSlopes`].
 
 use super::curve::{ReferenceCurve, ReferencePoint};
-use super::jet::{Jet, VectorJet};
+use super::jet::Jet;
 use super::two_pulley::TwoPulley;
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
@@ -54,7 +54,7 @@ pub type Path<T> = [Jet<T>; COORDINATES];
 /// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
 pub struct TwoPulleyFrame<T: Real> {
-    centers: [VectorJet<T>; 2],
+    centers: [Jet<Vector2<T>>; 2],
     /// Arc radii without growth, secondary first, m.
     pub radius: [Jet<T>; 2],
     /// Growth δ, m.
@@ -67,7 +67,7 @@ pub struct TwoPulleyFrame<T: Real> {
     lengths: [Jet<T>; SEGMENTS],
     starts: [Jet<T>; SEGMENTS],
     /// Start and vector of each strand.
-    strands: [(VectorJet<T>, VectorJet<T>); 2],
+    strands: [[Jet<Vector2<T>>; 2]; 2],
     /// M + s, m.
     middle: Vector2<T>,
     by: [ShapeSlopes<T>; OF_SHAPE],
@@ -250,17 +250,17 @@ impl TwoPulley {
             starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
         }
         // From P to S, and half of it: e(γ) = (−cos γ, sin γ).
-        let arm = VectorJet::polar(distance.scaled(0.5), turn);
-        let mut middle = VectorJet::of([x, y]);
+        let arm = Jet::polar(distance.scaled(0.5), turn);
+        let mut middle = Jet::of([x, y]);
         middle.v.x += T::from(0.5 * axes);
-        let centers = [1.0, -1.0].map(|side| middle.plus_scaled_by(&arm, side));
+        let centers = [1.0, -1.0].map(|side| middle.plus_scaled(arm, T::from(side)));
         let upper = phi.plus_scaled(turn, 1.0);
         let lower = turn.plus_scaled(phi, -1.0).raised(2.0 * PI);
         let quarter = |chi: Jet<T>| chi.raised(PI / 2.0);
         let ends = [(0, upper), (1, lower)];
         let strands = ends.map(|(pulley, chi)| {
-            let start = centers[pulley].plus_scaled_by(&VectorJet::polar(grown[pulley], chi), 1.0);
-            (start, VectorJet::polar(b, quarter(chi)))
+            let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());
+            [start, Jet::polar(b, quarter(chi))]
         });
         let by_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
@@ -282,7 +282,7 @@ impl TwoPulley {
             let centers = [toward * apart, toward * -apart];
             let per_b = b.v.recip();
             let strands = std::array::from_fn(|strand| {
-                let t = strands[strand].1.v * per_b;
+                let t = strands[strand][1].v * per_b;
                 let n = turn_right(t);
                 let chi = if strand == 0 { of_phi } else { -of_phi };
                 let start = centers[strand] - n * radius_by[strand] + t * (grown[strand].v * chi);
@@ -402,13 +402,13 @@ impl ReferenceCurve for TwoPulley {
     fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let (pulley, chi) = frame.angle(segment, fraction);
         let (position, n, kappa) = if is_strand(segment) {
-            let (start, along) = &frame.strands[segment / 2];
+            let [start, along] = frame.strands[segment / 2];
             let n = turn_right(along.v * frame.lengths[segment].v.recip());
-            (start.plus_scaled(along, fraction), n, Jet::constant(0.0))
+            (start.plus_scaled(along, T::constant(fraction)), n, Jet::constant(0.0))
         } else {
             let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
-            let arm = VectorJet::polar(grown, chi);
-            let position = frame.centers[pulley].plus_scaled_by(&arm, 1.0);
+            let arm = Jet::polar(grown, chi);
+            let position = frame.centers[pulley].plus_scaled(arm, T::one());
             (position, arm.v * -grown.v.recip(), frame.curvature(segment))
         };
         ReferencePoint {

@@ -2,7 +2,7 @@
 
 use crate::scalar::Real;
 use nalgebra::Vector2;
-use std::ops::Mul;
+use std::ops::{Add, Mul};
 
 /// A quantity and its first and second derivative with respect to Θ at fixed η.
 #[derive(Clone, Copy, Debug)]
@@ -91,12 +91,14 @@ impl<T: Real> Jet<T> {
             ..self
         }
     }
+}
 
+impl<V: Add<Output = V>> Jet<V> {
     /// `self` + `factor`·`other`.
     #[inline(always)]
     pub fn plus_scaled<F: Copy>(self, other: Self, factor: F) -> Self
     where
-        T: Mul<F, Output = T>,
+        V: Mul<F, Output = V>,
     {
         Self {
             v: self.v + other.v * factor,
@@ -106,15 +108,7 @@ impl<T: Real> Jet<T> {
     }
 }
 
-/// A vector and its first two derivatives with respect to Θ.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct VectorJet<T: Real> {
-    pub(super) v: Vector2<T>,
-    pub(super) d: Vector2<T>,
-    pub(super) dd: Vector2<T>,
-}
-
-impl<T: Real> VectorJet<T> {
+impl<T: Real> Jet<Vector2<T>> {
     /// O + ρ(−cos χ, sin χ) with χ(Θ), ρ(Θ).
     #[inline(always)]
     pub(super) fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
@@ -135,27 +129,6 @@ impl<T: Real> VectorJet<T> {
             v: Vector2::new(x.v, y.v),
             d: Vector2::new(x.d, y.d),
             dd: Vector2::new(x.dd, y.dd),
-        }
-    }
-
-    /// `self` ± `other`.
-    #[inline(always)]
-    pub(super) fn plus_scaled_by(self, other: &Self, factor: f64) -> Self {
-        let f = T::from(factor);
-        Self {
-            v: self.v + other.v * f,
-            d: self.d + other.d * f,
-            dd: self.dd + other.dd * f,
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn plus_scaled(self, other: &Self, factor: T::Constant) -> Self {
-        let f = T::constant(factor);
-        Self {
-            v: self.v + other.v * f,
-            d: self.d + other.d * f,
-            dd: self.dd + other.dd * f,
         }
     }
 }

@@ -11,14 +11,11 @@ use std::f64::consts::PI;
 /// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve that does not close
 /// may take all.
 const NEWTON_STEPS: usize = 50;
-/// Newton's last step as a share of L. The remaining error is of the order of its square, below rounding.
-const LAST_STEP: f64 = 1e-8;
-/// Length error, as a share of L, up to which a curve counts as closed: some thousand times the rounding error.
-const CLOSED: f64 = 1e-12;
+/// Newton's last step, and the length error up to which a curve counts as closed, as shares of L. The error after that step is of the
+/// order of its square, below rounding.
+const CLOSED: f64 = 1e-8;
 /// Largest r_P of the search, as a share of that with r_P − r_S = d_A, the end of the range of φ.
 const LARGEST: f64 = 0.9999;
-/// Least |1 − i_g| for which r_P is limited: at ratio 1 there is no limit.
-const LEAST_DIFFERENCE: f64 = 1e-9;
 
 /// The curve around two pulleys: S at the origin, P at (d_A, 0).
 #[derive(Clone, Debug)]
@@ -75,13 +72,13 @@ impl TwoPulley {
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
         // The derivative of the closure is positive and bounded away from zero, so Newton converges from every start
         // inside the range of φ.
-        let limit = d / (1.0 - ratio).abs().max(LEAST_DIFFERENCE);
-        r_p = r_p.clamp(0.0, LARGEST * limit);
+        let limit = LARGEST * d / (1.0 - ratio).abs();
+        r_p = r_p.max(0.0).min(limit);
         for _ in 0..NEWTON_STEPS {
             let (excess, slope) = self.closure(r_p, ratio);
             let step = excess / slope;
-            r_p = (r_p - step).min(LARGEST * limit);
-            if step.abs() < LAST_STEP * self.length {
+            r_p = (r_p - step).min(limit);
+            if step.abs() < CLOSED * self.length {
                 break;
             }
         }

@@ -135,29 +135,29 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let (slope, bend) = (in_plane(&by.slope), in_plane(&by.bend));
     let viscosity = ring.viscosity();
     let kappa = curvature(point);
-    let kappa_by = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
-    let (moment, moment_by) = (kappa * ring.bending_stiffness, kappa_by * ring.bending_stiffness);
-    let (gradient, gradient_by) = (point.strain_gradient, by.strain_gradient);
+    let d_kappa = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
+    let (moment, d_moment) = (kappa * ring.bending_stiffness, d_kappa * ring.bending_stiffness);
+    let (gradient, d_gradient) = (point.strain_gradient, by.strain_gradient);
     let viscous = point.strain_rate() * viscosity;
-    let viscous_by = (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + point.w * gradient_by) * viscosity;
+    let d_viscous = (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + point.w * d_gradient) * viscosity;
     let tension = point.strain() * ring.axial_stiffness + viscous;
-    let tension_by = by.stretch * ring.axial_stiffness + viscous_by;
-    load.slope += by.t * tension + point.t * tension_by - embed(t_ref * (moment_by * reference.kappa));
-    load.bend += embed(n_ref * moment_by);
-    let mut energy_by = point.strain() * by.stretch * ring.axial_stiffness + moment * kappa_by;
+    let d_tension = by.stretch * ring.axial_stiffness + d_viscous;
+    load.slope += by.t * tension + point.t * d_tension - embed(t_ref * (d_moment * reference.kappa));
+    load.bend += embed(n_ref * d_moment);
+    let mut d_energy = point.strain() * by.stretch * ring.axial_stiffness + moment * d_kappa;
     for i in 2..D {
         let lateral = by.bend[i] * ring.lateral_bending_stiffness;
         load.bend[i] += lateral;
-        energy_by += point.bend[i] * lateral;
+        d_energy += point.bend[i] * lateral;
     }
-    load.drift += viscous_by * gradient + viscous * gradient_by;
+    load.drift += d_viscous * gradient + viscous * d_gradient;
     let kappa_theta = |slope: &Vector2<T>, bend: &Vector2<T>, one: f64| {
         -(reference.chi_theta * t_ref.dot(bend))
             - reference.kappa_theta * (t_ref.dot(slope) - one)
             - reference.kappa * reference.chi_theta * n_ref.dot(slope)
     };
-    load.theta += moment_by * kappa_theta(&in_plane(&point.slope), &in_plane(&point.bend), 1.0)
+    load.theta += d_moment * kappa_theta(&in_plane(&point.slope), &in_plane(&point.bend), 1.0)
         + moment * kappa_theta(&slope, &bend, 0.0)
-        + energy_by * growth;
-    tension_by
+        + d_energy * growth;
+    d_tension
 }

@@ -27,21 +27,3 @@ impl Joints {
         std::array::from_fn(|k| (radii[k] * wraps[k]).recip() * (2.0 * self.radius))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_power_is_that_of_two_joints_that_turn() {
-        let (joints, radii, wraps) = (Joints { radius: 2e-5 }, [0.06, 0.04], [3.4, 2.9]);
-        let (tension, speed) = (2.5e3, 8.0);
-        let shares = joints.drag_shares(radii, wraps);
-        for k in 0..2 {
-            // ∫ f dξ over the arc, times v.
-            let power = shares[k] * tension * wraps[k] * speed;
-            let expected: f64 = 2.0 * tension * joints.radius * speed / radii[k];
-            assert!((power / expected - 1.0).abs() < 1e-12, "{power} {expected}");
-        }
-    }
-}

@@ -1,7 +1,6 @@
 //! The ring (paper 3, 4): mesh, kinematics with its virtual power, the beam law.
 
 pub mod ale;
-mod energy;
 pub mod joints;
 pub mod kinematics;
 pub mod layers;
@@ -9,7 +8,6 @@ pub mod mesh;
 mod parameters;
 pub mod stress;
 
-pub use energy::Energy;
 pub use joints::Joints;
 pub use layers::Layers;
 pub use parameters::Ring;

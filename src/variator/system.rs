@@ -3,14 +3,13 @@
 use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
-use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
-use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
+use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-use crate::variator::belt::{Belt, HOLD};
+use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, Loads, PSEUDO_INERTIA};
@@ -109,40 +108,11 @@ impl VariatorSystem {
         self.pulleys().residual(&self.boundary(time), &loads, view, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out[c.multiplier] += HOLD * sign * view.y[node];
-                out[node] += HOLD * sign * view.y[c.multiplier];
+                out[c.multiplier] += CONSTRAINT_SCALE * sign * view.y[node];
+                out[node] += CONSTRAINT_SCALE * sign * view.y[c.multiplier];
             }
         }
         self.of_belt = loads;
-    }
-
-    /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
-    #[doc(hidden)]
-    pub fn form_jacobian(
-        &mut self,
-        policy: ReusePolicy,
-        time: f64,
-        view: View<'_>,
-        factors: [f64; 2],
-        out: &mut Arrow,
-    ) {
-        out.clear();
-        let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
-        self.resultants.clear();
-        let of_belt = (&mut *out, &mut self.resultants);
-        let loads = self
-            .assembly
-            .jacobian(InForce { belt, law, friction }, view, factors, policy, of_belt);
-        let boundary = self.boundary(time);
-        self.pulleys()
-            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
-        for c in belt.gauge() {
-            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out.add(c.multiplier, node, HOLD * sign);
-                out.add(node, c.multiplier, HOLD * sign);
-            }
-        }
     }
 
     /// Values at the stations of each group of cells.
@@ -153,9 +123,9 @@ impl VariatorSystem {
         self.assembly.sample(InForce { belt, law, friction }, view, out);
     }
 
-    /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
+    /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
     #[must_use]
-    pub fn ring_energy(&self, view: View<'_>) -> (Energy, f64) {
+    pub fn ring_energy(&self, view: View<'_>) -> [f64; 2] {
         self.assembly.ring_energy(&self.belt, view)
     }
 
@@ -182,7 +152,7 @@ impl VariatorSystem {
 
     /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.
     pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
-        self.assembly.serialize_derivatives(&self.belt, archive);
+        self.assembly.serialize_derivatives(archive);
         if archive.is_reading() {
             let friction = &self.friction();
             let (belt, law) = (&*self.belt, &self.belt.law);
@@ -190,7 +160,7 @@ impl VariatorSystem {
         }
     }
 
-    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
+    /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
     #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
@@ -242,9 +212,26 @@ impl System for VariatorSystem {
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         let [before, _] = self.differentiations();
-        self.form_jacobian(ReusePolicy::WhereValid, time, view, [alpha, beta], out);
+        out.clear();
+        let friction = &self.friction();
+        let (belt, law) = (&*self.belt, &self.belt.law);
+        self.resultants.clear();
+        let factors = [alpha, beta];
+        let of_belt = (&mut *out, &mut self.resultants);
+        let loads = self
+            .assembly
+            .jacobian(InForce { belt, law, friction }, view, factors, of_belt);
+        let boundary = self.boundary(time);
+        self.pulleys()
+            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
+        for c in belt.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out.add(c.multiplier, node, CONSTRAINT_SCALE * sign);
+                out.add(node, c.multiplier, CONSTRAINT_SCALE * sign);
+            }
+        }
         let [after, _] = self.differentiations();
-        (after - before) as f64 / self.belt.mesh.groups.len() as f64
+        (after - before) as f64
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
@@ -268,12 +255,12 @@ impl System for VariatorSystem {
         out[layout.free()].fill(1.0);
         if layout.has_gauge() {
             for condition in 0..CONDITIONS {
-                out[layout.gauge(condition)] = 1.0 / HOLD;
+                out[layout.gauge(condition)] = 1.0 / CONSTRAINT_SCALE;
             }
         }
         for at in &self.belt.cells_at {
             out[at.speed] = slip;
-            out[at.amount] = PLACE;
+            out[at.content] = PLACE;
         }
         out[layout.drift()] = slip;
         out[layout.theta()] = velocity / radius;

@@ -3,6 +3,7 @@
 pub mod ale_ring;
 pub mod ancf;
 pub(crate) mod beam;
+mod energy;
 pub mod lagrangian;
 pub mod mesh;
 pub mod model;
@@ -10,4 +11,5 @@ pub mod particle;
 pub mod rcm;
 pub(crate) mod rotated;
 
-pub use pushbelt::ring::{Energy, Ring, ale, kinematics};
+pub use energy::Energy;
+pub use pushbelt::ring::{Ring, ale, kinematics};

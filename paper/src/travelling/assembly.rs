@@ -10,11 +10,10 @@ use crate::travelling::evaluation::{
     Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
 use crate::travelling::order::{Order, nodal};
-use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
+use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, ReusePolicy, Sample, Sampler, Transport,
-    Transports,
+    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantSlopes, Sample, Transport, Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.
@@ -88,15 +87,15 @@ impl<E: LagrangianElement> TravellingCells<E> {
         }
     }
 
-    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    /// Adds the derivatives of the balance of the contents: fluxes through the left faces.
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
-            out.add(face.amounts[1], face.amounts[1], alpha);
+            out.add(face.contents[1], face.contents[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
                 let of = &self.slopes[cell];
                 let slopes = face.slopes(side, &of.transport);
                 for (&column, slope) in of.at.iter().zip(slopes).take(of.count) {
-                    for (row, slope) in face.amounts.into_iter().zip([slope, -slope]) {
+                    for (row, slope) in face.contents.into_iter().zip([slope, -slope]) {
                         if let Some(index) = out.index(row, column) {
                             out.add_at(index, slope);
                         }
@@ -133,10 +132,10 @@ fn add_cell_slopes<E: LagrangianElement>(
         let theta = (own + THETA).wrapping_sub(first);
         let still_here = first + PASS <= own + DRIFT || first > own + THETA;
         let rows = if still_here {
-            evaluation.cell(over, &frames.still, still, &mut NoObserver)
+            evaluation.cell(over, &frames.still, still, |_| ())
         } else {
             let frame = frames.moving.get(theta).unwrap_or(&frames.still);
-            evaluation.cell(over, frame, Moving(still), &mut NoObserver)
+            evaluation.cell(over, frame, Moving(still), |_| ())
         };
         let columns = &at[first..(first + PASS).min(count)];
         let mut add = |row: usize, value: &Slopes| {
@@ -151,7 +150,7 @@ fn add_cell_slopes<E: LagrangianElement>(
                 add(at[over.first(slot) + k], row);
             }
         }
-        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
+        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != CONTENT) {
             add(at[own + k], row);
         }
         for (axis, force) in rows.balance.pulley.resultant.iter().enumerate() {
@@ -199,7 +198,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         for cell in 0..belt.mesh.cells.len() {
             let over = CellOver::new(belt, &frame, cell, s);
             let at = over.unknowns();
-            let rows = evaluation.cell(&over, &frame, Values, &mut NoObserver);
+            let rows = evaluation.cell(&over, &frame, Values, |_| ());
             for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
                 for (k, row) in nodal.iter().enumerate() {
                     out[at[over.first(slot) + k]] += row;
@@ -228,7 +227,6 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        _policy: ReusePolicy,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
@@ -268,30 +266,34 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         let belt = acting.belt;
         let frame = belt.curve.frame(belt.theta(view));
         let s = view.q[belt.layout.drift()];
+        let at_present = |element| MeanTension {
+            value: self.ring.mean_tension(&values(&belt.layout, view, element)),
+            ..MeanTension::default()
+        };
+        let mean_tensions: Vec<_> = (0..self.ring.elements()).map(at_present).collect();
         let evaluation = Evaluation {
             acting,
             view,
             ring: &self.ring,
-            mean_tensions: &self.mean_tensions,
+            mean_tensions: &mean_tensions,
         };
         for (cell, place) in belt.mesh.cells.iter().enumerate() {
             let over = CellOver::new(belt, &frame, cell, s);
             let mut stations = out[place.group * belt.mesh.points..].iter_mut();
-            let mut record = |sample| {
+            evaluation.cell(&over, &frame, Values, |at| {
                 let group = stations.next().expect("a place for each station");
-                group.set(place.lane, &sample);
-            };
-            evaluation.cell(&over, &frame, Values, &mut Sampler(&mut record));
+                group.set(place.lane, &at.sample());
+            });
         }
     }
 
-    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> (Energy, f64) {
-        let mut sum = (Energy::default(), 0.0);
+    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> [f64; 2] {
+        let (mut energy, mut loss) = (Energy::default(), 0.0);
         for element in 0..self.ring.elements() {
             let values = values(&belt.layout, view, element);
-            sum.0 += self.ring.energy(&(), element, &values);
-            sum.1 += self.ring.dissipation(&(), element, &values);
+            energy += self.ring.energy(&(), element, &values);
+            loss += self.ring.dissipation(&(), element, &values);
         }
-        sum
+        [energy.total(), loss]
     }
 }

@@ -9,7 +9,7 @@ use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
-use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Place, SLOTS, StationObserver, balance};
+use pushbelt::variator::belt_ring::{AtStation, CellInput, CellMotion, InForce, Layout, Place, SLOTS, Slots, balance};
 use std::ops::Mul;
 
 /// Directions differentiated in one pass over a cell.
@@ -139,12 +139,12 @@ impl<S: Scalars> CellScalars<'_, S> {
 impl<E: LagrangianElement> Evaluation<'_, E> {
     /// The balance of a cell and the forces on its ring.
     #[inline(always)]
-    pub fn cell<S: Scalars, P: StationObserver<S::T>>(
+    pub fn cell<S: Scalars>(
         &self,
         over: &CellOver,
         frame: &TwoPulleyFrame<S::T>,
         scalars: S,
-        observer: &mut P,
+        observe: impl FnMut(&AtStation<'_, S::T>),
     ) -> CellRows<S::T> {
         let InForce { belt, law, friction } = self.acting;
         let of = CellScalars {
@@ -183,7 +183,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let slots = std::array::from_fn(|slot| {
             let xi = references[slot].as_ref()?.xi.v;
             let x = ((xi - drift) * per_element - over.turn[slot]) * 2.0 - 1.0;
-            Some(self.ring_at::<S, P>(over, slot, x, &of))
+            Some(self.ring_at(over, slot, x, &of))
         });
         let multipliers = [of.value(own + GAUGE), of.value(own + GAUGE + 1)];
         let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
@@ -194,7 +194,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             place: &place,
             motion: &motion,
         };
-        let balance = balance(&given, &mut passing, reference, observer);
+        let (balance, _) = balance(&given, &mut passing, reference, &mut Slots::empty(), observe);
         CellRows {
             balance,
             ring: passing.into_forces(),
@@ -203,7 +203,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
 
     /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.
     #[inline(always)]
-    fn ring_at<S: Scalars, P: StationObserver<S::T>>(
+    fn ring_at<S: Scalars>(
         &self,
         over: &CellOver,
         slot: usize,
@@ -220,7 +220,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let shape = E::shape(of.scalars.place(x));
         let particle = E::particle(&motion, &shape);
         let tension = if E::MEAN_STRAIN {
-            self.mean_tension::<S, P>(over.element(slot), first, of.scalars)
+            self.mean_tension(over.element(slot), first, of.scalars)
         } else {
             beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
         };
@@ -232,14 +232,9 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         }
     }
 
-    /// Tension at the mean strain of an element whose first direction is `first`, N. For samples it is computed at the
-    /// current state.
+    /// Tension at the mean strain of an element whose first direction is `first`, N.
     #[inline(always)]
-    fn mean_tension<S: Scalars, P: StationObserver<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
-        if P::SAMPLES {
-            let values = values(&self.acting.belt.layout, self.view, element);
-            return S::T::from(self.ring.mean_tension(&values));
-        }
+    fn mean_tension<S: Scalars>(&self, element: usize, first: usize, scalars: S) -> S::T {
         let mean = &self.mean_tensions[element];
         let slopes = mean.slopes.iter().enumerate();
         slopes.fold(S::T::from(mean.value), |sum, (k, &slope)| {

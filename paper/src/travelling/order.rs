@@ -125,7 +125,7 @@ fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, plac
     for (cell, face) in faces.iter().enumerate() {
         append_nodes_before(*face, &mut append);
         append(layout.belt_speed(cell));
-        append(layout.amount(cell));
+        append(layout.content(cell));
     }
     append_nodes_before(f64::INFINITY, &mut append);
 }
@@ -166,7 +166,7 @@ fn farthest(
         own.extend([
             layout.belt_speed(cell),
             layout.belt_speed(cell + 1),
-            layout.amount(cell),
+            layout.content(cell),
         ]);
         both.extend([
             layout.belt_speed(before),
@@ -178,7 +178,7 @@ fn farthest(
                 found = found.max(distance(a, b));
             }
         }
-        for row in [layout.amount(before), layout.amount(cell)] {
+        for row in [layout.content(before), layout.content(cell)] {
             for &b in &both {
                 found = found.max(distance(row, b));
             }

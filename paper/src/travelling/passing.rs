@@ -22,7 +22,9 @@ use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::travelling::order::{Travelling, nodal};
-use pushbelt::variator::belt_ring::{Action, Belt, CellBalance, CellRing, HOLD, Layout, RingDensity, SLOTS};
+use pushbelt::variator::belt_ring::{
+    Action, Belt, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity, SLOTS,
+};
 use std::ops::Mul;
 
 /// Time constant τ with which the reference curve follows the ring, s: some passes of an element.
@@ -32,8 +34,8 @@ const FOLLOWING_TIME: f64 = 0.02;
 /// multipliers.
 pub(super) const MOST: usize = NODAL * SLOTS + OTHERS;
 pub(super) const OTHERS: usize = 11;
-/// Index of the amount among the others. Its row is the balance of the fluxes.
-pub(super) const AMOUNT: usize = 2;
+/// Index of the content among the others. Its row is the balance of the fluxes.
+pub(super) const CONTENT: usize = 2;
 /// Indices of s, Θ and the first multiplier among the others.
 pub(super) const DRIFT: usize = 3;
 pub(super) const THETA: usize = 4;
@@ -95,7 +97,7 @@ impl CellOver {
         let others: [usize; OTHERS] = [
             layout.belt_speed(cell),
             layout.belt_speed(cell + 1),
-            layout.amount(cell),
+            layout.content(cell),
             layout.drift(),
             layout.theta(),
             layout.sheave(pulley),
@@ -205,15 +207,15 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
         let across = reference.r_theta - reference.t * reference.xi.d;
         let off = (point.r - reference.r) * T::from(FOLLOWING_TIME.recip()) + point.r_dot
             - reference.r_theta * self.motion.theta.rate;
-        let pull = (along * self.multipliers[0] + across * self.multipliers[1]) * T::from(HOLD);
+        let pull = (along * self.multipliers[0] + across * self.multipliers[1]) * T::from(CONSTRAINT_SCALE);
         let load = &action.load;
         let position = load.position + pull;
         let drift = load.drift - position.dot(&point.slope) - load.slope.dot(&point.bend);
         let forces = &mut self.forces;
         forces.drift += drift * weight;
         forces.theta += (load.theta - pull.dot(&reference.r_theta) - drift * reference.xi.d) * weight;
-        forces.gauge[0] += off.dot(&along) * weight * HOLD;
-        forces.gauge[1] += off.dot(&across) * weight * HOLD;
+        forces.gauge[0] += off.dot(&along) * weight * CONSTRAINT_SCALE;
+        forces.gauge[1] += off.dot(&across) * weight * CONSTRAINT_SCALE;
         let on_ring = ParticleLoad {
             position: position * weight,
             slope: load.slope * weight,

@@ -31,7 +31,7 @@ pub(crate) fn state_on_ale<E: LagrangianElement>(
     let mut out = State::zero(layout.len());
     for (to, from) in belt.cells_at.iter().zip(&ale.cells_at) {
         out.y[to.speed] = state.y[from.speed];
-        out.y[to.amount] = state.y[from.amount];
+        out.y[to.content] = state.y[from.content];
     }
     for (to, from) in layout.globals().zip(ale.layout.globals()) {
         out.y[to] = state.y[from];

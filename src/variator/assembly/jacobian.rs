@@ -1,23 +1,19 @@
 //! Derivatives of a pack of cells: by hand where a ring has them, otherwise by forward differentiation.
 
-use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
-use crate::variator::assembly::columns::Columns;
-use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
+use crate::variator::assembly::derivatives::Columns;
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, path_of};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
-use crate::variator::belt::equations::{InForce, ReusePolicy};
-use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::laws::{ArgumentRecorder, LawArguments, LawTangents, TangentRecorder};
-use crate::variator::cell::observer::{AtStation, StationObserver};
-use crate::variator::cell::state::{CellInput, Slots, StationForces};
+use crate::variator::belt::equations::InForce;
+use crate::variator::cell::balance::balance;
+use crate::variator::cell::directions::Directions;
+use crate::variator::cell::laws::{LawArguments, LawTangents};
+use crate::variator::cell::state::{CellInput, Slots};
 use crate::variator::cell::variation::Evaluated;
 use crate::variator::law::place::CellBalance;
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::CellRing;
 use std::cell::OnceCell;
 use std::ops::Range;
 
@@ -26,18 +22,17 @@ const PASS: usize = 2;
 /// Most passes over drift and coordinates of the curve.
 const PASSES: usize = (1 + COORDINATES).div_ceil(PASS);
 
-/// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`.
-/// Returns the part that was evaluated.
+/// The balance of a pack at `unknowns`. Evaluates the tangents of its laws and, unless `update`, all its derivatives.
 #[inline(never)]
-pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
+pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     (kind, pack): (&K, &Pack),
     frames: &Frames<'_, C>,
-    at: (&Unknowns<Lanes>, [f64; 2]),
-    policy: ReusePolicy,
-    (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-) -> (CellBalance<Lanes>, CacheUpdate) {
-    let (InForce { law, friction, .. }, frame, (unknowns, slopes)) = (acting, &frames.plain, at);
+    unknowns: &Unknowns<Lanes>,
+    update: bool,
+    mut columns: Columns<'_>,
+) -> CellBalance<Lanes> {
+    let (InForce { law, friction, .. }, frame, slopes) = (acting, &frames.plain, frames.slopes);
     let plain = |value, _, _| value;
     let motion = motion::<Lanes, K>(unknowns, slopes, plain);
     let place = pack.place::<Lanes, C>(law, frame);
@@ -57,22 +52,15 @@ pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
         place: &place,
         motion: &motion,
     };
-    let (mut slots, mut forces, mut tangents) = (Slots::empty(), [None; STATIONS], LawTangents::zero());
-    let mut observer = ForceRecorder {
-        tangents: TangentRecorder(&mut tangents),
-        forces: &mut forces,
-    };
-    let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut observer);
-    let update = cache.update::<K>(policy, &tangents, at, place.length.v);
-    if update != CacheUpdate::All {
-        return (b, update);
+    let (mut slots, mut forces, mut tangents) = (Slots::empty(), [None; STATIONS], LawTangents::default());
+    let (b, cell) = balance(&given, &mut ring, reference, &mut slots, |at| {
+        tangents.record(at);
+        forces[at.index] = Some(*at.forces);
+    });
+    columns.derivatives.set_tangents(&tangents, update);
+    if update {
+        return b;
     }
-    let mut columns = Columns {
-        pack,
-        block: &mut cache.block,
-        laws: cache.laws.as_mut(),
-        transports,
-    };
     if frames.by_hand {
         let evaluated = Evaluated {
             given,
@@ -88,31 +76,16 @@ pub(crate) fn update<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
         let first = directions.start;
         let mut arguments = LawArguments::zero();
         let seed = |value, k: usize, slope| Tangent::seed(value, k.wrapping_sub(first), slope);
-        let recorder = &mut ArgumentRecorder(&mut arguments);
         let (b, ring) =
-            pack_balance::<Tangent<PASS>, _, K, D, C>(acting, (kind, pack), frame, unknowns, slopes, seed, recorder);
+            pack_balance::<Tangent<PASS>, K, D, C>(acting, (kind, pack), frame, unknowns, slopes, seed, |at| {
+                arguments.record(at);
+            });
         let rows = rows::<_, K, D>(&b, &ring);
         for (i, k) in directions.enumerate() {
-            let transport = b.transport.map(|of| of.eps[i]);
-            let arguments = arguments.map(|of| of.eps[i]);
-            columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport, &arguments);
+            columns.record::<K, _>(k, (&rows, &b.transport, &arguments), |of| of.eps[i]);
         }
     }
-    (b, update)
-}
-
-/// Records the forces at the stations and the tangents of the laws.
-struct ForceRecorder<'a, const D: usize> {
-    tangents: TangentRecorder<'a>,
-    forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
-}
-
-impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
-    #[inline(always)]
-    fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        self.tangents.observe(at);
-        self.forces[at.index] = Some(*at.forces);
-    }
+    b
 }
 
 /// Frames of the curve at one place of a path: without derivatives, and with those in the directions of a pass of forward

@@ -4,14 +4,14 @@ use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real};
-use crate::variator::assembly::columns::{Columns, vary_own};
+use crate::variator::assembly::derivatives::Columns;
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, nodes, tensions};
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing};
-use crate::variator::cell::observer::StationObserver;
-use crate::variator::cell::state::CellInput;
+use crate::variator::cell::sample::AtStation;
+use crate::variator::cell::state::{CellInput, Slots};
 use crate::variator::cell::variation::Evaluated;
 use crate::variator::law::place::{CellBalance, Place};
 use crate::variator::rings::deflecting::Deflecting;
@@ -59,7 +59,7 @@ impl<C: MeshCurve> RingKind<2, C> for GuidedRing {
 
     #[inline(always)]
     fn by_hand(ring: &Guided<'_, Lanes, C>, evaluated: Evaluated<'_, 2>, columns: &mut Columns<'_>) {
-        vary_own::<Self, _, 2>(ring, evaluated, columns);
+        columns.record_by_hand::<Self, _, 2>(ring, evaluated);
     }
 }
 
@@ -81,7 +81,7 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
 
     #[inline(always)]
     fn by_hand(ring: &Deflecting<'_, Lanes, D>, evaluated: Evaluated<'_, D>, columns: &mut Columns<'_>) {
-        vary_own::<Self, _, D>(ring, evaluated, columns);
+        columns.record_by_hand::<Self, _, D>(ring, evaluated);
     }
 }
 
@@ -106,20 +106,14 @@ pub(crate) fn frame<K: Directions, C: MeshCurve>(curve: &TwoPulley, path: Path<f
 /// The balance of a pack of cells with this kind of ring; `seed` makes a scalar from a value, its direction and its
 /// derivative.
 #[inline(always)]
-pub(crate) fn pack_balance<
-    T: Real<Constant = Lanes>,
-    S: StationObserver<T, D>,
-    K: RingKind<D, C>,
-    const D: usize,
-    C: MeshCurve,
->(
+pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     InForce { law, friction, .. }: InForce<'_>,
     (kind, pack): (&K, &Pack),
     frame: &C::Frame<T>,
     unknowns: &Unknowns<Lanes>,
     slopes: [f64; 2],
     seed: impl Fn(Lanes, usize, f64) -> T,
-    observer: &mut S,
+    observe: impl FnMut(&AtStation<'_, T, D>),
 ) -> (CellBalance<T>, RingForces<T, D>) {
     let motion = motion::<T, K>(unknowns, slopes, &seed);
     let place = pack.place::<T, C>(law, frame);
@@ -132,6 +126,6 @@ pub(crate) fn pack_balance<
         place: &place,
         motion: &motion,
     };
-    let b = balance(&given, &mut ring, reference, observer);
+    let (b, _) = balance(&given, &mut ring, reference, &mut Slots::empty(), observe);
     (b, ring.forces())
 }

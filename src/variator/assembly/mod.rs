@@ -1,10 +1,8 @@
 //! The equations of a belt: balance and derivatives of packs of cells, and their sums.
 
-mod columns;
+mod derivatives;
 pub(crate) mod jacobian;
-mod jacobian_cache;
 pub(crate) mod kinds;
-mod law_part;
 mod pack;
 pub(crate) mod packed;
 pub(crate) mod transports;

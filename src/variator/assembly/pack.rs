@@ -49,7 +49,7 @@ pub(crate) struct Pack {
     plane: [Lanes; 2],
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
-    /// Places of the derivatives in the matrix, without the row of the amount.
+    /// Places of the derivatives in the matrix, without the row of the content.
     strips: Vec<Strip>,
 }
 
@@ -72,7 +72,7 @@ impl Pack {
         }
     }
 
-    /// Adds `rows` of the balance in the own directions of each cell to `out`, without the amount.
+    /// Adds `rows` of the balance in the own directions of each cell to `out`, without the content.
     #[inline(always)]
     pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
         let whole = 2 * D - 2 * D % LANES;
@@ -85,7 +85,7 @@ impl Pack {
                 }
             }
         }
-        let alone = |k: &usize| *k != K::AMOUNT && (*k >= K::NODES || k % (2 * D) >= whole);
+        let alone = |k: &usize| *k != K::CONTENT && (*k >= K::NODES || k % (2 * D) >= whole);
         for k in (0..K::DRIFT).filter(alone) {
             for (&at, value) in self.at[k][..self.group.used].iter().zip(rows[k].to_array()) {
                 out[at] += value;
@@ -135,7 +135,7 @@ impl Pack {
         belt: &Belt,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) {
-        // The block has no row of the amount.
+        // The block has no row of the content.
         let rows = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
         for pulley in Pulley::BOTH {
             let on = self.group.on[pulley];
@@ -220,7 +220,7 @@ impl Station<Lanes> {
 /// Index of a place outside the matrix.
 pub(crate) const NOWHERE: usize = usize::MAX;
 
-/// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts of the previous cell and of the cell, then the same
+/// Places of ∂(flux)/∂(directions of a cell) in the rows of the contents of the previous cell and of the cell, then the same
 /// for the directions of the previous cell.
 pub(crate) type FluxEntries = [[[usize; 2]; MOST]; 2];
 
@@ -279,8 +279,8 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
 /// Places of the derivatives of a pack in the matrix, without those of [`Pack::add_shared`].
 fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
     let places = |row: usize| -> Vec<[usize; LANES]> {
-        // The block has no row of the amount.
-        let of_row = row + usize::from(row >= K::AMOUNT);
+        // The block has no row of the content.
+        let of_row = row + usize::from(row >= K::CONTENT);
         let columns = if of_row < K::DRIFT { K::COUNT } else { K::DRIFT };
         let place =
             |column: usize| at.map(|at| shape.index(at[of_row], at[column]).expect("neighbours are in the band"));
@@ -312,7 +312,7 @@ pub(crate) fn flux_entries<K: Directions>(belt: &Belt) -> Vec<FluxEntries> {
     (0..cells)
         .map(|cell| {
             let before = (cell + cells - 1) % cells;
-            let rows = [before, cell].map(|cell| belt.cells_at[cell].amount);
+            let rows = [before, cell].map(|cell| belt.cells_at[cell].content);
             [cell, before].map(|of| {
                 let at = unknowns_of::<K>(belt, of);
                 std::array::from_fn(|k| {
@@ -343,7 +343,7 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     let of_cell = &mut at[K::NODES..];
     of_cell[0] = layout.belt_speed(cell);
     of_cell[1] = layout.belt_speed(cell + 1);
-    of_cell[2] = layout.amount(cell);
+    of_cell[2] = layout.content(cell);
     for face in 0..K::TENSIONS {
         of_cell[3 + face] = layout.tension(cell + face);
     }

@@ -3,42 +3,70 @@
 use crate::archive::Archive;
 use crate::chain::Transport;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{COORDINATES, MeshCurve};
+use crate::reference_curve::{COORDINATES, MeshCurve, ReferenceCurve};
 use crate::scalar::Lanes;
-use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::variator::assembly::jacobian::{Frames, update};
-use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache};
+use crate::solver::{State, View};
+use crate::variator::assembly::derivatives::{Columns, Derivatives, UpdateWork};
+use crate::variator::assembly::jacobian::{Frames, differentiate};
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
-use crate::variator::assembly::law_part::{LawPart, LawWork};
 use crate::variator::assembly::pack::{FluxEntries, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::transports::{Transports, VANISHING};
-use crate::variator::assembly::unknowns::{Unknowns, path, rows};
-use crate::variator::belt::equations::{Assembly, InForce, ReusePolicy};
+use crate::variator::assembly::transports::{RELAXATION_RATE, Transports};
+use crate::variator::assembly::unknowns::{Unknowns, rows};
+use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-use crate::variator::belt::{Belt, CellUnknowns};
+use crate::variator::belt::{Belt, CellUnknowns, THETA_PER_METRE};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
-use crate::variator::cell::observer::{NoObserver, Sampler};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`.
+/// Derivatives are reused while 1/(hγ) has changed by less than this factor. Beyond it Newton's method takes up to ten times as
+/// many Jacobians: a factor of 3 costs a third more time under rough loads.
+const RESCALED: f64 = 1.5;
+/// Rotation of the ring up to which its geometry is reused, rad. Half of it renews a sixth more geometry and twice of it a tenth
+/// less, with the same number of Jacobians within noise.
+const ROTATED: f64 = 1.2e-2;
+/// Change of Θ up to which it is reused. Twice of it costs a tenth more Jacobians in macro-slip, without a bound they are twice as
+/// many.
+const SHIFTED: f64 = 3.0e-3;
+
+/// Where all derivatives were evaluated: state, and factors of ẏ and q; NaN where they were not.
 #[derive(Clone, Debug)]
-pub(crate) struct PackedCells<K, const D: usize, C> {
-    pub(crate) packs: Vec<Pack>,
-    /// Cached derivatives of each pack.
-    pub(crate) caches: Vec<JacobianCache>,
-    /// Numbers of packs that were differentiated, and of packs whose constitutive tangents alone were updated.
-    pub(crate) differentiations: [u64; 2],
-    pub(crate) transports: Transports,
-    /// Derivatives of `transports` in the directions of the cells, cached with those of the packs.
-    pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
-    pub(crate) flux_entries: Vec<FluxEntries>,
+struct Origin {
+    factors: [f64; 2],
+    state: State,
+}
+
+impl Origin {
+    fn set(&mut self, view: View<'_>, factors: [f64; 2]) {
+        self.factors = factors;
+        self.state.y.copy_from_slice(view.y);
+        self.state.y_dot.copy_from_slice(view.y_dot);
+        self.state.q.copy_from_slice(view.q);
+    }
+}
+
+/// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`.
+///
+/// Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but the geometry hardly changes from one to
+/// the next. Then the constitutive tangents alone are updated, which is accurate enough for a simplified Newton method.
+#[derive(Clone, Debug)]
+struct PackedCells<K, const D: usize, C> {
+    packs: Vec<Pack>,
+    /// Derivatives of each pack.
+    derivatives: Vec<Derivatives>,
+    origin: Origin,
+    /// Number of evaluations of all derivatives, and of constitutive tangents alone.
+    differentiations: [u64; 2],
+    transports: Transports,
+    /// Derivatives of `transports` in the directions of the cells.
+    transport_slopes: Vec<Transport<[f64; MOST]>>,
+    flux_entries: Vec<FluxEntries>,
     /// Working memory.
     unknowns: Box<Unknowns<Lanes>>,
-    work: LawWork,
+    work: UpdateWork,
     kind: K,
     by_hand: bool,
     curve: PhantomData<C>,
@@ -49,33 +77,79 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     fn of_belt(kind: K, belt: &Belt, by_hand: bool) -> Box<dyn Assembly> {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
-        let laws = by_hand.then(|| LawPart::new::<K, D>(belt.mesh.points));
+        let origin = Origin {
+            factors: [f64::NAN; 2],
+            state: State::zero(belt.layout.len()),
+        };
         Box::new(Self {
-            caches: vec![JacobianCache::new::<K>(laws); packs.len()],
+            derivatives: vec![Derivatives::new::<K, D>(belt.mesh.points, by_hand); packs.len()],
             packs,
+            origin,
             differentiations: [0; 2],
             transports: Transports::new(cells),
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
             unknowns: Box::new(Unknowns::zero()),
-            work: LawWork::new::<K>(),
+            work: UpdateWork::new::<K>(),
             kind,
             by_hand,
             curve: PhantomData,
         })
     }
 
-    /// Adds the derivatives of the balance of the amounts. The fluxes do not depend on the pulleys.
+    /// Whether the geometry of the derivatives is still valid in a state with these factors.
+    fn is_valid(&self, belt: &Belt, view: View<'_>, factors: [f64; 2]) -> bool {
+        let Origin { factors: then, state } = &self.origin;
+        self.by_hand && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0])) && is_near(belt, &state.q, view.q)
+    }
+
+    /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds them to a matrix and slopes.
+    fn differentiate(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        factors: [f64; 2],
+        mut out: Option<(&mut Arrow, &mut ResultantSlopes)>,
+    ) -> PerPulley<PulleyLoad<Lanes>> {
+        let belt = acting.belt;
+        let update = self.is_valid(belt, view, factors);
+        self.differentiations[usize::from(update)] += 1;
+        if !update {
+            self.origin.set(view, factors);
+        }
+        let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), factors, self.by_hand);
+        let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
+        for (pack, derivatives) in self.packs.iter().zip(&mut self.derivatives) {
+            pack.gather::<K>(view, &mut self.unknowns);
+            let columns = Columns {
+                cells: pack.cells(),
+                derivatives: &mut *derivatives,
+                transports: &mut self.transport_slopes,
+            };
+            let of_pack = (&self.kind, pack);
+            let b = differentiate::<K, D, C>(acting, of_pack, &frames, &self.unknowns, update, columns);
+            if let Some((matrix, resultants)) = &mut out {
+                let block = derivatives.current::<K>(&mut self.work);
+                pack.add_derivatives(block, K::COUNT, matrix);
+                pack.add_shared::<K>(block, belt, (matrix, resultants));
+            }
+            add_loads(&mut loads, pack, &b);
+            self.transports.set_pack(pack.group.cells[0], &b.transport);
+        }
+        loads
+    }
+
+    /// Adds the derivatives of the balance of the content. The fluxes do not depend on the pulleys.
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         if belt.law.is_chain() {
             for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
-                out.add(i, i, alpha + VANISHING);
+                out.add(i, i, alpha + RELAXATION_RATE);
             }
             return;
         }
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
-            let row = face.amounts[1];
+            let row = face.contents[1];
             out.add(row, row, alpha);
             for ((side, of), entries) in [(1, cell), (0, before)].into_iter().zip(&self.flux_entries[cell]) {
                 let slopes = face.slopes(side, &self.transport_slopes[of]);
@@ -105,14 +179,14 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for pack in &self.packs {
             pack.gather::<K>(view, &mut self.unknowns);
-            let (b, ring) = pack_balance::<_, _, K, D, C>(
+            let (b, ring) = pack_balance::<_, K, D, C>(
                 acting,
                 (&self.kind, pack),
                 &frame,
                 &self.unknowns,
                 [0.0; 2],
                 |value, _, _| value,
-                &mut NoObserver,
+                |_| (),
             );
             let rows = rows::<_, K, D>(&b, &ring);
             pack.scatter::<K, D>(&rows, out);
@@ -138,33 +212,11 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        policy: ReusePolicy,
+        factors: [f64; 2],
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
-        let InForce { belt, .. } = acting;
-        let alpha = slopes[0];
-        let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), slopes, self.by_hand);
-        let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
-        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
-            pack.gather::<K>(view, &mut self.unknowns);
-            let of_pack = (&mut *cache, &mut *self.transport_slopes);
-            let at = (&*self.unknowns, slopes);
-            let (b, update) = update::<K, D, C>(acting, (&self.kind, pack), &frames, at, policy, of_pack);
-            for (count, of) in self
-                .differentiations
-                .iter_mut()
-                .zip([CacheUpdate::All, CacheUpdate::Tangents])
-            {
-                *count += u64::from(update == of);
-            }
-            let block = cache.derivatives::<K>(&mut self.work);
-            pack.add_derivatives(block, K::COUNT, out);
-            pack.add_shared::<K>(block, belt, (out, resultants));
-            add_loads(&mut loads, pack, &b);
-            self.transports.set_pack(pack.group.cells[0], &b.transport);
-        }
-        self.add_flux_slopes(belt, alpha, out);
+        let loads = self.differentiate(acting, view, factors, Some((&mut *out, resultants)));
+        self.add_flux_slopes(acting.belt, factors[0], out);
         loads.map(|of| of.map(Lanes::sum))
     }
 
@@ -173,43 +225,34 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         let (mut places, mut unknowns) = (out.iter_mut(), Unknowns::zero());
         for pack in &self.packs {
             pack.gather::<K>(view, &mut unknowns);
-            let mut record = |sample| *places.next().expect("a place for each station") = sample;
-            pack_balance::<_, _, K, D, C>(
+            pack_balance::<_, K, D, C>(
                 acting,
                 (&self.kind, pack),
                 &frame,
                 &unknowns,
                 [0.0; 2],
                 |value, _, _| value,
-                &mut Sampler(&mut record),
+                |at| *places.next().expect("a place for each station") = at.sample(),
             );
         }
     }
 
     fn forget_derivatives(&mut self) {
-        self.caches.iter_mut().for_each(JacobianCache::forget);
+        self.origin.factors = [f64::NAN; 2];
     }
 
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
-        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
-            let origins = [&cache.origin, &cache.laws_origin].map(Clone::clone);
-            cache.forget();
-            for (origin, policy) in origins.iter().zip([ReusePolicy::None, ReusePolicy::Geometry]) {
-                if origin.exists() {
-                    let (curve, path) = (&acting.belt.curve, path::<K>(&origin.unknowns));
-                    let frames = Frames::<C>::new::<K>(curve, path, origin.slopes, self.by_hand);
-                    let at = (&origin.unknowns, origin.slopes);
-                    let of_pack = (&mut *cache, &mut *self.transport_slopes);
-                    update::<K, D, C>(acting, (&self.kind, pack), &frames, at, policy, of_pack);
-                }
-            }
+        let Origin { factors, state } = self.origin.clone();
+        self.forget_derivatives();
+        if !factors[0].is_nan() {
+            self.differentiate(acting, state.view(), factors, None);
         }
     }
 
-    fn serialize_derivatives(&mut self, _belt: &Belt, archive: &mut Archive<'_>) {
-        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
-            cache.serialize(archive, K::COUNT, pack.group.used);
-        }
+    fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
+        let Origin { factors, state } = &mut self.origin;
+        factors.iter_mut().for_each(|factor| archive.any(factor));
+        state.serialize(archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {
@@ -235,6 +278,26 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt, by_hand: 
 #[must_use]
 pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
     PackedCells::<K, D, C>::of_belt(kind, belt, false)
+}
+
+/// Whether the geometry has hardly changed between two positions.
+fn is_near(belt: &Belt, then: &[f64], now: &[f64]) -> bool {
+    let layout = &belt.layout;
+    let moved = |i: usize| now[i] - then[i];
+    let frame = belt.curve.frame(then[layout.theta()]);
+    let rotated = |element: usize| {
+        let length = belt.element_length(&frame, element);
+        (0..layout.components()).any(|k| {
+            let [left, right] = [element, element + 1].map(|node| moved(layout.node(node, 2 * k)));
+            let slope = moved(layout.node(element, 2 * k + 1));
+            slope.abs().max((right - left).abs() / length) >= ROTATED
+        })
+    };
+    moved(layout.theta()).abs() < SHIFTED
+        && layout
+            .centres()
+            .all(|centre| moved(centre).abs() * THETA_PER_METRE < SHIFTED)
+        && !(0..layout.elements).any(rotated)
 }
 
 /// Adds the loads of a pack on the pulleys.

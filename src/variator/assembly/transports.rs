@@ -1,4 +1,4 @@
-//! The balance of the amounts: transport quantities of every cell, and the fluxes through the left faces.
+//! The balance of the contents: transport quantities of every cell, and the fluxes through the left faces.
 
 use crate::chain::{self, Transport};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
@@ -6,7 +6,7 @@ use crate::solver::View;
 use crate::variator::belt::{Belt, CellUnknowns};
 
 /// Rate at which the unknowns of the elements of a chain vanish, 1/s.
-pub const VANISHING: f64 = 1.0e3;
+pub const RELAXATION_RATE: f64 = 1.0e3;
 
 /// Flow and density of every cell.
 ///
@@ -60,21 +60,21 @@ impl Transports {
         })
     }
 
-    /// Adds the balance of the amounts to `out`: fluxes through the left faces. Nothing depends on speeds and amounts of the elements
+    /// Adds the balance of the contents to `out`: fluxes through the left faces. Nothing depends on speeds and contents of the elements
     /// of a chain: they vanish.
     pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
         if belt.law.is_chain() {
             for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
-                out[i] += view.y_dot[i] + VANISHING * view.y[i];
+                out[i] += view.y_dot[i] + RELAXATION_RATE * view.y[i];
             }
             return;
         }
         self.close();
-        let mut from = belt.cells_at[self.cells - 1].amount;
+        let mut from = belt.cells_at[self.cells - 1].content;
         for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
             let [before, after] = self.beside(LANES * pack);
             for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
-                let into = at.amount;
+                let into = at.content;
                 out[into] += view.y_dot[into] - flux;
                 out[from] += flux;
                 from = into;
@@ -97,7 +97,7 @@ impl Transports {
                 let cells = [(cell + cells - 1) % cells, cell];
                 Face {
                     cells,
-                    amounts: cells.map(|cell| belt.cells_at[cell].amount),
+                    contents: cells.map(|cell| belt.cells_at[cell].content),
                     by: by.map(|slope| slope.lane(cell - first)),
                 }
             })
@@ -109,8 +109,8 @@ impl Transports {
 pub struct Face {
     /// The two cells.
     pub cells: [usize; 2],
-    /// Their amounts: unknowns, and rows of the balance.
-    pub amounts: [usize; 2],
+    /// Their contents: unknowns, and rows of the balance.
+    pub contents: [usize; 2],
     /// Derivatives of the flux with respect to flow and density of both cells.
     by: [f64; 4],
 }

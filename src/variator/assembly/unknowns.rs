@@ -1,8 +1,7 @@
 //! The unknowns of a cell by their directions, its motion, and the rows of its balance.
 
-use crate::reference_curve::{COORDINATES, Jet, Path};
 use crate::ring::kinematics::{Motion, Node};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::Real;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellBalance, CellMotion};
 use crate::variator::rings::ring::RingForces;
@@ -39,10 +38,6 @@ pub enum Part {
     Rate,
 }
 
-impl Part {
-    pub(crate) const EACH: [Self; 3] = [Self::Position, Self::Value, Self::Rate];
-}
-
 /// Motion of the nodes (`ALE`).
 #[inline(always)]
 pub fn nodes<T: Real, const D: usize>(
@@ -50,39 +45,20 @@ pub fn nodes<T: Real, const D: usize>(
     [alpha, beta]: [f64; 2],
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> [Motion<Node<T, D>>; 2] {
-    [
-        motion_of_node(unknowns, 0, [alpha, beta], &seed),
-        motion_of_node(unknowns, 2 * D, [alpha, beta], &seed),
-    ]
-}
-
-/// Motion of the node whose first direction is `first`.
-#[inline(always)]
-fn motion_of_node<T: Real, const D: usize>(
-    unknowns: &Unknowns<T::Constant>,
-    first: usize,
-    [alpha, beta]: [f64; 2],
-    seed: &impl Fn(T::Constant, usize, f64) -> T,
-) -> Motion<Node<T, D>> {
-    Motion {
-        value: node(unknowns, (Part::Position, first, beta), seed),
-        rate: node(unknowns, (Part::Value, first, 1.0), seed),
-        acceleration: node(unknowns, (Part::Rate, first, alpha), seed),
-    }
-}
-
-/// A part of the motion of that node.
-#[inline(always)]
-fn node<T: Real, const D: usize>(
-    unknowns: &Unknowns<T::Constant>,
-    (part, first, slope): (Part, usize, f64),
-    seed: &impl Fn(T::Constant, usize, f64) -> T,
-) -> Node<T, D> {
-    let seeded = |k: usize| seed(unknowns.read(part, first + k), first + k, slope);
-    Node {
-        a: SVector::from_fn(|k, _| seeded(2 * k)),
-        b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
-    }
+    [0, 2 * D].map(|first| {
+        let node = |part: Part, slope: f64| {
+            let seeded = |k: usize| seed(unknowns.read(part, first + k), first + k, slope);
+            Node {
+                a: SVector::from_fn(|k, _| seeded(2 * k)),
+                b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
+            }
+        };
+        Motion {
+            value: node(Part::Position, beta),
+            rate: node(Part::Value, 1.0),
+            acceleration: node(Part::Rate, alpha),
+        }
+    })
 }
 
 /// Ring tension at the faces (`ALE0`), N.
@@ -92,16 +68,6 @@ pub(crate) fn tensions<T: Real>(
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> [T; 2] {
     [3, 4].map(|k| seed(unknowns.read(Part::Value, k), k, 1.0))
-}
-
-/// Coordinates of the curve in the first lane, and their motion.
-pub(crate) fn path<K: Directions>(unknowns: &Unknowns<Lanes>) -> Path<f64> {
-    let mut path = [Jet::constant(0.0); COORDINATES];
-    for (k, to) in path.iter_mut().enumerate().take(K::COORDINATES) {
-        let [v, d, dd] = Part::EACH.map(|part| unknowns.read(part, K::THETA + k).re());
-        *to = Jet { v, d, dd };
-    }
-    path
 }
 
 /// Motion of a cell; `seed` makes a scalar from a value, its direction and its derivative.
@@ -122,7 +88,7 @@ pub(crate) fn motion<T: Real, K: Directions>(
     motion
 }
 
-/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the amount is
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the content is
 /// zero; its balance is that of the fluxes.
 #[inline(always)]
 pub(crate) fn rows<T: Real, K: Directions, const D: usize>(

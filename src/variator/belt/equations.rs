@@ -4,7 +4,6 @@
 use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
-use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -13,17 +12,6 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
-
-/// Which cached derivatives a Jacobian reuses. The constitutive tangents are evaluated where the geometry is reused by choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReusePolicy {
-    /// Those that are still valid.
-    WhereValid,
-    /// The geometry, where derivatives for a similar step size exist.
-    Geometry,
-    /// None.
-    None,
-}
 
 /// The belt, and the laws in force.
 #[derive(Clone, Copy, Debug)]
@@ -46,35 +34,34 @@ pub trait Assembly: Debug + Send + Sync {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
-    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier
-    /// call are reused as `policy` says: by [`ReusePolicy::WhereValid`] where they are valid for a simplified Newton method.
+    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are
+    /// reused where they are valid for a simplified Newton method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        policy: ReusePolicy,
+        factors: [f64; 2],
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 
     /// Values at the stations of each group of cells.
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]);
 
-    /// Energies, J, and damping loss, W, of a ring with elements of its own; zero for other rings.
-    fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> (Energy, f64) {
-        (Energy::default(), 0.0)
+    /// Energy, J, and damping loss, W, of a ring with elements of its own; zero for other rings.
+    fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> [f64; 2] {
+        [0.0; 2]
     }
 
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the cached derivatives at the unknowns that were read from an archive.
+    /// Evaluates the cached derivatives in the states that were read from an archive.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes the unknowns of the cached derivatives to an archive, or reads them from it.
-    fn serialize_derivatives(&mut self, _belt: &Belt, _archive: &mut Archive<'_>) {}
+    /// Writes the states of the cached derivatives to an archive, or reads them from it.
+    fn serialize_derivatives(&mut self, _archive: &mut Archive<'_>) {}
 
-    /// Numbers of packs of cells that were differentiated, and of packs whose constitutive tangents alone were updated.
+    /// Number of evaluations of all derivatives, and of constitutive tangents alone.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
     }

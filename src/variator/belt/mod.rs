@@ -15,7 +15,10 @@ use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
 
 /// Scale of rows of constraints, of the order of the other entries of a row.
-pub const HOLD: f64 = 1.0e6;
+pub const CONSTRAINT_SCALE: f64 = 1.0e6;
+
+/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
+pub(crate) const THETA_PER_METRE: f64 = 10.0;
 
 /// The constants of a belt.
 #[derive(Clone, Debug)]
@@ -41,15 +44,15 @@ pub struct Belt {
 pub struct CellUnknowns {
     /// Speed V at the left face.
     pub speed: usize,
-    /// Amount N.
-    pub amount: usize,
+    /// Content N.
+    pub content: usize,
 }
 
 impl CellUnknowns {
     /// Both indices.
     #[must_use]
     pub fn each(&self) -> [usize; 2] {
-        [self.speed, self.amount]
+        [self.speed, self.content]
     }
 }
 
@@ -91,7 +94,7 @@ impl Belt {
             cells_at: (0..mesh.cells.len())
                 .map(|cell| CellUnknowns {
                     speed: layout.belt_speed(cell),
-                    amount: layout.amount(cell),
+                    content: layout.content(cell),
                 })
                 .collect(),
             has_position: layout.has_position(),

@@ -15,32 +15,20 @@
 use crate::chain::Transport;
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
-use crate::variator::cell::observer::{AtStation, StationObserver};
+use crate::variator::cell::sample::AtStation;
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
 use crate::variator::law::place::{CellBalance, PulleyLoad};
 use crate::variator::rings::ring::{Action, CellRing};
 
-/// The balance of a cell, or of one in each lane of `T`, with this `ring`. `reference` returns the reference curve at the
-/// face (0) and at the stations (1 and up); `observer` is called at every station.
+/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the cell. `reference` returns the
+/// reference curve at the face (0) and at the stations (1 and up); fills the empty `slots`; calls `observe` at every station.
 #[inline(always)]
-pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver<T, D>>(
-    given: &CellInput<'_, T>,
-    ring: &mut R,
-    reference: impl Fn(usize) -> ReferencePoint<T>,
-    observer: &mut P,
-) -> CellBalance<T> {
-    let mut slots = Slots::empty();
-    balance_in(given, ring, reference, &mut slots, observer).0
-}
-
-/// [`balance`], with the state of the cell; fills the empty `slots`.
-#[inline(always)]
-pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver<T, D>>(
+pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
     slots: &mut Slots<T, D>,
-    observer: &mut P,
+    mut observe: impl FnMut(&AtStation<'_, T, D>),
 ) -> (CellBalance<T>, CellState<T>) {
     let cell = CellState::new(given, ring, reference, slots);
     let push = cell.push(given.law);
@@ -62,7 +50,7 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
         apply(given, (i, station), &forces, ring, &mut out);
-        observer.observe(&AtStation {
+        observe(&AtStation {
             given,
             cell: &cell,
             push: &push,
@@ -70,7 +58,7 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver
             index: i,
             station,
             forces: &forces,
-            ring,
+            ring: ring.density(&station.ring),
         });
     }
     (out, cell)

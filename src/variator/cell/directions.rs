@@ -25,8 +25,8 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     const TENSIONS: usize = if Self::NODES == 0 { 2 } else { 0 };
     /// Number of coordinates of the reference curve; Θ is the first, and the only one of a ring with nodes.
     const COORDINATES: usize = if Self::NODES == 0 { COORDINATES } else { 1 };
-    /// Direction of the amount. Its row is the balance of the fluxes.
-    const AMOUNT: usize = Self::NODES + 2;
+    /// Direction of the content. Its row is the balance of the fluxes.
+    const CONTENT: usize = Self::NODES + 2;
     /// The drift s, first of the globals.
     const DRIFT: usize = Self::NODES + 3 + Self::TENSIONS;
     /// Direction of Θ.

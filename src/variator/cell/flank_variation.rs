@@ -2,7 +2,7 @@
 //! rule for everything else.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
-use crate::scalar::{Lanes, Real, Tangent, along};
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::flanks::{Approach, FlankLoads};
 use crate::variator::law::place::{CellLaw, PulleyMotion};
@@ -31,7 +31,7 @@ pub type FlankTangents = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
 
 /// Tangents of the forces of a flank with this `motion`.
 #[inline(always)]
-pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankTangents {
+pub(crate) fn flank_tangents(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankTangents {
     let seeded = FlankMotion {
         penetration: Tangent::<FLANK_ARGUMENTS>::seed(motion.penetration, 0, 1.0),
         closing: Tangent::seed(motion.closing, 1, 1.0),
@@ -42,56 +42,31 @@ pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMot
     [force.normal.eps, force.tangential.eps, force.along_flank.eps]
 }
 
-/// Forces of a flank with their tangents.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Flank {
-    pub force: FlankForce<Lanes>,
-    pub slopes: FlankTangents,
-}
-
-impl Flank {
-    /// Variation of its loads with the variations `motion` of its motion and `by` of λ and its place on the pulley.
-    #[inline(always)]
-    pub fn vary(
-        &self,
-        law: &CellLaw,
-        at: &Approach<Lanes>,
-        lambda: Lanes,
-        by: &FlankVariation,
-        motion: &FlankMotion<Lanes>,
-    ) -> FlankLoads<Lanes> {
-        let arguments = of_flank(motion);
-        let forces = self.slopes.each_ref().map(|slopes| along(slopes, &arguments));
-        self.vary_loads(law, (at, lambda), by, forces)
-    }
-
-    /// Variation of its loads where its forces vary by `forces`.
-    #[inline(always)]
-    pub fn vary_loads(
-        &self,
-        law: &CellLaw,
-        (at, lambda): (&Approach<Lanes>, Lanes),
-        by: &FlankVariation,
-        [normal, tangential, along_flank]: [Lanes; FLANK_FORCES],
-    ) -> FlankLoads<Lanes> {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let force = &self.force;
-        // Per ring length: forces times λ.
-        let normal_by = normal * lambda + force.normal * by.lambda;
-        let tangential_by = tangential * lambda + force.tangential * by.lambda;
-        let along_by = along_flank * lambda + force.along_flank * by.lambda;
-        let (axial_normal, axial_normal_by) = (force.normal * lambda * cos_beta, normal_by * cos_beta);
-        let axial_friction = force.along_flank * lambda * sin_beta;
-        let axial_friction_by = along_by * sin_beta;
-        let around = force.tangential * lambda + axial_friction * at.opening_slope;
-        let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
-        FlankLoads {
-            radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
-            around: axial_normal_by * at.opening_slope + axial_normal * by.opening_slope + tangential_by,
-            torque: -(around_by * at.rho + around * by.rho),
-            axial: axial_normal_by - axial_friction_by,
-            ..FlankLoads::default()
-        }
+/// Variation of the loads of a flank with this `force` where its place on the pulley and λ vary by `by`, and its forces by
+/// `forces`.
+#[inline(always)]
+pub(crate) fn vary_loads(
+    law: &CellLaw,
+    (at, lambda, force): (&Approach<Lanes>, Lanes, &FlankForce<Lanes>),
+    by: &FlankVariation,
+    [normal, tangential, along_flank]: [Lanes; FLANK_FORCES],
+) -> FlankLoads<Lanes> {
+    let [sin_beta, cos_beta, tan_beta] = law.wedge;
+    // Per ring length: forces times λ.
+    let d_normal = normal * lambda + force.normal * by.lambda;
+    let d_tangential = tangential * lambda + force.tangential * by.lambda;
+    let d_along = along_flank * lambda + force.along_flank * by.lambda;
+    let (axial_normal, d_axial_normal) = (force.normal * lambda * cos_beta, d_normal * cos_beta);
+    let axial_friction = force.along_flank * lambda * sin_beta;
+    let d_axial_friction = d_along * sin_beta;
+    let around = force.tangential * lambda + axial_friction * at.opening_slope;
+    let d_around = d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
+    FlankLoads {
+        radial: d_axial_normal * (at.opening + tan_beta) + axial_normal * by.opening + d_along * cos_beta,
+        around: d_axial_normal * at.opening_slope + axial_normal * by.opening_slope + d_tangential,
+        torque: -(d_around * at.rho + around * by.rho),
+        axial: d_axial_normal - d_axial_friction,
+        ..FlankLoads::default()
     }
 }
 

@@ -6,29 +6,28 @@
 //! - S, the tangents: derivatives of the forces with respect to their arguments.
 //!
 //! While the geometry has hardly changed, an update of S alone yields the current derivatives
-//! ([`LawPart`](crate::variator::assembly::law_part::LawPart)).
+//! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
-use crate::chain::{Push, push_force};
+use crate::chain::push_force;
 use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankTangents, flank_slopes, of_flank};
-use crate::variator::cell::observer::{AtStation, StationObserver};
+use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FlankTangents, flank_tangents, of_flank};
+use crate::variator::cell::sample::AtStation;
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::CellRing;
 
 /// Arguments of the friction between ring and elements, T − m_r ṡ² and sliding speed, and of the push force, density and its
 /// material rate.
 pub(crate) const ARGUMENTS: usize = 2;
 
 /// A value `F` for each flank, and a value `A` for each other law of a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OfLaws<F, A> {
     pub stations: [OfStation<F, A>; STATIONS],
     pub stack: A,
 }
 
 /// The values at a station.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OfStation<F, A> {
     /// Of the flank on the movable sheave; in space also of the flank on the fixed sheave.
     pub flanks: [F; 2],
@@ -43,85 +42,14 @@ pub(crate) type StationArguments<T> = OfStation<[T; FLANK_ARGUMENTS], [T; ARGUME
 pub type LawTangents = OfLaws<FlankTangents, [Lanes; ARGUMENTS]>;
 pub(crate) type StationTangents = OfStation<FlankTangents, [Lanes; ARGUMENTS]>;
 
-impl<F: Copy, A: Copy> OfLaws<F, A> {
-    /// The same values everywhere.
-    #[inline(always)]
-    pub fn filled(flank: F, other: A) -> Self {
-        let station = OfStation {
-            flanks: [flank; 2],
-            ring: other,
-        };
-        Self {
-            stations: [station; STATIONS],
-            stack: other,
-        }
-    }
-}
-
-impl<T: Real> LawArguments<T> {
-    /// All zero.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        Self::filled([T::zero(); FLANK_ARGUMENTS], [T::zero(); ARGUMENTS])
-    }
-
-    /// Applies `f` to each.
-    #[inline(always)]
-    pub fn map<U>(&self, f: impl Fn(T) -> U) -> LawArguments<U> {
-        OfLaws {
-            stations: self.stations.map(|at| OfStation {
-                flanks: at.flanks.map(|flank| flank.map(&f)),
-                ring: at.ring.map(&f),
-            }),
-            stack: self.stack.map(&f),
-        }
-    }
-}
-
 impl LawTangents {
-    /// All zero.
-    pub(crate) fn zero() -> Self {
-        Self::filled(FlankTangents::default(), Default::default())
-    }
-}
-
-/// Numbers of stations and of distinct flanks of a cell, which determine the number of its laws.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
-    pub stations: usize,
-    pub flanks: usize,
-}
-
-impl Extent {
-    /// Of a cell with this number of stations and components; in the plane both flanks are equal.
-    pub fn new(stations: usize, components: usize) -> Self {
-        Self {
-            stations,
-            flanks: components - 1,
-        }
-    }
-
-    /// Number of forces.
-    pub fn forces(self) -> usize {
-        self.stations * (self.flanks * FLANK_FORCES + 1) + 1
-    }
-
-    /// Number of arguments.
-    pub fn arguments(self) -> usize {
-        self.stations * (self.flanks * FLANK_ARGUMENTS + ARGUMENTS) + ARGUMENTS
-    }
-}
-
-/// Records the tangents of the laws; those of the second flank in space only.
-pub(crate) struct TangentRecorder<'a>(pub &'a mut LawTangents);
-
-impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
+    /// Records the tangents of the laws at a station; those of the second flank in space only.
     #[inline(always)]
-    fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+    pub(crate) fn record<const D: usize>(&mut self, at: &AtStation<'_, Lanes, D>) {
         let (given, forces) = (at.given, at.forces);
-        let to = &mut self.0.stations[at.index];
+        let to = &mut self.stations[at.index];
         for (to, motion) in to.flanks.iter_mut().zip(&forces.flanks.motions).take(D - 1) {
-            *to = flank_slopes(given.law, given.friction, motion);
+            *to = flank_tangents(given.law, given.friction, motion);
         }
         to.ring = ring_friction(
             given.friction,
@@ -130,29 +58,35 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
             Tangent::seed(forces.sliding, 1, 1.0),
         )
         .eps;
-        if at.index == 0 {
+        if at.index == 0 && !given.law.is_chain() {
             let arguments = at.cell.stack_arguments();
             let seeded = std::array::from_fn(|k| Tangent::<ARGUMENTS>::seed(arguments[k], k, 1.0));
-            let law = given.law;
-            let push = if law.is_chain() {
-                Push::none()
-            } else {
-                push_force(&law.chain, seeded)
-            };
-            self.0.stack = push.force.eps;
+            self.stack = push_force(&given.law.chain, seeded).force.eps;
         }
     }
 }
 
-/// Records the arguments of the laws.
-pub(crate) struct ArgumentRecorder<'a, T>(pub &'a mut LawArguments<T>);
-
-impl<T: Real, const D: usize> StationObserver<T, D> for ArgumentRecorder<'_, T> {
+impl<T: Real> LawArguments<T> {
+    /// All zero.
     #[inline(always)]
-    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
-        let to = &mut self.0.stations[at.index];
+    pub(crate) fn zero() -> Self {
+        let other = [T::zero(); ARGUMENTS];
+        let station = OfStation {
+            flanks: [[T::zero(); FLANK_ARGUMENTS]; 2],
+            ring: other,
+        };
+        Self {
+            stations: [station; STATIONS],
+            stack: other,
+        }
+    }
+
+    /// Records the arguments of the laws at a station.
+    #[inline(always)]
+    pub(crate) fn record<const D: usize>(&mut self, at: &AtStation<'_, T, D>) {
+        let to = &mut self.stations[at.index];
         to.flanks = at.forces.flanks.motions.each_ref().map(of_flank);
         to.ring = [at.forces.pressing, at.forces.sliding];
-        self.0.stack = at.cell.stack_arguments();
+        self.stack = at.cell.stack_arguments();
     }
 }

@@ -4,7 +4,6 @@ pub(crate) mod balance;
 pub(crate) mod directions;
 pub(crate) mod flank_variation;
 pub(crate) mod laws;
-pub(crate) mod observer;
 pub mod sample;
 pub(crate) mod state;
 pub(crate) mod station_variation;

@@ -8,7 +8,7 @@ use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks, FlankSum};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
-use crate::variator::law::spin::{passing, spin_drag};
+use crate::variator::law::spin::{spin_drag, throughput};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
@@ -94,8 +94,8 @@ pub struct CellState<T: Real> {
     pub lengthening: T,
     /// Mean flow through the cell, m/s.
     pub flow: T,
-    /// Amount of elements [`passing`], m/s.
-    pub passing: T,
+    /// Throughput of elements, m/s.
+    pub throughput: T,
 }
 
 impl<T: Real> CellState<T> {
@@ -145,8 +145,8 @@ impl<T: Real> CellState<T> {
             station.ring.strain_gradient = strain_gradient;
         }
         // The pins of a chain are on it as they were mounted: one per dξ.
-        let amount = if law.is_chain() { cell_length } else { motion.amount };
-        let density = amount * inverse_pitch_length;
+        let content = if law.is_chain() { cell_length } else { motion.content };
+        let density = content * inverse_pitch_length;
         let flow = through * inverse_length;
         Self {
             inverse_pitch_length,
@@ -155,7 +155,7 @@ impl<T: Real> CellState<T> {
             difference,
             lengthening: difference - carried,
             flow,
-            passing: passing(density, flow),
+            throughput: throughput(density, flow),
         }
     }
 
@@ -280,7 +280,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             ring_friction,
             ring_speed,
             layer_drag: layer_drag(place.layer_drag, pressing, kappa, ring_speed),
-            spin_drag: spin_drag(place.spin, kappa, [cell.passing, chain.speed]),
+            spin_drag: spin_drag(place.spin, kappa, [cell.throughput, chain.speed]),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }

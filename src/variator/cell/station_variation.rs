@@ -4,10 +4,10 @@ use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
 use crate::contact::FlankMotion;
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
-use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
-use crate::variator::cell::laws::{OfStation, StationArguments, StationTangents};
+use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation, of_flank, vary_loads};
+use crate::variator::cell::laws::{ARGUMENTS, OfStation, StationArguments, StationTangents};
 use crate::variator::cell::state::{CellInput, StationForces, StationState};
-use crate::variator::law::flanks::{FlankLoads, FlankSum};
+use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, CellLaw};
 use crate::variator::law::ring_friction::layer_drag;
 use crate::variator::law::spin::spin_drag;
@@ -26,16 +26,13 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     pub forces: &'a StationForces<Lanes, D>,
     /// v_e·e_t and v_p·e_r, m/s.
     crosswise: [Lanes; 2],
-    /// Flank on the movable sheave; in space also that on the fixed sheave.
-    flanks: [Flank; 2],
+    tangents: &'a StationTangents,
     /// Variations of the flanks with ż, ψ_x, ψ_y and ω.
     pub by_pulley: [FlankVariation; 4],
-    /// Derivatives of ring friction with respect to T − m_r ṡ² and to the sliding speed.
-    friction_by: [Lanes; 2],
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
-    drag_by: [Lanes; 2],
-    /// Derivatives of the drag of elements that start and stop turning with respect to the passing amount and V.
-    spin_by: [Lanes; 2],
+    d_drag: [Lanes; 2],
+    /// Derivatives of the drag of elements that start and stop turning with respect to the throughput and V.
+    d_spin: [Lanes; 2],
 }
 
 /// Variations at a station from which those of its forces on ring, elements and pulley are computed.
@@ -51,28 +48,30 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub tension: Lanes,
 }
 
-/// Density, push force and gradient of V in a cell, with their variations, and that of the passing elements.
+/// Density, push force and gradient of V in a cell, with their variations, and that of the throughput.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StackForce {
+pub(crate) struct StackVariation {
+    /// Variation of the arguments of the push force.
+    pub arguments: [Lanes; ARGUMENTS],
     /// Density ν and its variation.
     pub density: [Lanes; 2],
     /// Push force Q and its variation, N.
     pub push: [Lanes; 2],
     /// ∂V/∂ξ and its variation, 1/s.
     pub gradient: [Lanes; 2],
-    /// Variation of the amount of elements that passes, m/s.
-    pub passing: Lanes,
+    /// Variation of the throughput, m/s.
+    pub throughput: Lanes,
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these
+    /// Station `i` of a cell with the `throughput` of elements, with `forces` of these
     /// `tangents`. `factors` are those of acceleration and position.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
-        passing: Lanes,
-        (forces, tangents): (&'a StationForces<Lanes, D>, &StationTangents),
+        throughput: Lanes,
+        (forces, tangents): (&'a StationForces<Lanes, D>, &'a StationTangents),
         factors: [f64; 2],
     ) -> Self {
         let StationState { ring, chain, weight } = station;
@@ -86,21 +85,17 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let spin = spin_drag(
             Tangent::<2>::constant(given.place.spin),
             Tangent::constant(ring.reference.kappa),
-            [Tangent::seed(passing, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
+            [Tangent::seed(throughput, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
         );
         Self {
-            spin_by: spin.eps,
+            d_spin: spin.eps,
             terms: chain.acceleration_terms(ring),
             weight: *weight,
             right: given.place.stations[i].right,
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
-            flanks: std::array::from_fn(|k| Flank {
-                force: forces.flanks.forces[k],
-                slopes: tangents.flanks[k],
-            }),
+            tangents,
             by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
-            friction_by: tangents.ring,
-            drag_by: drag.eps,
+            d_drag: drag.eps,
             forces,
             ring,
             chain,
@@ -114,24 +109,24 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         &self,
         law: &CellLaw,
         alpha: f64,
-        (by, chain_by): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
-        stack: &StackForce,
+        (by, d_chain): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
+        stack: &StackVariation,
     ) -> (Lanes, [Lanes; 2]) {
         let chain = self.chain;
-        let [density, density_by] = stack.density;
-        let [push, push_by] = stack.push;
-        let mass = (density_by * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
-        let speed_dot = chain_by.speed * alpha;
-        let (a_t, a_n) = chain.vary_acceleration(self.ring, &self.terms, (by, chain_by), speed_dot, stack.gradient);
+        let [density, d_density] = stack.density;
+        let [push, d_push] = stack.push;
+        let mass = (d_density * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
+        let speed_dot = d_chain.speed * alpha;
+        let (a_t, a_n) = chain.vary_acceleration(self.ring, &self.terms, (by, d_chain), speed_dot, stack.gradient);
         let (base_t, base_n) = self.forces.acceleration;
         let mut inward = [Lanes::from(0.0); 2];
         for k in 0..D - 1 {
             inward[k] = mass * base_n[k]
                 + self.forces.mass * a_n[k]
-                + push_by * chain.curvature[k]
-                + push * chain_by.curvature[k];
+                + d_push * chain.curvature[k]
+                + push * d_chain.curvature[k];
         }
-        let spin = along(&self.spin_by, &[stack.passing, chain_by.speed]);
+        let spin = along(&self.d_spin, &[stack.throughput, d_chain.speed]);
         (mass * base_t + self.forces.mass * a_t + spin, inward)
     }
 
@@ -209,40 +204,50 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, given.law.wedge[0]))
     }
 
+    /// Variation of the loads of both flanks where their place varies by `by` and the forces of each by `forces`.
+    #[inline(always)]
+    fn vary_flank_loads(
+        &self,
+        given: &CellInput<'_, Lanes>,
+        by: &FlankVariation,
+        forces: impl Fn(usize) -> [Lanes; FLANK_FORCES],
+    ) -> FlankSum<Lanes> {
+        let loads = |flank: usize| {
+            let of = (
+                &self.forces.approach,
+                self.chain.lambda,
+                &self.forces.flanks.forces[flank],
+            );
+            vary_loads(given.law, of, by, forces(flank))
+        };
+        if D == 2 {
+            return FlankSum::alike(&loads(0));
+        }
+        FlankSum::of(&loads(0), &loads(1), given.place.plane[0])
+    }
+
     /// Variation of the loads of both flanks with the variations `motions` of their motion.
     #[inline(always)]
     pub fn vary_flanks(
         &self,
         given: &CellInput<'_, Lanes>,
-        flank: &FlankVariation,
+        by: &FlankVariation,
         motions: &[FlankMotion<Lanes>; 2],
     ) -> FlankSum<Lanes> {
-        let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
-        let movable = self.flanks[0].vary(law, at, lambda, flank, &motions[0]);
-        if D == 2 {
-            return FlankSum::alike(&movable);
-        }
-        let fixed = self.flanks[1].vary(law, at, lambda, flank, &motions[1]);
-        FlankSum::of(&movable, &fixed, given.place.plane[0])
+        self.vary_flank_loads(given, by, |flank| {
+            let arguments = of_flank(&motions[flank]);
+            self.tangents.flanks[flank]
+                .each_ref()
+                .map(|tangents| along(tangents, &arguments))
+        })
     }
 
     /// Loads of both flanks at a unit force of one of them; in the plane, of both.
     #[inline(always)]
     pub fn unit_flanks(&self, given: &CellInput<'_, Lanes>, flank: usize, force: usize) -> FlankSum<Lanes> {
-        let zero = Lanes::from(0.0);
-        let mut forces = [zero; FLANK_FORCES];
-        forces[force] = Lanes::from(1.0);
-        let (place, still) = (
-            (&self.forces.approach, self.chain.lambda),
-            FlankVariation::of_lambda(zero),
-        );
-        let loads = self.flanks[flank].vary_loads(given.law, place, &still, forces);
-        if D == 2 {
-            return FlankSum::alike(&loads);
-        }
-        let mut both = [FlankLoads::default(); 2];
-        both[flank] = loads;
-        FlankSum::of(&both[0], &both[1], given.place.plane[0])
+        let still = FlankVariation::of_lambda(Lanes::from(0.0));
+        let unit = |of: usize| std::array::from_fn(|k| Lanes::from(if (of, k) == (flank, force) { 1.0 } else { 0.0 }));
+        self.vary_flank_loads(given, &still, unit)
     }
 
     /// Adds the variation of the flanks' forces to the load on the ring. Returns the variations, N/m, of the conjugate
@@ -326,8 +331,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             flanks: motions.each_ref().map(of_flank),
             ring: [change.tension, sliding],
         };
-        let friction = along(&self.friction_by, &arguments.ring);
-        let drag = along(&self.drag_by, &[change.tension, speed]);
+        let friction = along(&self.tangents.ring, &arguments.ring);
+        let drag = along(&self.d_drag, &[change.tension, speed]);
         ([friction, drag], arguments)
     }
 }

@@ -12,12 +12,12 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::directions::Directions;
 use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation};
-use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents, StationArguments};
+use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
+use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, between, share};
-use crate::variator::law::spin::passing;
+use crate::variator::law::spin::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
@@ -43,10 +43,10 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
-    /// Derivatives of the passing amount of elements with respect to density and flow.
-    passing: [Lanes; 2],
+    /// Derivatives of the throughput of elements with respect to density and flow.
+    throughput: [Lanes; 2],
     /// Tangents of the push force.
-    push_by: [Lanes; ARGUMENTS],
+    d_push: [Lanes; ARGUMENTS],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
@@ -58,8 +58,8 @@ pub(crate) enum Direction {
     Ring(usize),
     /// The speed V at a face.
     Speed(usize),
-    /// The amount N of elements in the cell.
-    Amount,
+    /// The content N of the cell.
+    Content,
     /// ż (0), ψ_x, ψ_y or ω (3) of the pulley.
     Pulley(usize),
 }
@@ -74,7 +74,7 @@ impl Direction {
         if k < K::DRIFT {
             return match k - K::NODES {
                 face @ (0 | 1) => Self::Speed(face),
-                2 => Self::Amount,
+                2 => Self::Content,
                 tension => Self::Ring(tension - 3),
             };
         }
@@ -108,15 +108,6 @@ struct CellVariation {
     difference: Lanes,
 }
 
-/// Variation of the stack in a cell.
-#[derive(Clone, Copy, Debug)]
-struct StackVariation {
-    arguments: [Lanes; ARGUMENTS],
-    density: Lanes,
-    /// Push force, N.
-    push: Lanes,
-}
-
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Linearises `evaluated` cells with this `ring`.
     #[inline(always)]
@@ -137,7 +128,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 *to = Some(LinearisedStation::new(
                     &given,
                     (i, station),
-                    cell.passing,
+                    cell.throughput,
                     (forces, &laws.stations[i]),
                     slopes,
                 ));
@@ -150,12 +141,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             cell,
             stations,
             push,
-            passing: passing(
+            throughput: throughput(
                 Tangent::<2>::seed(cell.density, 0, 1.0),
                 Tangent::seed(cell.flow, 1, 1.0),
             )
             .eps,
-            push_by: laws.stack,
+            d_push: laws.stack,
             slopes,
         }
     }
@@ -170,12 +161,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         match direction {
             Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
-            Direction::Ring(_) | Direction::Speed(_) | Direction::Amount => self.column::<false>(direction, arguments),
-            Direction::Pulley(number) => self.pulley_column(number, arguments),
+            _ => self.column::<false>(direction, arguments),
         }
     }
 
-    /// Variation with an unknown that moves the ring (`MOVES`) or the elements alone.
+    /// Variation with an unknown that moves the ring (`MOVES`), or elements or pulley alone.
     #[inline(always)]
     fn column<const MOVES: bool>(
         &self,
@@ -188,18 +178,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let stack = self.vary_stack(direction, &cell);
         arguments.stack = stack.arguments;
         let mut out = CellBalance {
-            speed: [stack.push, -stack.push],
+            speed: [stack.push[1], -stack.push[1]],
             transport: Transport {
                 flow: cell.flow_in,
-                density: stack.density,
+                density: stack.density[1],
             },
             ..CellBalance::default()
-        };
-        let on_stations = StackForce {
-            density: [self.cell.density, stack.density],
-            push: [self.push, stack.push],
-            gradient: [self.cell.speed_gradient(), cell.difference * self.cell.inverse_length],
-            passing: along(&self.passing, &[stack.density, cell.through * self.cell.inverse_length]),
         };
         let mut sum = self.ring.empty();
         for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {
@@ -210,8 +194,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let tension = self
                 .ring
                 .vary_own_load(i + 1, station.ring, by, direction.of_ring(), &mut load);
-            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
-            let flank = station.vary_approach::<MOVES>(&self.given, by, chain);
+            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &stack);
+            let flank = match direction {
+                Direction::Pulley(number) => station.by_pulley[number],
+                _ => station.vary_approach::<MOVES>(&self.given, by, chain),
+            };
             let change = StationVariation {
                 by,
                 chain,
@@ -220,7 +207,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 inward,
                 tension,
             };
-            arguments.stations[i] = self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
+            let motions = station.vary_motions(&self.given, &flank);
+            let flanks = station.vary_flanks(&self.given, &flank, &motions);
+            let (along_ring, of_laws) = station.vary_ring_friction::<MOVES>(&change, &motions);
+            self.add_loads::<MOVES>((i, station), &change, (load, &flanks, along_ring), &mut out, &mut sum);
+            arguments.stations[i] = of_laws;
         }
         (out, self.ring.varied_forces(&sum, direction.of_ring(), beta))
     }
@@ -258,18 +249,17 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let Some(station) = station else { continue };
             let (chain, weight) = (station.chain, station.weight);
             let slot = (i + 1, station.ring, chain);
-            let (by, chain_by) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
+            let (by, d_chain) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
                     carried += weight
-                        * (chain_by.curvature[k] * chain.normal_speed[k]
-                            + chain.curvature[k] * chain_by.normal_speed[k]);
+                        * (d_chain.curvature[k] * chain.normal_speed[k] + chain.curvature[k] * d_chain.normal_speed[k]);
                 }
             }
-            through += weight * chain_by.flow;
+            through += weight * d_chain.flow;
             steepness += weight * by.strain_gradient;
-            *varied = Some((by, chain_by));
+            *varied = Some((by, d_chain));
         }
         if MOVES {
             for (by, _) in stations.iter_mut().flatten() {
@@ -290,14 +280,14 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Variation of the stack with the variation `by` of ring and chain.
     #[inline(always)]
     fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
-        let amount = if direction == Direction::Amount && !self.given.law.is_chain() {
+        let content = if direction == Direction::Content && !self.given.law.is_chain() {
             Lanes::from(1.0)
         } else {
             Lanes::zero()
         };
         let lengthening = by.difference - by.carried;
         let inverse = self.cell.inverse_pitch_length;
-        let density = (amount - self.cell.density * by.pitch_length) * inverse;
+        let density = (content - self.cell.density * by.pitch_length) * inverse;
         let thinning = (self.cell.density * self.cell.lengthening * inverse * by.pitch_length
             - density * self.cell.lengthening
             - self.cell.density * lengthening)
@@ -305,35 +295,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let arguments = [density, thinning];
         StackVariation {
             arguments,
-            density,
-            push: along(&self.push_by, &arguments),
+            density: [self.cell.density, density],
+            push: [self.push, along(&self.d_push, &arguments)],
+            gradient: [self.cell.speed_gradient(), by.difference * self.cell.inverse_length],
+            throughput: along(&self.throughput, &[density, by.through * self.cell.inverse_length]),
         }
-    }
-
-    /// Variation with an unknown of the pulley, which moves neither ring nor elements.
-    #[inline(always)]
-    fn pulley_column(
-        &self,
-        number: usize,
-        arguments: &mut LawArguments<Lanes>,
-    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let zero = Lanes::zero();
-        let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-        let (by, chain) = (RingVariation::none(), ChainVariation::none());
-        for (i, station) in self.stations.iter().enumerate() {
-            let Some(station) = station else { continue };
-            let change = StationVariation {
-                by: &by,
-                chain: &chain,
-                flank: &station.by_pulley[number],
-                along: zero,
-                inward: [zero; 2],
-                tension: zero,
-            };
-            arguments.stations[i] =
-                self.add_station::<false>((i, station), &change, LineLoad::zero(), &mut out, &mut sum);
-        }
-        (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
     }
 
     /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws: at each
@@ -387,23 +353,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         self.add_loads::<false>(at, &change, (LineLoad::zero(), flanks, [friction, zero]), out, sum);
     }
 
-    /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of the laws.
-    #[inline(always)]
-    fn add_station<const MOVES: bool>(
-        &self,
-        (i, station): (usize, &LinearisedStation<'_, D>),
-        change: &StationVariation<'_, D>,
-        load: LineLoad<Lanes, D>,
-        out: &mut CellBalance<Lanes>,
-        sum: &mut R::Sum,
-    ) -> StationArguments<Lanes> {
-        let motions = station.vary_motions(&self.given, change.flank);
-        let flanks = station.vary_flanks(&self.given, change.flank, &motions);
-        let (along_ring, arguments) = station.vary_ring_friction::<MOVES>(change, &motions);
-        self.add_loads::<MOVES>((i, station), change, (load, &flanks, along_ring), out, sum);
-        arguments
-    }
-
     /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's
     /// layers at station `i`.
     #[inline(always)]
@@ -411,7 +360,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        (mut load, flanks, [friction_by, drag_by]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
+        (mut load, flanks, [d_friction, d_drag]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
@@ -421,16 +370,16 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         station.add_pulley_loads::<MOVES>(change.flank, flanks, force, out);
 
         let along_ring = station.forces.ring_friction + station.forces.layer_drag;
-        let along_ring_by = friction_by + drag_by;
+        let d_along_ring = d_friction + d_drag;
         let across = load.position.dot(&ring.n);
-        load.position += ring.t * along_ring_by;
-        let mut dragged = along_ring_by * ring.stretch;
+        load.position += ring.t * d_along_ring;
+        let mut dragged = d_along_ring * ring.stretch;
         if MOVES {
             load.position += by.t * along_ring;
             dragged += along_ring * by.stretch;
         }
         load.drift += dragged;
-        along += (tangential - friction_by) * station.chain.lead;
+        along += (tangential - d_friction) * station.chain.lead;
         let mut ring_along = ring_along + dragged;
         if self.given.law.is_chain() {
             load.position += ring.t * along;

@@ -181,7 +181,7 @@ impl BeltDiagnostics {
             let losses = &mut self.sums.losses;
             (losses.joints, losses.layers) = (losses.layers, 0.0);
         }
-        let (energy, loss) = system.ring_energy(view);
+        let [energy, loss] = system.ring_energy(view);
         self.sums.losses.other += loss;
         let speeds = system.belt.shaft_speeds(view);
         let drags = system.pulleys().drag_torques(view, self.sums.resultant);
@@ -190,7 +190,7 @@ impl BeltDiagnostics {
             self.sums.losses.seals += system.pulleys().seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
-        self.ring_energy = energy.total();
+        self.ring_energy = energy;
     }
 
     /// Energy of ring, stack and flanks, J.

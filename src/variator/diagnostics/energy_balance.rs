@@ -59,7 +59,7 @@ impl System for Problem<'_> {
 impl Evolution for Problem<'_> {
     /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
     /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the
-    /// speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
+    /// speed); belt speed and sliding (m/s); element contents (5 mm: push force); ring positions (10 mm: tension, radial
     /// deviation). The last three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
@@ -83,8 +83,8 @@ impl Evolution for Problem<'_> {
         let mut local = 0.0;
         for at in &belt.cells_at {
             let speed = y_error[at.speed] / speed_scale;
-            let amount = y_error[at.amount] / (5.0e-3 * tolerance);
-            local += speed * speed + amount * amount;
+            let content = y_error[at.content] / (5.0e-3 * tolerance);
+            local += speed * speed + content * content;
         }
         layout.for_each_length_unknown(|i| {
             let x = q_error[i] / place_scale;

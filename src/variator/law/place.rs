@@ -128,8 +128,8 @@ pub struct CellMotion<T: Real> {
     pub speed: [T; 2],
     /// V̇ at the faces, m/s².
     pub speed_dot: [T; 2],
-    /// Amount N of elements, m.
-    pub amount: T,
+    /// Content N of elements, m.
+    pub content: T,
     /// Motion of the reference curve and drift of the ring.
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
@@ -150,7 +150,7 @@ impl<T: Real> CellMotion<T> {
         Self {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
-            amount: value(own + 2),
+            content: value(own + 2),
             reference: ReferenceMotion {
                 theta: Motion {
                     value: position(theta),

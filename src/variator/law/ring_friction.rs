@@ -22,7 +22,8 @@ fn ring_load<T: Real>(pressing: T) -> T {
 /// Friction of the ring on elements per dξ, N/m, at the tension `pressing`, N, and the sliding speed `sliding`, m/s.
 #[inline(always)]
 pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
-    let (_, inverse_speed) = square_of_speed(friction, sliding).root_and_inverse();
+    let v0 = friction.ring_velocity;
+    let (_, inverse_speed) = (sliding * sliding + v0 * v0).root_and_inverse();
     ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
 }
 
@@ -31,11 +32,4 @@ pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, slidin
 #[inline(always)]
 pub fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
     share * ring_load(pressing) * kappa * layers::direction(speed)
-}
-
-/// v² + v₀², m²/s².
-#[inline(always)]
-fn square_of_speed<T: Real>(friction: &Friction, sliding: T) -> T {
-    let v0 = friction.ring_velocity;
-    sliding * sliding + v0 * v0
 }

@@ -22,7 +22,7 @@ use crate::chain::PushElements;
 use crate::scalar::Real;
 
 /// Regularisation speed v₀ of |J|, m/s.
-const FADING_SPEED: f64 = 0.1;
+const FLOW_SMOOTHING: f64 = 0.1;
 
 /// I/(h R² α) of the secondary and of the primary arc, kg/m: `radii` are the pitch radii in that order, m, `wraps` the wrap
 /// angles, rad.
@@ -35,19 +35,19 @@ pub fn spin_shares<T: Real>(belt: &PushElements, radii: [T; 2], wraps: [T; 2]) -
     std::array::from_fn(|k| curvatures[k] * curvatures[k] * wraps[1 - k] * inverse)
 }
 
-/// ν|J|, the amount of elements that passes in a second, m/s, at the density `nu` and the flow `flow` through the mesh, m/s.
+/// ν|J|, the throughput of elements, m/s, at the density `nu` and the flow `flow` through the mesh, m/s.
 #[inline(always)]
-pub fn passing<T: Real>(nu: T, flow: T) -> T {
+pub fn throughput<T: Real>(nu: T, flow: T) -> T {
     let square = flow * flow;
-    let (_, inverse) = (square + FADING_SPEED * FADING_SPEED).root_and_inverse();
+    let (_, inverse) = (square + FLOW_SMOOTHING * FLOW_SMOOTHING).root_and_inverse();
     nu * square * inverse
 }
 
-/// Drag of the elements per dξ, N/m, on an arc of this [share](spin_shares) and curvature `kappa`, where the amount
-/// [`passing`], m/s, passes at the speed `speed`, m/s.
+/// Drag of the elements per dξ, N/m, on an arc of this [share](spin_shares) and curvature `kappa`, with the
+/// [`throughput`], m/s, at the speed `speed`, m/s.
 #[inline(always)]
-pub fn spin_drag<T: Real>(share: T, kappa: T, [passing, speed]: [T; 2]) -> T {
-    share * kappa * passing * speed
+pub fn spin_drag<T: Real>(share: T, kappa: T, [throughput, speed]: [T; 2]) -> T {
+    share * kappa * throughput * speed
 }
 
 #[cfg(test)]
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn drag_is_odd_and_smooth_and_grows_with_the_square_of_speed() {
-        let drag = |v: f64| spin_drag(1.0, 20.0, [passing(0.99, v), v]);
+        let drag = |v: f64| spin_drag(1.0, 20.0, [throughput(0.99, v), v]);
         for v in [1e-3, 0.1, 3.0, 40.0] {
             assert_eq!(drag(-v), -drag(v));
             assert!(drag(v) > 0.0);

@@ -43,16 +43,16 @@ impl Descriptor {
         descriptor
     }
 
-    /// The total element amount is constant. This constraint replaces one of the balances, whose sum implies it. Otherwise it
+    /// The total element content is constant. This constraint replaces one of the balances, whose sum implies it. Otherwise it
     /// would be a mode with the eigenvalue 0, which rounding mixes with slow ones.
     fn constrain_amounts(&mut self, system: &VariatorSystem) {
         let cells = system.belt.layout.cells();
-        let balance = system.belt.layout.amount(cells - 1);
+        let balance = system.belt.layout.content(cells - 1);
         for j in 0..self.a.ncols() {
             (self.e[(balance, j)], self.a[(balance, j)]) = (0.0, 0.0);
         }
         for cell in 0..cells {
-            self.a[(balance, system.belt.layout.amount(cell))] = 1.0;
+            self.a[(balance, system.belt.layout.content(cell))] = 1.0;
         }
     }
 

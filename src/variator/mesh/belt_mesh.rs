@@ -200,32 +200,3 @@ impl BeltMesh {
         of(0) + of(1) + of(2) / 2
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CELLS: CellDivision = CellDivision {
-        per_element: 2,
-        points: 2,
-    };
-
-    #[test]
-    fn segments_are_filled_and_weights_sum_to_one() {
-        let mesh = BeltMesh::new(&crate::variator::settings::Parameters::default().mesh, CELLS, true);
-        for segment in 0..5 {
-            let sum: f64 = mesh
-                .elements
-                .iter()
-                .filter(|e| e.segment == segment)
-                .map(|e| e.share)
-                .sum();
-            assert!((sum - 1.0).abs() < 1e-14);
-        }
-        for element in 0..mesh.elements.len() {
-            let of_element = mesh.cells.iter().filter(|c| c.element == element);
-            let sum: f64 = of_element.flat_map(|c| &c.stations).map(|s| s.weight).sum();
-            assert!((sum - 1.0).abs() < 1e-14);
-        }
-    }
-}

@@ -1,7 +1,7 @@
 //! Indices of the unknowns. The unknowns are velocities and first-order states; positions follow from q̇ = y.
 //!
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell
-//! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
+//! the speed V of its left face, the content N of elements of the cell before, and (`ALE0`) the ring tension T at its left
 //! face. The border holds the globals, of `ALE0` also the coordinates of displaced centres.
 //!
 //! The nodes of a travelling ring have no fixed neighbours among the cells. Its unknowns are in separate groups: V and N of
@@ -194,11 +194,11 @@ impl Layout {
         self.cell(cell)
     }
 
-    /// Index of the amount N of `cell`. It belongs to the block of the next cell, so that the flow into a cell from either
+    /// Index of the content N of `cell`. It belongs to the block of the next cell, so that the flow into a cell from either
     /// side depends on nodes of neighbouring blocks only. With one cell per element this holds for one direction of
     /// flow only.
     #[must_use]
-    pub fn amount(&self, cell: usize) -> usize {
+    pub fn content(&self, cell: usize) -> usize {
         let with = if self.cells_per_element > 1 && self.ring.apart.is_none() {
             cell + 1
         } else {

@@ -11,7 +11,7 @@ use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
-use crate::variator::belt::{Belt, HOLD};
+use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
@@ -207,7 +207,7 @@ impl<'a> Pulleys<'a> {
                 of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] - (force + cylinder) + axial
                     - self.stop(pulley, view).force
             }
-            SheaveMode::Held => HOLD * view.y[z],
+            SheaveMode::Held => CONSTRAINT_SCALE * view.y[z],
             SheaveMode::Ratio { theta, force } => {
                 let off = theta - view.q[self.layout().theta()];
                 of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
@@ -225,7 +225,7 @@ impl<'a> Pulleys<'a> {
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
             out[i] = if law.is_rigid() {
-                HOLD * psi[axis]
+                CONSTRAINT_SCALE * psi[axis]
             } else {
                 moment[axis] - load.tilting[axis]
             };
@@ -304,7 +304,7 @@ impl<'a> Pulleys<'a> {
         let law = &self.parameters.pulley(pulley).tilt;
         let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
         if law.is_rigid() {
-            at.into_iter().for_each(|i| out.set_unit_row(i, HOLD));
+            at.into_iter().for_each(|i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
         let [psi, rate] = self.tilt(pulley, view);
@@ -359,7 +359,7 @@ impl<'a> Pulleys<'a> {
                     out.add(z, theta, CLOSING_SIGN[pulley] * RATIO_STIFFNESS * beta);
                 }
             }
-            SheaveMode::Held => out.set_unit_row(z, HOLD),
+            SheaveMode::Held => out.set_unit_row(z, CONSTRAINT_SCALE),
         }
     }
 

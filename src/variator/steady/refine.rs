@@ -35,7 +35,7 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
 /// Writes the fields of `from`, a state of `coarse`, into `state`, a state of `system` whose sum of element contents is kept.
 pub(super) fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State) {
     let (fine, belt) = (&*system.belt, &*coarse.belt);
-    let content = fine.cells_at.iter().map(|at| state.y[at.amount]).sum();
+    let content = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
     let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
     state.y_dot.fill(0.0);
     for (to, of) in globals(fine).zip(globals(belt)) {
@@ -143,7 +143,7 @@ fn prolong_contents(coarse: &VariatorSystem, from: &State, system: &VariatorSyst
     }
     let share = off / gaps.iter().sum::<f64>();
     for (i, (content, gap)) in contents.zip(&gaps).enumerate() {
-        state.y[fine.layout.amount(i)] = content + share * gap;
+        state.y[fine.layout.content(i)] = content + share * gap;
     }
 }
 
@@ -186,7 +186,7 @@ mod tests {
             state.q[layout.node(i / per_node, i % per_node)] += 1.0e-5 * noise(i);
         }
         for (i, at) in system.belt.cells_at.iter().enumerate() {
-            state.y[at.amount] *= 1.0 + 1.0e-4 * noise(i);
+            state.y[at.content] *= 1.0 + 1.0e-4 * noise(i);
             state.y[at.speed] *= 1.0 + 1.0e-3 * noise(i + 1);
         }
         (system, state)
@@ -222,7 +222,7 @@ mod tests {
         for ring in [RingModel::Ale, RingModel::Ale0] {
             let (coarse, state) = deflected(&coarser(&of(ring, false)).expect("a coarse mesh"));
             let (fine, mut found) = started(&of(ring, false));
-            let sum = |state: &State| fine.belt.cells_at.iter().map(|at| state.y[at.amount]).sum::<f64>();
+            let sum = |state: &State| fine.belt.cells_at.iter().map(|at| state.y[at.content]).sum::<f64>();
             let wanted = sum(&found);
             prolong(&coarse, &state, &fine, &mut found);
             assert!((sum(&found) / wanted - 1.0).abs() < 1e-13);

@@ -55,7 +55,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     let cells: &[Cell] = if law.is_chain() { &[] } else { &belt.mesh.cells };
     for (i, cell) in cells.iter().enumerate() {
         let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
-        state.y[layout.amount(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));
+        state.y[layout.content(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));
         state.y[layout.belt_speed(i)] = speed;
     }
     if layout.is_spatial() {

@@ -7,7 +7,7 @@ use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::differences::compare;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantSlopes, ReusePolicy};
+use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantSlopes};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
@@ -123,7 +123,6 @@ fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand
         InForce { belt, law, friction },
         state.view(),
         [1.0e4, 1.0e-4],
-        ReusePolicy::None,
         (&mut matrix, &mut resultants),
     );
     let column = |k: usize| {
@@ -174,16 +173,14 @@ fn assert_updated(
     change: impl FnOnce(&mut VariatorSystem),
     share: f64,
 ) {
-    let slopes = [1.0e4, 1.0e-4];
+    let [alpha, beta] = [1.0e4, 1.0e-4];
     let matrix = || Arrow::new(system.shape());
     let [mut first, mut found, mut exact] = [matrix(), matrix(), matrix()];
-    system.jacobian(TIME, states[0].view(), slopes[0], slopes[1], &mut first);
+    system.jacobian(TIME, states[0].view(), alpha, beta, &mut first);
     change(system);
-    let mut form = |policy, out: &mut Arrow| {
-        system.form_jacobian(policy, TIME, states[1].view(), slopes, out);
-    };
-    form(ReusePolicy::Geometry, &mut found);
-    form(ReusePolicy::None, &mut exact);
+    let renewed = system.renew_jacobian(TIME, states[1].view(), alpha, beta, &mut found);
+    assert_eq!(renewed, 0.0, "the geometry is reused");
+    system.jacobian(TIME, states[1].view(), alpha, beta, &mut exact);
     let [first, found, exact] = [&first, &found, &exact].map(product);
     let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let (changed, off) = (largest(&first, &exact), largest(&found, &exact));
@@ -213,6 +210,7 @@ pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>
         law.chain.film_damping *= 3.0;
         law.contact.damping *= 3.0;
         system.friction_velocity *= 2.0;
+        system.parameters.friction.ring_velocity *= 2.0;
     };
     assert_updated(&mut system, [&state, &state], of_rates, 1e-9);
 }

@@ -41,7 +41,6 @@ impl Meter {
 /// Residuals, Jacobians, and how often the whole geometry was differentiated.
 fn counts(variator: &Variator) -> [f64; 3] {
     let counts = variator.counts();
-    let system = variator.system();
-    let geometry = system.differentiations()[0] as f64 / system.belt.mesh.groups.len() as f64;
-    [counts.residuals as f64, counts.factorizations as f64, geometry]
+    let [geometry, _] = variator.system().differentiations();
+    [counts.residuals, counts.factorizations, geometry].map(|count| count as f64)
 }

@@ -1,4 +1,4 @@
-//! Runs with the energy balance and the balance of the element amount.
+//! Runs with the energy balance and the balance of the element content.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub fn assert_continues_alike(
     }
 }
 
-/// A run with the balances of energy and element amount at every output point.
+/// A run with the balances of energy and element content at every output point.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The variator.
@@ -53,12 +53,12 @@ pub struct Run {
     pub inputs: Inputs,
     /// Largest |energy residual| relative to its bound 2e-3·∫|power| dt + 1e-3·(largest stored energy).
     pub residual: f64,
-    /// Largest relative change of the element amount.
+    /// Largest relative change of the element content.
     pub amount_change: f64,
     /// Messages of the variator.
     pub messages: Vec<Message>,
     largest_energy: f64,
-    amount: f64,
+    content: f64,
 }
 
 impl Run {
@@ -73,7 +73,7 @@ impl Run {
         let mut variator = Variator::with_ring(parameters, ring).expect("valid parameters");
         variator.initialise(0.0, &inputs).expect("a state to start from");
         let mut run = Self {
-            amount: amount(&variator),
+            content: content(&variator),
             variator,
             inputs,
             residual: 0.0,
@@ -107,7 +107,7 @@ impl Run {
         self.largest_energy = self.largest_energy.max(o.stored_energy);
         let allowed = 2.0e-3 * moved + 1.0e-3 * self.largest_energy;
         self.residual = self.residual.max(o.energy_residual.abs() / allowed);
-        let change = (amount(&self.variator) / self.amount - 1.0).abs();
+        let change = (content(&self.variator) / self.content - 1.0).abs();
         self.amount_change = self.amount_change.max(change);
         self.messages.extend(self.variator.take_messages());
     }
@@ -162,7 +162,7 @@ impl Run {
         self.messages.iter().any(|m| m.text.contains(text))
     }
 
-    /// The balances of energy and of the element amount, at every output point so far.
+    /// The balances of energy and of the element content, at every output point so far.
     #[track_caller]
     pub fn assert_balances(&self) {
         self.assert_amount();
@@ -177,11 +177,11 @@ impl Run {
     #[track_caller]
     pub fn assert_amount(&self) {
         let change = self.amount_change;
-        assert!(change <= 1.0e-10, "the amount of elements changed by {change:e}");
+        assert!(change <= 1.0e-10, "the content of elements changed by {change:e}");
     }
 }
 
-/// Element amount Σ N, m.
-fn amount(v: &Variator) -> f64 {
-    v.system().belt.cells_at.iter().map(|at| v.state().y[at.amount]).sum()
+/// Element content Σ N, m.
+fn content(v: &Variator) -> f64 {
+    v.system().belt.cells_at.iter().map(|at| v.state().y[at.content]).sum()
 }
