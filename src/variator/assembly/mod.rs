@@ -1,6 +1,6 @@
 //! The equations of a belt: balance and derivatives of packs of cells, and their sums.
 
-mod derivatives;
+pub(crate) mod derivatives;
 pub(crate) mod jacobian;
 pub(crate) mod kinds;
 mod pack;

@@ -53,7 +53,7 @@ impl Origin {
 /// Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but the geometry hardly changes from one to
 /// the next. Then the constitutive tangents alone are updated, which is accurate enough for a simplified Newton method.
 #[derive(Clone, Debug)]
-struct PackedCells<K, const D: usize, C> {
+pub(crate) struct PackedCells<K, const D: usize, C> {
     packs: Vec<Pack>,
     /// Derivatives of each pack.
     derivatives: Vec<Derivatives>,
