@@ -218,12 +218,9 @@ fn starts_without_load_are_smooth() {
 /// Behind the clock too the outputs have the inputs of the clock's time.
 #[test]
 fn external_torques_are_those_of_the_clock() {
-    let mut parameters = in_real_time(coarse(RingModel::Ale));
-    (parameters.solver.effort, parameters.solver.input_ramp) = (1, -1.0);
-    let mut variator = Variator::new(parameters).expect("valid parameters");
-    variator
-        .initialise(0.0, &inputs((50.0, 13e3), (-49.0, 10e3)))
-        .expect("a start");
+    let mut parameters = in_real_time(coarse(RingModel::Ale), 1);
+    parameters.solver.input_ramp = -1.0;
+    let mut variator = started(parameters, &inputs((50.0, 13e3), (-49.0, 10e3)));
     let mut behind = 0.0_f64;
     for (k, torque) in [-50.0, 50.0].into_iter().cycle().take(20).enumerate() {
         let given = inputs((torque, 13e3), (-torque, 10e3));
