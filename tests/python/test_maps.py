@@ -20,7 +20,7 @@ from scipy.io import loadmat, whosmat
 from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, measure, shift_rates
+from pushbelt.fmu.working_points import SHAFTS, Along, Line, at_torque, measure
 from pushbelt.maps import __main__, files
 from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
@@ -112,20 +112,6 @@ def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, pla
     assert found["reasons"] == {"1.2": f"beyond the capacity, a utilisation of {found['capacity'][1]:.3f}"}
     assert found["traction"][0] == found["capacity"][0] < -0.8
     states.close()
-
-
-def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
-    """The rate of a small excess agrees with the gain that the validation measures."""
-    from pushbelt.fmu.starts import driven_at_speed
-    from pushbelt_validation.shift import shift
-
-    states, line = SteadyStates(archive, {**plan.full, **SHAFTS}), Line(12e3, 60.0, 1.2)
-    (rate,) = shift_rates(states, line, 0.3, (0.1,))
-    load = at_torque(states, line, 0.3).get("secondary.externalTorque")
-    measured = shift(states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force)), 0.1)
-    states.close()
-    middle = float(np.interp(0.09, measured.time, measured.speed_ratio))
-    assert rate == pytest.approx(measured.rate / middle / line.speed, rel=0.01)
 
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
