@@ -106,8 +106,7 @@ def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> N
     error = np.sqrt(np.mean((ratios[1] - ratios[0]) ** 2)) / np.ptp(ratios[0])
     speed = np.max(np.abs(mapped["secondary.speed"][before] / detailed["secondary.speed"][before] - 1.0))
     print(f"ratio {100 * error:.1f} % of its range, secondary speed {100 * speed:.1f} %")
-    assert error < 0.06
-    assert speed < 0.09
+    assert error < 0.06 and speed < 0.09
     # Launch: the clutch of the manoeuvre brings the belt to its capacity.
     assert np.max(np.abs(mapped["primary.speed"][50:150] / detailed["primary.speed"][50:150] - 1.0)) < 0.01
     # In the over-torque both slip through, and both recover.
@@ -207,20 +206,17 @@ def test_a_byte_order_mark_does_not_change_the_token() -> None:
 def test_the_command_solves_for_the_maps(
     map_fmu: Path, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The FMU of another variator's maps runs in fmpy."""
+    """The FMU of another variator's maps runs."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    copy = tmp_path / "belt155.fmu"
+    copy, distance = tmp_path / "belt155.fmu", "geometry.centerDistance"
     assert cli.main(["map-fmu", str(copy), "--variator", "belt155", "--short", "--fmu", str(map_fmu)]) == 0
     assert validate_fmu(str(copy)) == []
-    outputs = ["ratio.geometric", "slip", "primary.speed"]
-    found = fmpy.simulate_fmu(str(copy), stop_time=1.0, output_interval=1e-2, output=outputs)
-    assert all(np.isfinite(found[name]).all() for name in outputs)
-    assert 0.0 < found["slip"][0] < 0.01
+    with Archive.unpack(copy) as unpacked, Instance(unpacked, {}) as unit:
+        unit.initialise()
+        unit.step_to(1.0)
+        assert 0.0 < unit.get("slip") < 0.01
     with zipfile.ZipFile(copy) as archive:
-        tables = json.loads(archive.read(map_unit.TABLES_FILE))
-    distance = "geometry.centerDistance"
-    assert tables["parameters"][distance] == parameter_set("belt155")[distance] != parameter_set("bench168")[distance]
-    capsys.readouterr()
+        assert json.loads(archive.read(map_unit.TABLES_FILE))["parameters"][distance] == parameter_set("belt155")[distance]
     assert cli.main(["map-fmu", str(copy), "--short", "--fmu", str(map_fmu)]) == 1
     assert "--variator" in capsys.readouterr().err
 
