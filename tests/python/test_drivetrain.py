@@ -151,7 +151,7 @@ def test_driver_follows_a_ramp() -> None:
     cycle = Cycle(np.array([0.0, 2.0, 22.0, 40.0]), np.array([0.0, 0.0, 20.0, 20.0]))
     driver, speed, errors = Driver(CAR, cycle), 0.0, []
     for time in STEP * np.arange(4000):
-        speed = max(speed + STEP * (driver.demand(time, speed, STEP).force - CAR.road_load(speed)) / CAR.mass, 0.0)
+        speed = max(speed + STEP * (driver.demand(time, speed, STEP)[0] - CAR.road_load(speed)) / CAR.mass, 0.0)
         errors.append(speed - cycle.at(time))
     assert np.abs(errors).max() < 0.5 and abs(errors[-1]) < 0.02
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
