@@ -9,8 +9,6 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
@@ -266,22 +264,14 @@ def test_the_page_shows_the_controller_that_runs() -> None:
     assert f"```python\n{shown}\n```" in (ROOT / "docs" / "linear.md").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def controller(fmu: Path) -> ModuleType:
-    """The example, as a module: it finds its linear models when it is loaded."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PUSHBELT_FMU", str(fmu))
-        return module_of(ROOT / "examples" / "drivetrain" / "linear_control.py")
-
-
 @pytest.mark.slow
 def test_the_shift_follows_and_steps_are_those_of_the_linear_loop(
-    controller: ModuleType, fmu: Path, tmp_path: Path, monkeypatch: Any, capsys: pytest.CaptureFixture[str]
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.chdir(tmp_path)
-    found, wanted = controller.main()
+    found, wanted = module_of(ROOT / "examples" / "drivetrain" / "linear_control.py").main()
     assert np.abs(found - wanted).max() < 0.12
     assert abs(found[-1] - wanted[-1]) < 2e-3
     assert (tmp_path / "linear-control.png").stat().st_size > 10_000
