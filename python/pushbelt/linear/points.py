@@ -93,7 +93,7 @@ class LinearPoints(WorkingPoints):
 
         def model(**at: Any) -> LinearModel:
             values = {**self._values, **{name: at[name] for name in changes or ()}}
-            point = {"speed": speed, "force": force, **at}
+            point = {**several, **at}
             try:
                 return self._linearize(values, *(point[name] for name in several), safety, find)
             finally:
