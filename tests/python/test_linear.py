@@ -121,6 +121,9 @@ def test_axes_are_what_has_more_than_one_number(coarse: Variator) -> None:
     assert grid.shape == (1, 1, 2, 1) and list(grid.axes) == ["ratio", "torque", "speed", "force"]
     assert len(count) == 2
     assert grid[0, 0, 1, 0].values["primary.speed"] == pytest.approx(200.0)
+    # Without a force it is the one that carries the torque at each friction.
+    less, more = (one.held["secondary.clampingForce"] for one in coarse.linear_grid(1.4, 100.0, changes={"friction.pulley": [0.09, 0.06]}).models)
+    assert less == pytest.approx(coarse.least_force(1.4, 100.0), rel=1e-3) and more == pytest.approx(1.5 * less, rel=0.02)
     with pytest.raises(ValueError, match="the grid has no torque"):
         coarse.linear_grid([1.0], [])
     with pytest.raises(pushbelt.StartValueError, match="similar names: friction.pulley"):
