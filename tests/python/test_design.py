@@ -64,21 +64,13 @@ def test_a_hypercube_fills_each_range_evenly_in_each_combination() -> None:
     assert crossed(columns, samples=20, seed=4) != design
 
 
-LIST = ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
-TABLES = {
-    "units in the header": "\N{BYTE ORDER MARK}ratio.geometric,primary.speed [rpm],secondary.clampingForce [kN],belt.play [mm],primary.torque\n"
-    "0.5,3000,12.5,0.1,40\n\n2,1500,20,0.3,-20\n",
-    "a decimal comma": "ratio;n_P [1/min];F_S [kN];belt.play [um];T_P [Nm]\n0,5;3000;12,5;100;40\n2;1500;20,0;300;-20\n",
-    "SI": "ratio,speed,force,belt.play,primary.torque\n0.5,314.15926536,12500,1e-4,40\n2,157.07963268,20000,3e-4,-20\n",
-}
-
-
-@pytest.mark.parametrize("kind", TABLES)
-def test_a_list_is_read_as_tables_of_rigs_are(tmp_path: Path, variables: Mapping[str, Any], kind: str) -> None:
+def test_a_list_is_read_as_tables_of_rigs_are(tmp_path: Path, variables: Mapping[str, Any]) -> None:
+    """Names of rigs and short names, units in the header, SI without."""
     path = tmp_path / "points.csv"
-    path.write_text(TABLES[kind], encoding="utf-8")
+    path.write_text("ratio;n_P [1/min];F_S [kN];belt.play;T_P [Nm]\n0,5;3000;12,5;1e-4;40\n\n2;1500;20,0;3e-4;-20\n", encoding="utf-8")
     design, remarks = listed(path, variables)
-    assert (design.kind, design.columns, remarks) == ("list", LIST, [])
+    names = ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
+    assert (design.kind, design.columns, remarks) == ("list", names, [])
     assert design.rows[0] == pytest.approx((0.5, 314.159, 12500.0, 1e-4, 40.0), rel=1e-5)
     assert design.rows[1] == pytest.approx((2.0, 157.080, 20000.0, 3e-4, -20.0), rel=1e-5)
 
@@ -97,10 +89,8 @@ def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[st
     ("text", "whys"),
     [
         ("ratio\n", ["header"]),
-        ("ratio\n1\nx\n", ["line 3, column ratio", "'x'"]),
         ("ratio,belt.play\n1,\n", ["line 2, column belt.play"]),
         ("ratio,initial.ratio\n1,1\n", ["2 times"]),
-        ("ratio,belt.paly\n1,1e-4\n", ["belt.paly", "belt.play"]),
         ("a,b\n1,2\n", ["no column"]),
         ("belt.paly,initial.ratio [N],belt.play\n1,1,z\n", ["belt.play is meant?", "not N", "'z' is not a number"]),
     ],
@@ -131,12 +121,10 @@ def test_study_refuses_a_design(fmu: Path, columns: tuple[str, ...], row: tuple[
         Study(fmu, variator("bench168"), Design("list", columns, (row,)))
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("belt.colour", 1.0), ("thrustRatio", 1.0), ("initial.ratio", 2.0), ("mesh.strand", 4.5), ("belt.play", math.nan)]
-)
+@pytest.mark.parametrize(("name", "value"), [("belt.colour", 1.0), ("initial.ratio", 2.0), ("belt.play", math.nan)])
 @pytest.mark.parametrize("grid", [Grid(), Design("list", ("utilisation",), ((0.5,),))])
 def test_study_refuses_parameters(fmu: Path, grid: Grid | Design, name: str, value: float) -> None:
-    """Unknown, no parameter, set by the points, no integer, not finite."""
+    """Unknown, set by the points, not finite."""
     with pytest.raises(ValueError, match=name):
         Study(fmu, {**variator("bench168"), name: value}, grid)
 
@@ -266,7 +254,8 @@ def test_without_slurm_jobs_are_refused(
 
 @pytest.mark.skipif(os.name == "nt", reason="jobs of Slurm are shell scripts")
 def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`sbatch` and `scancel` of this test run the job script on this machine."""
+    """`sbatch` and `scancel` of this test run the job script on this machine, without this project on the path of the workers."""
+    monkeypatch.delenv("PYTHONPATH", raising=False)
     pytest.importorskip("dask_jobqueue")
     commands = tmp_path / "bin"
     commands.mkdir()

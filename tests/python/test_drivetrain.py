@@ -30,10 +30,10 @@ from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit
 from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
-from pushbelt.fmu.data import clamping_force, torque_capacity
+from pushbelt.fmu.data import clamping_force
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.unit import Archive, Instance
+from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,6 @@ STEP = simulate.STEP
 
 def changed(**values: float) -> Measured:
     return dataclasses.replace(MEASURED, **values)
-
 
 
 # Numbers
@@ -152,7 +151,7 @@ def test_driver_follows_a_ramp() -> None:
     cycle = Cycle(np.array([0.0, 2.0, 22.0, 40.0]), np.array([0.0, 0.0, 20.0, 20.0]))
     driver, speed, errors = Driver(CAR, cycle), 0.0, []
     for time in STEP * np.arange(4000):
-        speed = max(speed + STEP * (driver.demand(time, speed, STEP).force - CAR.road_load(speed)) / CAR.mass, 0.0)
+        speed = max(speed + STEP * (driver.demand(time, speed, STEP)[0] - CAR.road_load(speed)) / CAR.mass, 0.0)
         errors.append(speed - cycle.at(time))
     assert np.abs(errors).max() < 0.5 and abs(errors[-1]) < 0.02
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
@@ -179,8 +178,7 @@ def test_pressure_is_a_first_order_lag_within_limits() -> None:
 
 
 def test_clamping_force_carries_the_torque() -> None:
-    force = clamping_force(-100.0, 0.05, 0.09, math.radians(11.0), 1.3)
-    assert 2.0 * 0.09 * force * 0.05 / math.cos(math.radians(11.0)) == pytest.approx(1.3 * 100.0)
+    assert 2.0 * 0.09 * CARRIED * 0.0575 / math.cos(math.radians(11.0)) == pytest.approx(50.0)
     assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(1.3 * 58.0 / 50.0 * CARRIED)
 
 
@@ -254,18 +252,6 @@ def test_slip_controller_does_not_wind_up() -> None:
     assert len({control.force(changed(slip=0.02), STEP) for _ in range(3)}) == 3
 
 
-def test_pressure_control_shortens_the_lag() -> None:
-    circuit, lag = PressureCircuit(1e6), 0
-    while circuit.force < 1e4 + 2e3 * (1.0 - math.exp(-1.0)):
-        circuit.advance(circuit.demand(1.2e4), STEP)
-        lag += 1
-    assert lag * STEP <= 2.0 * circuit.wanted_lag
-    for _ in range(20):
-        circuit.advance(circuit.demand(1.2e4), STEP)
-        assert circuit.force <= 1.2e4
-    assert circuit.force == pytest.approx(1.2e4, rel=1e-3)
-
-
 @pytest.mark.parametrize("change", [{"slip": 0.05}, {"macro_slip": True}])
 def test_slip_controller_intervenes(change: dict) -> None:
     control = SlipControl(FRICTION, MAP, 0.2)
@@ -282,15 +268,10 @@ def test_slip_controller_intervenes(change: dict) -> None:
     assert control.interventions == 1
 
 
-def test_ratio_control_holds_by_the_map() -> None:
-    control = RatioControl(FRICTION, MAP, LIMITS)
-    primary, secondary = control.forces(1.0, MEASURED, 8000.0, STEP)
-    assert (primary, secondary) == pytest.approx((MAP.thrust_ratio(1.0, CARRIED / 8000.0) * 8000.0, 8000.0))
-
-
 def test_ratio_control_shifts_both_ways() -> None:
     still, up, down = (RatioControl(FRICTION, MAP, LIMITS).forces(to, MEASURED, 8000.0, STEP) for to in (1.0, 0.8, 1.5))
     assert up[0] > still[0] and up[1] == still[1]
+    assert still == pytest.approx((MAP.thrust_ratio(1.0, CARRIED / 8000.0) * 8000.0, 8000.0))
     # The primary force must carry the torque, so the secondary force rises.
     assert down[0] == pytest.approx(FRICTION.clamping_force(MEASURED, 1.1))
     assert down[1] > still[1]
@@ -354,19 +335,14 @@ def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch:
 # With the FMU
 
 
-def finished(fmu: Path, tmp_path: Path, program: Path) -> subprocess.CompletedProcess[str]:
-    """A run of a program of `examples/drivetrain`, or of a changed copy."""
-    (tmp_path / "target").mkdir()
-    shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    ran = subprocess.run([sys.executable, program], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert ran.returncode == 0, ran.stderr
-    return ran
-
-
 def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
     """Lines that a program of `examples/drivetrain` prints."""
-    return finished(fmu, tmp_path, ROOT / "examples" / "drivetrain" / f"{program}.py").stdout.splitlines()
+    (tmp_path / "target").mkdir()
+    shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
+    command, environment = [sys.executable, ROOT / "examples" / "drivetrain" / f"{program}.py"], {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout.splitlines()
 
 
 @pytest.mark.parametrize(
@@ -384,17 +360,6 @@ def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
     assert end.endswith("target 0.8")
     assert ratios[0] == pytest.approx(1.6, rel=1e-3)
     assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
-
-
-def test_warnings_are_not_among_the_results(fmu: Path, tmp_path: Path) -> None:
-    """The controller with a start where the belt slips through: the unit warns that it finds no steady state."""
-    code = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
-    program = tmp_path / "controller.py"
-    program.write_text(code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)"))
-    ran = finished(fmu, tmp_path, program)
-    assert "steady" in ran.stderr
-    first, last = ran.stdout.splitlines()
-    assert first.startswith("t 0.0 s") and last.startswith("ratio ")
 
 
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
@@ -418,23 +383,6 @@ def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
     others = dataclasses.replace(maps, axes={**maps.axes, "shiftUtilisation": np.array([-0.2, 0.3])})
     with pytest.raises(ValueError, match="shifts"):
         ThrustMap.of_maps(others)
-
-
-@pytest.mark.parametrize("ratio", [0.7, 1.5])
-def test_forces_of_the_map_hold_its_ratio(archive: Archive, table: ThrustMap, ratio: float) -> None:
-    """Between the points of the map; 10 % more primary force shifts into overdrive in the same time."""
-    torque = 0.5 * torque_capacity(PARAMETERS, ratio, thrust_map.FORCE)
-    found = []
-    for share in (1.0, 1.1):
-        forces = {"primary.clampingForce": share * table.thrust_ratio(ratio, 0.5) * thrust_map.FORCE, "secondary.clampingForce": thrust_map.FORCE}
-        torques = {"primary.torque": torque, "secondary.torque": -torque * ratio}
-        start = {**PARAMETERS, **forces, **torques, "initial.ratio": ratio, "initial.primarySpeed": thrust_map.SPEED}
-        with Instance(archive, start) as unit:
-            unit.initialise()
-            for step in range(20):
-                unit.step_to((step + 1) * STEP)
-            found.append(unit.outputs()["ratio.geometric"])
-    assert found[0] == pytest.approx(ratio, rel=0.02) and found[1] < 0.98 * found[0]
 
 
 @pytest.mark.parametrize("force", [6e3, 20e3])
@@ -550,15 +498,6 @@ def test_pressure_feedback_counts_near_capacity(archive: Archive, table: ThrustM
     monkeypatch.setattr(PressureCircuit, "demand", lambda _, wanted: wanted)
     lagging, _, _ = in_fast_overdrive(archive, table)
     assert lagging["macroSlip"].sum() > 0.0
-
-
-@pytest.mark.slow
-def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table: ThrustMap) -> None:
-    """The controller inverts the shift law with F = F_S. It underestimates the shift rate at a small force, and the loop corrects it."""
-    wrong = dataclasses.replace(table, clearance_force=0.0)
-    errors = [report.ratio_error(driven(archive, law, "slip", 130.0)) for law in (table, wrong)]
-    assert max(errors) < 0.04
-    assert errors[1] == pytest.approx(errors[0], rel=0.2)
 
 
 def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, drive_folder: Path) -> None:

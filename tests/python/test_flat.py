@@ -23,11 +23,6 @@ def written(copy: Path, fmu: Path, *words: str) -> Path:
     return copy
 
 
-@pytest.fixture(scope="module")
-def flat_fmu(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("flat") / "flat.fmu", fmu)
-
-
 def variables(xml: bytes) -> list[etree._Element]:
     root = etree.fromstring(xml).find("ModelVariables")
     return [*root, *root.iter("Alias")]
@@ -64,35 +59,28 @@ def test_only_the_names_differ(kind: str, tmp_path: Path, request: pytest.Fixtur
         assert members[1] == [names[name] for name in members[0]] and len(members[0]) > 5
 
 
-def test_fmpy_finds_no_fault_and_the_same_results(fmu: Path, flat_fmu: Path) -> None:
+def test_fmpy_finds_no_fault_and_the_same_results(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flat_fmu = written(tmp_path / "flat.fmu", fmu)
     assert validate_fmu(flat_fmu) == []
     names = flat([*OUTPUTS, *START])
     settings = {"stop_time": 0.02, "step_size": 1e-3, "output_interval": 1e-3}
     expected = fmpy.simulate_fmu(str(fmu), output=OUTPUTS, start_values=START, **settings)
-    found = fmpy.simulate_fmu(
-        str(flat_fmu),
-        output=[names[name] for name in OUTPUTS],
-        start_values={names[k]: v for k, v in START.items()},
-        **settings,
-    )
+    start = {names[name]: value for name, value in START.items()}
+    found = fmpy.simulate_fmu(str(flat_fmu), output=[names[name] for name in OUTPUTS], start_values=start, **settings)
     for name in OUTPUTS:
         assert np.array_equal(found[names[name]], expected[name])
     assert np.ptp(expected["primary.speed"]) > 0.0
-
-
-def test_its_variables_are_listed_without_the_fields(flat_fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
     assert cli.main(["variables", "--kind", "output", "--fmu", str(flat_fmu)]) == 0
     said = capsys.readouterr().out
-    assert "ratio_geometric" in said and "profile_pushForce" not in said
+    assert "ratio_geometric" in said and "profile_pushForce" not in said, "listed without the fields"
 
 
 def test_start_values_hold_under_flat_names(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = written(tmp_path / "own.fmu", fmu, "--set", "initial.ratio=1.4", "--set", "ring.model=ALE0")
     assert "2 start values, flat names" in capsys.readouterr().out
     assert not list(tmp_path.glob("*.part"))
-    result = fmpy.simulate_fmu(
-        str(copy), stop_time=2e-3, step_size=1e-3, output=["ratio_geometric"], apply_default_start_values=True
-    )
+    result = fmpy.simulate_fmu(str(copy), stop_time=2e-3, step_size=1e-3, output=["ratio_geometric"], apply_default_start_values=True)
     assert result["ratio_geometric"][0] == pytest.approx(1.4, rel=1e-6)
     # They can't be written afterwards: the library reads them by their names with dots.
     assert cli.main(["fmu", str(tmp_path / "again.fmu"), "--fmu", str(copy), "--set", "initial_ratio=1.2"]) == 1

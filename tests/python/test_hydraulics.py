@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,16 +13,10 @@ from pushbelt.fmu.data import parameter_set
 PULLEYS = ("primary", "secondary")
 
 
-@pytest.fixture(scope="module")
-def example() -> ModuleType:
-    """`examples/hydraulics.py` as a module."""
-    return module_of(ROOT / "examples" / "hydraulics.py")
-
-
-def test_a_circuit_shifts_by_its_valves(fmu: Path, example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_circuit_shifts_by_its_valves(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stable in steps of 1 ms, and the energies of oil, sheaves and belt are balanced."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    picture = tmp_path / "hydraulics.png"
+    example, picture = module_of(ROOT / "examples" / "hydraulics.py"), tmp_path / "hydraulics.png"
     trace, pressures, energies = example.main(str(picture))
     assert picture.stat().st_size > 10_000
     at = {time: trace["ratio.geometric"][round(time / example.STEP)] for time in (0.3, 0.8, 1.3, 1.9)}

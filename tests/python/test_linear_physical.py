@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import loadmat
-from scipy.linalg import expm
+from scipy.signal import cont2discrete
 
 from pushbelt.errors import ArgumentError
 from pushbelt.linear import physical as linear_physical
-from pushbelt.linear.grid import LinearGrid, load_linear
+from pushbelt.linear.grid import LinearGrid
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 from pushbelt.variator import Variator
@@ -132,13 +131,10 @@ def test_more_modes_are_searched_until_they_are_enough() -> None:
 
 def test_discrete_matrices_are_those_of_constant_inputs(grid: LinearGrid) -> None:
     model = grid[0, 0]
-    n, k = model.b.shape
-    whole = np.zeros((n + k, n + k))
-    whole[:n, :n], whole[:n, n:] = model.a, model.b
-    grown = expm(0.004 * whole)
-    assert np.array_equal(model.ad, grown[:n, :n]) and np.array_equal(model.bd, grown[:n, n:])
+    for found, expected in zip(model.discrete(), cont2discrete((model.a, model.b, model.c, model.d), 0.004), strict=False):
+        assert found == pytest.approx(expected)
     # Ten samples of a unit step are the continuous step response.
-    state = np.zeros((n, k))
+    state = np.zeros_like(model.b)
     for _ in range(10):
         state = model.ad @ state + model.bd
     assert model.cd @ state + model.dd == pytest.approx(model.step(0.04)[0], rel=1e-7, abs=1e-12)
@@ -225,21 +221,6 @@ def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> N
         with pytest.raises(ArgumentError, match="sample times"):
             grid.save(tmp_path / "models.npz")
         assert [system.dt for system in grid.to_control()] == [0, 0.05]
-
-
-def test_files_contain_coordinates_and_discrete_matrices(grid: LinearGrid, tmp_path: Path) -> None:
-    for kind in ("npz", "mat", "json"):
-        grid.save(tmp_path / f"models.{kind}")
-    back, model = load_linear(tmp_path / "models.npz"), grid[1, 0]
-    assert (back[1, 0].coordinates, back[1, 0].sample_time, back[1, 0].units[LOG_RATIO]) == ("physical", 0.004, "1")
-    with np.load(tmp_path / "models.npz") as file:
-        assert np.array_equal(file["Ad"][1, 0], model.ad) and np.array_equal(file["Dd"][1, 0], model.d)
-    cell = loadmat(tmp_path / "models.mat")["models"][1, 0]
-    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.004
-    text = (tmp_path / "models.json").read_text(encoding="utf-8")
-    assert '"coordinates": "physical"' in text and '"Cd"' in text
-    table = back.to_dataframe()
-    assert table["held primary.torque"][0] == pytest.approx(30.0, rel=1e-2) and len(table) == 6 and "700" in table["reason"][1]
 
 
 def test_too_few_modes_are_a_reason(coarse: Variator, monkeypatch: pytest.MonkeyPatch) -> None:

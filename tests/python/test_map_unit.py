@@ -12,6 +12,8 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from sample_maps import default_maps
+from scipy.interpolate import PchipInterpolator
 
 from pushbelt import MapVariator, cli
 from pushbelt.demo import simulate as demo
@@ -24,7 +26,7 @@ from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.starts import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
-from pushbelt.maps.data import AXES, TABLES, MapError, Maps
+from pushbelt.maps.data import MapError, Maps
 from pushbelt.whole_file import copy_archive
 
 LOADS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
@@ -106,8 +108,7 @@ def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> N
     error = np.sqrt(np.mean((ratios[1] - ratios[0]) ** 2)) / np.ptp(ratios[0])
     speed = np.max(np.abs(mapped["secondary.speed"][before] / detailed["secondary.speed"][before] - 1.0))
     print(f"ratio {100 * error:.1f} % of its range, secondary speed {100 * speed:.1f} %")
-    assert error < 0.06
-    assert speed < 0.09
+    assert error < 0.06 and speed < 0.09
     # Launch: the clutch of the manoeuvre brings the belt to its capacity.
     assert np.max(np.abs(mapped["primary.speed"][50:150] / detailed["primary.speed"][50:150] - 1.0)) < 0.01
     # In the over-torque both slip through, and both recover.
@@ -177,21 +178,20 @@ def test_map_variator_refuses_what_it_does_not_know(tmp_path: Path, map_fmu: Pat
 
 
 def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Maps of a made-up variator whose axes have one force and one speed."""
-    path = tmp_path / "maps.json"
-    made_up().write(path)
-    copy = tmp_path / "copy.fmu"
+    """Maps with one force and one speed, and another friction."""
+    maps, path, copy = default_maps(), tmp_path / "maps.json", tmp_path / "copy.fmu"
+    axes = {**maps.axes, "force": maps.axes["force"][:1], "speed": maps.axes["speed"][:1]}
+    parameters = {**maps.parameters, **MapVariator().parameters, "friction.pulley": 0.08}
+    Maps(axes, {name: table[:1, :1] for name, table in maps.tables.items()}, parameters).write(path)
     words = ["map-fmu", str(copy), "--maps", str(path), "--fmu", str(map_fmu), "--set", "secondary.inertia=2"]
     assert cli.main(words) == 0
     assert str(copy) in capsys.readouterr().out
-    with Archive.unpack(copy) as unpacked, Instance(unpacked, {}) as unit:
+    with Archive.unpack(copy) as unpacked, Instance(unpacked, {"initial.ratio": axes["ratio"][3]}) as unit:
         unit.initialise()
-        assert unit.get("friction.pulley") == 0.08
-        assert unit.get("secondary.inertia") == 2.0
-        # T_P = u 2 μ r F/cosβ with u = s/0.02.
-        utilisation = unit.get("torqueUtilisation")
-        assert unit.get("slip") == pytest.approx(0.02 * utilisation, rel=1e-3)
-        assert unit.get("thrustRatio") == pytest.approx(1.3)
+        assert (unit.get("friction.pulley"), unit.get("secondary.inertia")) == (0.08, 2.0)
+        traction = PchipInterpolator(axes["slipShare"], maps["traction"][0, 0, 3])
+        utilisation = traction(unit.get("slip") / maps["capacitySlip"][0, 0, 3, 1])
+        assert unit.get("torqueUtilisation") == pytest.approx(utilisation, rel=1e-2)
     assert cli.main(["map-fmu", str(tmp_path / "copy.zip")]) == 1
     assert cli.main(["map-fmu", str(copy), "--maps", str(tmp_path / "none.nc")]) == 1
     assert cli.main([*words[:6], "--set", "friction.pulley=0.5"]) == 1
@@ -207,36 +207,16 @@ def test_a_byte_order_mark_does_not_change_the_token() -> None:
 def test_the_command_solves_for_the_maps(
     map_fmu: Path, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The FMU of another variator's maps runs in fmpy."""
+    """The FMU of another variator's maps runs."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    copy = tmp_path / "belt155.fmu"
+    copy, distance = tmp_path / "belt155.fmu", "geometry.centerDistance"
     assert cli.main(["map-fmu", str(copy), "--variator", "belt155", "--short", "--fmu", str(map_fmu)]) == 0
     assert validate_fmu(str(copy)) == []
-    outputs = ["ratio.geometric", "slip", "primary.speed"]
-    found = fmpy.simulate_fmu(str(copy), stop_time=1.0, output_interval=1e-2, output=outputs)
-    assert all(np.isfinite(found[name]).all() for name in outputs)
-    assert 0.0 < found["slip"][0] < 0.01
+    with Archive.unpack(copy) as unpacked, Instance(unpacked, {}) as unit:
+        unit.initialise()
+        unit.step_to(1.0)
+        assert 0.0 < unit.get("slip") < 0.01
     with zipfile.ZipFile(copy) as archive:
-        tables = json.loads(archive.read(map_unit.TABLES_FILE))
-    distance = "geometry.centerDistance"
-    assert tables["parameters"][distance] == parameter_set("belt155")[distance] != parameter_set("bench168")[distance]
-    capsys.readouterr()
+        assert json.loads(archive.read(map_unit.TABLES_FILE))["parameters"][distance] == parameter_set("belt155")[distance]
     assert cli.main(["map-fmu", str(copy), "--short", "--fmu", str(map_fmu)]) == 1
     assert "--variator" in capsys.readouterr().err
-
-
-def made_up() -> Maps:
-    """Maps with a straight traction."""
-    ends = [-1.0, 0.0, 1.0]
-    values = ([1e4], [200.0], [0.5, 1.0, 2.0], [-0.9, 0.0, 0.9], [-1.0, 1.0], ends, [0.0], ends)
-    axes = dict(zip(AXES, map(np.array, values), strict=True))
-    tables = {name: np.zeros(tuple(len(axes[axis]) for axis in quantity.axes)) for name, quantity in TABLES.items()}
-    tables["thrustRatio"] += 1.3
-    tables["bearingLoad"] += 3e3
-    tables["traction"] += 0.9 * axes["slipShare"]
-    tables["capacity"] += 0.9 * axes["direction"]
-    tables["capacitySlip"] += 0.018 * axes["direction"]
-    tables["shiftRate"] += 0.01 * axes["excess"]
-    parameters = json.loads(map_unit.default_maps().read_bytes())
-    values = {**parameters["parameters"], **parameters["startValues"], "friction.pulley": 0.08}
-    return Maps(axes, tables, values)

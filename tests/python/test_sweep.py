@@ -9,11 +9,6 @@ import math
 import os
 import shutil
 import signal
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import dask
@@ -22,7 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import MESH
 import reports
-from distributed import Client
+from distributed import LocalCluster
 
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
@@ -189,14 +184,12 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
     assert all("ratio 1.25, utilisation 0." in check.found and "μ 0.09" in check.found for check in failed)
 
 
-def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
+def test_maps_have_a_panel_for_each_friction_and_speed(study: Study) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
     sheets = maps.sheets(maps.data_set(several.grid, table(several, made_up(several))))
-    assert list(sheets) == ["thrust-ratio", "efficiency", "slip"]
-    for name, figure in sheets.items():
+    for figure in sheets.values():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
-        figure.savefig(tmp_path / f"{name}.png")
         maps.plt.close(figure)
 
 
@@ -223,21 +216,26 @@ def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, 
         assert {name: solved[number][name] for name in outputs} == outputs
         # By the definition of the efficiency, −P₂/P₁ of the shafts. The belt torque is smaller by the shaft's drag.
         lost = outputs["primary.power"] + outputs["secondary.power"] + outputs["loss.shafts"]
-        torque = lost / (1.0 - outputs["efficiency"]) / outputs["primary.speed"]
-        assert torque == pytest.approx(study.start_values(point)["primary.torque"], rel=1e-4)
-        assert -outputs["primary.shaftTorque"] < study.start_values(point)["primary.torque"]
+        torque = study.start_values(point)["primary.torque"]
+        assert lost / (1.0 - outputs["efficiency"]) / outputs["primary.speed"] == pytest.approx(torque, rel=1e-4)
+        assert -outputs["primary.shaftTorque"] < torque
         assert outputs["torqueUtilisation"] == pytest.approx(point["utilisation"], rel=0.02)
         assert outputs["ratio.geometric"] == pytest.approx(point["initial.ratio"], rel=1e-4)
 
 
-def test_states_make_sense_and_those_beyond_capacity_have_a_reason(study: Study, solved: dict[int, Row]) -> None:
+def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
-    reasons = {number: row["reason"] for number, row in solved.items() if row["reason"]}
-    assert set(reasons) == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
-    assert all("beyond the capacity" in reason for reason in reasons.values())
-    results = maps.data_set(study.grid, table(study, solved))
-    failed = [check.statement for check in checks.evaluate(results) if not check.passed]
-    assert [statement for statement in failed if not statement.startswith("Losses of the belt sum")] == []
+    assert {k for k, row in solved.items() if row["reason"]} == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
+    results = table(study, solved)
+    failed = [check.statement for check in checks.evaluate(maps.data_set(study.grid, results)) if not check.passed]
+    assert all(statement.startswith("Losses of the belt sum") for statement in failed)
+    path = report.write(study, results, tmp_path, Effort(len(solved), 1.0, 2.0))
+    text = reports.stands_alone(path)
+    # A map for each friction of three quantities, and three cuts.
+    assert reports.figures(text) == 2 * 3 + 3
+    assert "beyond the capacity of the clamping forces" in text and "18 of 24" in text
+    assert {path.name for path in (tmp_path / "maps").iterdir()} == {"thrust-ratio.png", "efficiency.png", "slip.png"}
+    reports.look_at(path)
 
 
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
@@ -255,70 +253,22 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
 # On clusters
 
 
-def process(stack: ExitStack, folder: Path, module: str, *arguments: str) -> subprocess.Popen:
-    """A process of dask, without this project on its path; killed at the end."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    log = stack.enter_context((folder / f"{module}-{len(list(folder.iterdir()))}.log").open("w"))
-    command = [sys.executable, "-m", f"distributed.cli.{module}", *arguments]
-    started = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT)
-    stack.callback(started.wait)
-    stack.callback(started.kill)
-    return started
-
-
-def wait_until(condition, seconds: float = 600.0) -> None:
-    """Waits for a condition."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "this took too long"
-        time.sleep(0.05)
-
-
-@contextmanager
-def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
-    """Address of a scheduler, and its two workers."""
-    file = folder / "scheduler.json"
-    with ExitStack() as stack:
-        local = ("--host", "127.0.0.1", "--no-dashboard")
-        process(stack, folder, "dask_scheduler", *local, "--port", "0", "--scheduler-file", str(file))
-        own = ("--scheduler-file", str(file), "--no-nanny", "--nthreads", "1", "--local-directory", str(folder))
-        wait_until(lambda: file.is_file() and file.read_text().rstrip().endswith("}"))
-        workers = [process(stack, folder, "dask_worker", *local, *own) for _ in range(2)]
-        address = json.loads(file.read_text())["address"]
-        # On a busy machine one worker may solve all points before the other one joins.
-        with Client(address, set_as_default=False) as client:
-            client.wait_for_workers(len(workers), timeout=600)
-        yield address, workers
-
-
-def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
-    path = report.write(study, table(study, solved), tmp_path, Effort(len(solved), 1.0, 2.0))
-    text = reports.stands_alone(path)
-    # A map for each friction of three quantities, and three cuts.
-    assert reports.figures(text) == 2 * 3 + 3
-    assert "beyond the capacity of the clamping forces" in text
-    assert "18 of 24" in text
-    assert {path.name for path in (tmp_path / "maps").iterdir()} == {"thrust-ratio.png", "efficiency.png", "slip.png"}
-    reports.look_at(path)
-
-
 @pytest.mark.slow
 def test_a_killed_worker_loses_nothing(study: Study, solved: dict[int, Row], tmp_path: Path) -> None:
     reports, store = list[Progress](), Store(tmp_path / "out", study)
-    with cluster_of_processes(tmp_path) as (address, workers):
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as processes:
+        killed = processes.workers[0].pid
 
         def listen(progress: Progress) -> None:
-            reports.append(progress)
             # What is finished is stored at once, for a client that is killed.
             assert len(store.rows()) == progress.done
-            if progress.workers == 2 and 4 <= progress.done < 16 and workers[0].poll() is None:
-                workers[0].send_signal(signal.SIGKILL)
-                workers[0].wait()
+            if 4 <= progress.done < 16 and not any(one.done >= 4 for one in reports):
+                os.kill(killed, signal.SIGKILL)
+            reports.append(progress)
 
-        found = sweep(study, tmp_path / "out", scheduler=address, chunk=2, progress=listen)
-        assert workers[0].poll() == -signal.SIGKILL
-        assert workers[1].poll() is None
-    assert reports[-1] == Progress(tasks=24, done=24, failed=6, workers=1)
+        found = sweep(study, tmp_path / "out", scheduler=processes, chunk=2, progress=listen)
+        assert killed not in [worker.pid for worker in processes.workers.values()]
+    assert (reports[-1].tasks, reports[-1].done, reports[-1].failed) == (24, 24, 6)
     assert found["point"].to_pylist() == list(range(24))
     assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
 

@@ -87,9 +87,9 @@ class Dimensions:
             value, of = getattr(self, one.name), one.metadata
             if value is not None and not of["low"] <= value <= of["high"]:
                 raise BeltError(f"{of['name']} is {value:g} {of['unit']}".rstrip() + f", not within {of['low']:g} to {of['high']:g}")
-        closes = self.length > 2.0 * self.center_distance
-        text = f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than"
-        _require(closes, f"{text} {2.0 * self.center_distance:g} m")
+        least = 2.0 * self.center_distance
+        text = f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than {least:g} m"
+        _require(self.length > least, text)
 
 
 class Entry(NamedTuple):

@@ -53,7 +53,8 @@ SIGNALS: Mapping[str, str] = {
 OF_STEPS = ("work.engine", "loss.clutch")  # Signals that are energies of one step
 COLUMNS = (*OUTPUTS, "macroSlip", "primary.pressure", "secondary.pressure", *SIGNALS)
 
-INPUTS = ("primary.torque", "secondary.torque", "primary.pressure", "secondary.pressure")  # Inputs of the FMU
+INPUTS = {"primary.torque": "clutch.torque", **{name: name for name in ("secondary.torque", "primary.pressure", "secondary.pressure")}}
+"""Inputs of the FMU, and the signal of each."""
 
 VARIATOR = "bench168"  # Parameter set of the drives
 
@@ -157,26 +158,27 @@ def _advance(
     moments = {round((moment - start) / step): moment for moment in setup.snapshots}
     rows, snapshots = np.empty((count, len(COLUMNS))), {}
     outputs, inputs = unit.reals(name for name in OUTPUTS if name in unit.variables), unit.reals(INPUTS)
-    signals = dict.fromkeys(vehicle.SIGNALS, 0.0), control.signals
-    before = _input_values(*signals)
+    signals = dict.fromkeys(vehicle.SIGNALS, 0.0) | control.signals
+    before = [signals[name] for name in INPUTS.values()]
     for k in range(count):
         time = k * step
         state = dict(zip(outputs.names, unit.get_reals(outputs).tolist(), strict=True))
         state["macroSlip"] = unit.get("macroSlip")
         earlier = signals
         driving = car.advance(time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step)
-        known = earlier[0] if setup.parallel else driving
+        known = earlier if setup.parallel else driving
         measured = Measured.from_signals(state, known["torque.estimated"])
-        signals = driving, control.advance(known["power.demand"], state["secondary.speed"], measured, step)
+        signals = driving | control.advance(known["power.demand"], state["secondary.speed"], measured, step)
         # Utilisation for the friction that the controllers assume. A variator from maps has fewer outputs.
         capacity = slip_torque(friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"])
-        row = {**signals[0], **signals[1], **state, "utilisation.signed": -state["primary.shaftTorque"] / max(capacity, 1e-3)}
+        row = {**signals, **state, "utilisation.signed": -state["primary.shaftTorque"] / max(capacity, 1e-3)}
         rows[k] = [row.get(name, math.nan) for name in COLUMNS]
         if k in moments:
             snapshots[moments[k]] = BeltState(unit.outputs(), unit.profile())
 
         # A ramp takes one internal step of the FMU. A jump takes several, with ten times the work.
-        after = _input_values(*(earlier if setup.parallel else signals))
+        held = earlier if setup.parallel else signals
+        after = [held[name] for name in INPUTS.values()]
         course = after if setup.parallel else before
         unit.set_ramps(inputs, course, [(end - begin) / step for begin, end in zip(course, after, strict=True)])
         before = after
@@ -193,7 +195,3 @@ def at_rest() -> dict[str, float]:
     still = ("initial.primarySpeed", "primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
     pressures = dict.fromkeys(("primary.pressure", "secondary.pressure"), START_PRESSURE)
     return {"initial.ratio": RATIO_LIMITS[1], **dict.fromkeys(still, 0.0), **pressures}
-
-
-def _input_values(driving: Mapping[str, float], clamping: Mapping[str, float]) -> tuple[float, ...]:
-    return driving["clutch.torque"], driving["secondary.torque"], clamping["primary.pressure"], clamping["secondary.pressure"]

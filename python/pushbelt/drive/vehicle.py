@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from pushbelt.fmu.data import published_data
 
@@ -84,12 +83,9 @@ class Car:
 
 
 def demo_car() -> Car:
-    names = {
-        "drag_area": "dragArea", "rolling_resistance": "rollingResistance", "wheel_radius": "wheelRadius", "final_drive": "finalDrive",
-        "engine_inertia": "engineInertia", "max_torque": "engineMaxTorque", "max_power": "engineMaxPower",
-    }  # fmt: skip
+    names = "mass dragArea rollingResistance wheelRadius finalDrive engineInertia engineMaxTorque engineMaxPower".split()
     data = published_data()["demoCar"]
-    return Car(data["mass"], **{field: data[name] for field, name in names.items()})
+    return Car(*(data[name] for name in names))
 
 
 class Powertrain:
@@ -165,13 +161,6 @@ class Powertrain:
         return min(0.02 * above_idle**2, self.CLUTCH_LIMIT) * math.tanh(difference / 3.0)
 
 
-class Demand(NamedTuple):
-    """The driver's demands: force at the road, N, negative for braking; the force times the speed of the trace, W, at least 0."""
-
-    force: float
-    power: float = 0.0
-
-
 class Driver:
     """Feed-forward from the road load and the future speed of the trace, plus a PI controller.
 
@@ -187,13 +176,13 @@ class Driver:
         self.car, self.cycle = car, cycle
         self._integral = 0.0
 
-    def demand(self, time: float, speed: float, step: float) -> Demand:
-        """Demand at a time, s, and a speed, m/s."""
+    def demand(self, time: float, speed: float, step: float) -> tuple[float, float]:
+        """At a time, s, and a speed, m/s: force at the road, N, negative for braking; the force times the speed of the trace, W, at least 0."""
         car, wanted = self.car, self.cycle.at(time)
         ahead = self.cycle.at(time + self.PREVIEW)
         if wanted == 0.0 and ahead == 0.0 and speed < 0.3:
             self._integral = 0.0
-            return Demand(-self.HOLD)
+            return -self.HOLD, 0.0
         error = wanted - speed
         acceleration = (ahead - wanted) / self.PREVIEW
         force = car.mass * (acceleration + self.PROPORTIONAL * error + self._integral) + car.road_load(wanted)
@@ -201,7 +190,7 @@ class Driver:
         if abs(force) < limit and wanted > 0.0:
             self._integral += step * self.INTEGRAL * error
         force = clip(force, -limit, limit)
-        return Demand(force, max(force, 0.0) * max(wanted, speed, 1.0))
+        return force, max(force, 0.0) * max(wanted, speed, 1.0)
 
 
 class Vehicle:
@@ -218,18 +207,18 @@ class Vehicle:
         # Masters sum their steps. Without rounding, the trace would be read slightly before or after its break points.
         time = round(time, 9)
         speed = car.lever * secondary_speed
-        demand = self.driver.demand(time, speed, step)
-        wanted_torque = demand.force * car.lever / ratio
+        force, power = self.driver.demand(time, speed, step)
+        wanted_torque = force * car.lever / ratio
         clutch = powertrain.advance(wanted_torque, primary_speed, step)
         overrun = car.drag_torque(powertrain.speed) * ratio / car.lever if powertrain.locked else 0.0
-        brake = car.brake_force(max(-demand.force + overrun, 0.0), speed, step)
+        brake = car.brake_force(max(overrun - force, 0.0), speed, step)
         road = car.road_load(speed)
         expected = min(max(wanted_torque, 0.0), car.full_load(powertrain.speed)) if primary_speed > 20.0 else 0.0
         return {
             "clutch.torque": clutch,
             "secondary.torque": -car.lever * (road + brake),
             "torque.estimated": math.copysign(max(abs(clutch), expected), clutch),
-            "power.demand": demand.power,
+            "power.demand": power,
             "speed.target": self.driver.cycle.at(time),
             "speed.car": speed,
             "engine.speed": powertrain.speed,

@@ -159,25 +159,24 @@ def _arrays(model: LinearModel) -> dict[str, Any]:
 
 def _npz(grid: LinearGrid, path: Path) -> None:
     """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    rows = [None if model is None else _arrays(model) for model in grid.models.flat]
-    found = [row for row in rows if row is not None]
+    rows = {
+        place: _arrays(model) | {"order": np.array(len(model.a)), "remarks": np.array("\n".join(model.remarks))}
+        for place, model in np.ndenumerate(grid.models)
+        if model is not None
+    }
 
     def full(name: str) -> Array:
-        shape = np.max([row[name].shape for row in found], axis=0).astype(int)
-        values = np.full((len(rows), *shape), "" if name == "states" else np.nan, dtype=max(row[name].dtype for row in found))
-        for place, row in enumerate(rows):
-            if row is not None:
-                values[(place, *map(slice, row[name].shape))] = row[name]
-        return values.reshape(*grid.shape, *shape)
-
-    def each(of: Callable[[LinearModel], Any], missing: Any) -> NDArray[Any]:
-        return np.array([missing if model is None else of(model) for model in grid.models.flat]).reshape(grid.shape)
+        values = [row[name] for row in rows.values()]
+        shape, kind = np.max([value.shape for value in values], axis=0).astype(int), max(value.dtype for value in values)
+        found = np.full((*grid.shape, *shape), {"U": "", "i": 0}.get(kind.kind, np.nan), dtype=kind)
+        for place, value in zip(rows, values, strict=True):
+            found[(*place, *map(slice, value.shape))] = value
+        return found
 
     first = next(model for _, model in grid.points())
     np.savez_compressed(
         path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
-        **{name: full(name) for name in found[0]},
-        order=each(lambda model: len(model.a), 0), remarks=each(lambda model: "\n".join(model.remarks), ""),
+        **{name: full(name) for name in next(iter(rows.values()))},
         inputs=np.array(first.inputs), outputs=np.array(first.outputs),
         units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
         frequency=first.frequency, reasons=grid.reasons.astype(str), axes=np.array(list(grid.axes), dtype=str),

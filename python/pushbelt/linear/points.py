@@ -19,6 +19,7 @@ from ..points import SAFETY, SPEED, Point, SteadyStateError, Values, WorkingPoin
 
 FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
 STATES = ("modal", "physical")  # Kinds of states of a linear model
+Find = Callable[[calls.Instance], LinearModel]
 
 
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
@@ -59,9 +60,8 @@ class LinearPoints(WorkingPoints):
         Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
         linear model or requires other loads than the specified ones.
         """
-        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
         find = partial(model_of, frequency=frequency, states=states, sample_time=sample_time)
-        return self._linearize(self._values, Point(ratio, torque, speed, force), find)
+        return self._linearize(self._values, ratio, torque, speed, force, safety, find)
 
     def linear_grid(
         self,
@@ -82,34 +82,31 @@ class LinearPoints(WorkingPoints):
         `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
         `after_each` is called after each point. A point without a model has None and a reason.
         """
-        several = {"speed": speed, "force": force}
-        given: dict[str, Iterable[Any]] = {"ratio": ratios, "torque": torques}
-        given |= {name: values for name, values in several.items() if isinstance(values, Iterable)}
-        lists = {name: list(values) for name, values in {**given, **(changes or {})}.items()}
-        for name, values in lists.items():
-            if not values:
-                raise ArgumentError(f"the grid has no {name}")
-        lists = {
-            name: values if name in given else [checked(self._declared, {name: value})[name] for value in values]
-            for name, values in lists.items()
-        }
+        several = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
+        lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
+        for name, values in (changes or {}).items():
+            lists[name] = [checked(self._declared, {name: value})[name] for value in values]
+        if empty := [name for name, values in lists.items() if not values]:
+            raise ArgumentError(f"the grid has no {empty[0]}")
         axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
         find = partial(model_of, frequency=frequency, states=states, sample_time=sample_time)
 
         def model(**at: Any) -> LinearModel:
             values = {**self._values, **{name: at[name] for name in changes or ()}}
-            used, turning = at.get("force", force), at.get("speed", speed)
+            point = {**several, **at}
             try:
-                if used is None:
-                    used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
-                return self._linearize(values, Point(at["ratio"], at["torque"], turning, used), find)
+                return self._linearize(values, *(point[name] for name in several), safety, find)
             finally:
                 after_each()
 
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
-    def _linearize(self, values: Values, point: Point, find: Callable[[calls.Instance], LinearModel]) -> LinearModel:
+    def _linearize(
+        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, find: Find
+    ) -> LinearModel:
         """The linear model at a point with these start values: about the steady state under the loads that hold it."""
+        force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
+        point = Point(ratio, torque, speed, force)
         state = self._steady(values, point)
         slower = point.speed / state["primary.speed"]
         loads = {

@@ -80,15 +80,14 @@ def write(grid: LinearGrid, options: argparse.Namespace) -> int:
     path = report.write(grid, options.output, options.outputs.split(","), options.time)
     for name in FILES:
         grid.save(options.output / name)
-    _, model = found[0]
     if len(found) == 1:
+        model = found[0][1]
         for name in model.inputs:
             print(f"  {name} = {model.held[name]:.6g} {model.units[name]}")
         print(f"  slip = {100.0 * model.slip:.3f} %, macroSlip = {str(model.macro_slip).lower()}")
         print(f"  poles (1/s): {', '.join(report.pole(pole) for pole in model.poles)}")
-    for name in FILES:
-        print((options.output / name).resolve())
-    print(path.resolve())
+    for written in (*(options.output / name for name in FILES), path):
+        print(written.resolve())
     return 0
 
 

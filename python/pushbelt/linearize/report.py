@@ -20,7 +20,6 @@ DASHES = ("", "dash", "dot")
 LOWEST = 0.01  # Lowest frequency of the Bode plots, Hz
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
-
 MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
 
 
@@ -42,13 +41,12 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     drawn = chosen(grid)
     drawn[0].model.select(outputs)
     first = found[0][1]
-    charts = [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs]
     path = folder / "report.html"
     context = {
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
         "first": first,
-        "charts": charts,
+        "charts": [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs],
         "drawn": len(drawn),
     }
     page.write_html("linearize/linearize.html.j2", context, path)

@@ -111,10 +111,8 @@ def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tabl
     into = torque + drag["primary"]
     out = ratio * (torque - tables["beltTorqueLoss"]) - drag["secondary"]
     power_in, power_out = into * turning["primary"], out * turning["secondary"]
-    forward = (power_in > 0.0) & (power_out > 0.0)
-    backward = (power_in < 0.0) & (power_out < 0.0)
-    efficiency = np.divide(power_out, power_in, out=np.zeros_like(power_in), where=forward)
-    np.divide(power_in, power_out, out=efficiency, where=backward)
+    driving, driven = np.where(power_in > 0.0, (power_in, power_out), (-power_out, -power_in))
+    efficiency = np.divide(driven, driving, out=np.zeros_like(driven), where=(driving > 0.0) & (driven > 0.0))
     return {
         "primaryTorque": torque,
         "lossShafts": sum(drag[pulley] * turning[pulley] for pulley in turning),

@@ -100,8 +100,7 @@ class Plan(Tasks):
         if self.grid.ratio:
             return self.grid.ratio
         low, high = stops(self.full)
-        low, high = low * MARGIN, high / MARGIN
-        return spread(low, high, self.grid.ratios)
+        return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
     @property
     def procedure(self) -> tuple[ModuleType, ...]:
