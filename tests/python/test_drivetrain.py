@@ -500,6 +500,15 @@ def test_pressure_feedback_counts_near_capacity(archive: Archive, table: ThrustM
     assert lagging["macroSlip"].sum() > 0.0
 
 
+@pytest.mark.slow
+def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table: ThrustMap) -> None:
+    """The controller inverts the shift law with F = F_S. It underestimates the shift rate at a small force, and the loop corrects it."""
+    wrong = dataclasses.replace(table, clearance_force=0.0)
+    errors = [report.ratio_error(driven(archive, law, "slip", 70.0)) for law in (table, wrong)]
+    assert max(errors) < 0.04
+    assert errors[1] == pytest.approx(errors[0], rel=0.2)
+
+
 def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, drive_folder: Path) -> None:
     """4 s of the cycle; `table` is in the folder already, so that it isn't solved for again."""
     arguments = ["--fmu", str(fmu), "--output", str(drive_folder), "--short", "--until", "4"]
