@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
@@ -27,7 +28,7 @@ from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
-SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
+SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
@@ -79,12 +80,22 @@ def module_of(path: Path) -> ModuleType:
     return module
 
 
-def built(package: str, *examples: str) -> dict[str, Path]:
-    """What cargo builds for the examples of a package: libraries or programs."""
-    command = ["cargo", "build", "--release", "--package", package, "--message-format=json", *(f"--example={one}" for one in examples)]
-    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+def cargo() -> str:
+    """Cargo. Without it the test is skipped."""
+    return os.environ.get("CARGO") or shutil.which("cargo") or pytest.skip("cargo is not on the path")
+
+
+def built(options: Sequence[str], *examples: str, **environment: str) -> dict[str, Path]:
+    """What cargo builds for examples: libraries or programs."""
+    command = [cargo(), "build", *options, "--message-format=json", *(f"--example={one}" for one in examples)]
+    output = subprocess.run(command, cwd=ROOT, env={**os.environ, **environment}, check=True, capture_output=True, text=True).stdout
     found = [message for message in map(json.loads, output.splitlines()) if message["reason"] == "compiler-artifact"]
     return {one["target"]["name"]: Path(one["executable"] or one["filenames"][0]) for one in found if one["target"]["name"] in examples}
+
+
+def pip_of(python: Path) -> list[str | Path]:
+    """The pip of the tests, for another environment, which needs none."""
+    return [sys.executable, "-m", "pip", "--python", python, "--quiet", "--disable-pip-version-check"]
 
 
 def needs(package: str) -> None:

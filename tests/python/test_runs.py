@@ -53,12 +53,6 @@ def test_two_rows_of_the_same_time_are_a_step(fmu: Path, belt: Variator) -> None
             belt.simulate(pd.DataFrame({TORQUE: [1.0, 2.0, 3.0, 4.0]}, index=times))
 
 
-def test_a_tunable_parameter_follows_its_table(belt: Variator) -> None:
-    friction = pd.DataFrame({"friction.pulley": [0.09, 0.08]}, index=[0.0, 0.02])
-    belt.simulate(friction, step=5e-3)
-    assert belt["friction.pulley"] == 0.08
-
-
 def test_a_constant_table_takes_no_more_work_than_steps(fmu: Path, belt: Variator) -> None:
     """The end of a step and the begin of the next have the same bits: otherwise each step would begin with a ramp."""
     held = pd.DataFrame({TORQUE: [43.1, 43.1, 43.1], FORCE: [12345.6] * 3}, index=[0.0, 0.0333, 0.1])

@@ -13,7 +13,7 @@ from ctypes import CFUNCTYPE, c_char_p, c_int, c_void_p, cast
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, built
 from fmpy import fmi2
 
 CPU = Path("/proc/cpuinfo")
@@ -43,7 +43,6 @@ class Library:
         self.guid = self.log.pop().split("not that of this binary, ")[1].split(":")[0]
 
     def add(self, *arguments: object) -> None:
-        """Takes a message."""
         self.statuses.append(arguments[2])
         self.log.append(arguments[5].decode())
 
@@ -52,7 +51,6 @@ class Library:
         return fmi2.FMU2Slave(guid=guid, modelIdentifier="lag", unzipDirectory="/", libraryPath=str(self.path))
 
     def create(self, *, logging: bool = True) -> fmi2.FMU2Slave:
-        """A new instance."""
         unit = self.load(self.guid)
         unit.instantiate(callbacks=self.callbacks, loggingOn=logging)
         return unit
@@ -84,18 +82,13 @@ def variant(path: Path) -> Path:
     return path.with_name("Lag-avx2.so")
 
 
-def built(of: Path | None) -> Path:
-    """Compiles the library for a variant, or the variant, and returns its path, where the next one replaces it."""
-    cargo = os.environ.get("CARGO") or shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("cargo is not on the path: the library can't be built")
+def compiled(of: Path | None) -> Path:
+    """The library for a variant, or the variant, in a place where the next one replaces it."""
     folder = ROOT / "target" / "variant" / ("all" if of else "avx2")
     flags = {"CARGO_TARGET_DIR": str(folder), "CARGO_ENCODED_RUSTFLAGS": "" if of else "-Ctarget-feature=+avx2"}
     if of:
         flags["PUSHBELT_VARIANT"] = hash_of(of.read_bytes())
-    command = [cargo, "build", "--release", "--package", "pushbelt-fmi", "--example", "lag"]
-    subprocess.run(command, cwd=ROOT, env={**os.environ, **flags}, check=True, capture_output=True)
-    return folder / "release" / "examples" / "liblag.so"
+    return built(["--release", "--package=pushbelt-fmi"], "lag", **flags)["lag"]
 
 
 def hash_of(content: bytes) -> str:
@@ -112,8 +105,8 @@ def hash_of(content: bytes) -> str:
 def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """A library and its variant."""
     folder = tmp_path_factory.mktemp("built")
-    fast = Path(shutil.copy(built(None), folder / "Lag-avx2.so"))
-    return Path(shutil.copy(built(fast), folder / "Lag.so")), fast
+    fast = Path(shutil.copy(compiled(None), folder / "Lag-avx2.so"))
+    return Path(shutil.copy(compiled(fast), folder / "Lag.so")), fast
 
 
 @pytest.fixture

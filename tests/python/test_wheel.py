@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import os
 import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -13,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, cargo, pip_of
 
 PACKAGE = ROOT / "python" / "pushbelt"
 LOCK = ROOT / "python" / "requirements.txt"
@@ -32,12 +31,8 @@ ON_DEMAND = {"pandas"}
 @pytest.fixture(scope="module")
 def wheel(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel with the FMU under test: the portable one takes minutes to build."""
-    cargo = os.environ.get("CARGO") or shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("cargo is not on the path: the wheel can't be built")
     folder = tmp_path_factory.mktemp("wheel")
-    command = [cargo, "fmu", "wheel", "--fmu", fmu, "--output", folder]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    subprocess.run([cargo(), "fmu", "wheel", "--fmu", fmu, "--output", folder], cwd=ROOT, check=True, capture_output=True)
     (path,) = folder.glob("*.whl")
     return path
 
@@ -144,7 +139,7 @@ def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str
 def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with an environment that has the wheel and its requirements in the tested versions, and a separate home."""
     folder = tmp_path_factory.mktemp("installed")
-    subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "venv"], check=True)
     pip(folder, "install", str(wheel))
     return folder
 
@@ -155,19 +150,18 @@ def tool(folder: Path, name: str) -> Path:
 
 
 def pip(folder: Path, *arguments: str) -> None:
-    """Runs pip there, with the versions of the lock file."""
-    versions = ["--constraint", str(LOCK)] if arguments[0] == "install" else []
-    command = [tool(folder, "python"), "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments, *versions]
+    """Runs the pip of the tests there, with the versions of the lock file. Only modules that are imported are compiled."""
+    more = ["--no-compile", f"--constraint={LOCK}"] if arguments[0] == "install" else []
     clean = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PUSHBELT_FMU")}
-    subprocess.run(command, env=clean, check=True, capture_output=True, text=True)
+    subprocess.run([*pip_of(tool(folder, "python")), *arguments, *more], env=clean, check=True, capture_output=True, text=True)
 
 
 def run(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Runs a program of the environment with an empty search path and a separate home."""
     home = folder / "home"
     home.mkdir(exist_ok=True)
-    keep = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
-    clean = {**keep, "PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
+    clean = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
+    clean |= {"PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
     return subprocess.run([tool(folder, name), *arguments], cwd=folder, env=clean, capture_output=True, text=True)
 
 
