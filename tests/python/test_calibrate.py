@@ -30,8 +30,6 @@ NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
 SPEED, FORCE = 209.0, 10e3
 """Primary speed, rad/s, and secondary force, N, of the points."""
 
-# Parameters
-
 
 def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any]) -> None:
     wanted = {"belt.play": 5e-4, "tiltStiffness": None, "belt.pushStiffness": None}
@@ -62,9 +60,6 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
 def test_parameters_that_cannot_be_fitted_are_named(wanted: dict, limits: dict, prior: dict, why: str, variables: Mapping[str, Any]) -> None:
     with pytest.raises(ParameterError, match=why):
         choose(wanted, limits, variables, BASE, prior)
-
-
-# Model
 
 
 def planned(ratio: float, utilisation: float, *quantities: str, force: float = FORCE) -> Point:
@@ -153,9 +148,6 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
     opened = Model([STEADY[8]], solver)
     assert np.isnan(opened.relative(found[1:2])).all()
     assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
-
-
-# Fit
 
 
 def write(points: Sequence[Point], path: Path) -> None:

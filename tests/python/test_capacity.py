@@ -30,9 +30,6 @@ def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     return calls
 
 
-# Wrong units
-
-
 @pytest.mark.parametrize(
     ("point", "why"),
     [
@@ -91,9 +88,6 @@ def test_the_command_line_answers_too(fmu: Path, tmp_path: Path, capsys: pytest.
         assert cli.main([*words, f"secondary.clampingForce={force}", *more]) == 1 or more
         error = capsys.readouterr().err
         assert said in error and ".py:" not in error
-
-
-# Clamping forces
 
 
 @pytest.mark.parametrize("ratio", [0.5, 0.9, 1.6, 2.1])

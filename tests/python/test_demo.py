@@ -27,9 +27,6 @@ def variator(name: str) -> dict:
     return next(entry for entry in data.published_data()["variators"] if entry["id"] == name)
 
 
-# Geometry
-
-
 def test_radii_are_those_derived_for_the_published_variator() -> None:
     derived = variator("bench168")["derived"]
     at_one, overdrive = (data.curve_of(BENCH, theta_of(ratio)) for ratio in (1.0, 1 / 2.25))
@@ -49,9 +46,6 @@ def test_the_push_force_changes_from_strand_to_strand() -> None:
 def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
     with pytest.raises(ArgumentError):
         primary_radius(*belt)
-
-
-# Data
 
 
 def test_parameter_sets_agree_with_the_published_data() -> None:
@@ -80,9 +74,6 @@ def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
     assert 20e3 < expected < 23e3
 
 
-# Load search
-
-
 def test_load_is_found_in_a_few_evaluations() -> None:
     tried: list[float] = []
 
@@ -95,9 +86,6 @@ def test_load_is_found_in_a_few_evaluations() -> None:
     assert belt_torque(load) == pytest.approx(50.0, rel=1e-4)
     with pytest.raises(NotFoundError):
         find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
-
-
-# Events
 
 
 def synthetic_manoeuvre() -> Trace:
@@ -138,9 +126,6 @@ def test_intervals_close_small_gaps() -> None:
     flag = np.array([0, 1, 0, 1, 0, 1])
     assert intervals(time, flag) == [(1.0, 1.0), (3.0, 3.0), (5.0, 5.0)]
     assert intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
-
-
-# Report
 
 
 def test_numbers_are_set_as_in_print() -> None:

@@ -44,9 +44,6 @@ def description3(fmu3: Path) -> Any:
     return fmpy.read_model_description(str(fmu3))
 
 
-# The archive
-
-
 @pytest.mark.parametrize(("fixture", "checked_in"), [("fmu", "modelDescription.xml"), ("fmu3", "resources/modelDescription3.xml")])
 def test_the_description_is_the_one_checked_in_and_fmpy_accepts_it(fixture: str, checked_in: str, request: pytest.FixtureRequest) -> None:
     path = request.getfixturevalue(fixture)
@@ -80,9 +77,6 @@ def test_every_function_of_the_standard_is_exported(unpacked: Path) -> None:
     loaded = ctypes.CDLL(str(library))
     functions = set(re.findall(r"^#define (fmi3\w+)\s+fmi3FullName", (FMPY / "c-code" / "fmi3Functions.h").read_text(), re.M))
     assert len(functions) >= 75 and not [name for name in functions if not hasattr(loaded, name)]
-
-
-# The description
 
 
 def test_variables_are_those_of_fmi_2(unpacked: Path, description: Any, description3: Any) -> None:
@@ -135,9 +129,6 @@ def test_enumerations_are_those_of_the_package(description, enumeration: type[In
     assert items == {member.name.replace("_", ""): member.value for member in enumeration}
 
 
-# Use
-
-
 def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) -> None:
     names = [v.name for v in description.modelVariables if v.causality == "output"]
     result = fmpy.simulate_fmu(fmu, output=names)
@@ -169,8 +160,6 @@ def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
             assert np.array_equal(result[name], rust[:, column]), name
 
 
-# Instances
-
 New = Callable[..., Instance]
 
 
@@ -184,9 +173,6 @@ def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
         if variable.causality == "input":
             unit.set({name: unit.get(name) * 1.1 + 1.0})
             assert readings(unit) == before, name
-
-
-# FMI 3.0
 
 
 def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:

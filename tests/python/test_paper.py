@@ -27,9 +27,6 @@ CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
 OFFSET = 1e-3
 
 
-# One element
-
-
 @pytest.mark.parametrize(
     ("start", "advance"), [(CURVE.borders[2], CURVE.primary_radius), (0.0, CURVE.secondary_radius), (CURVE.borders[1], math.inf)]
 )
@@ -54,9 +51,6 @@ def test_an_element_meets_the_field_at_its_place_and_time() -> None:
     assert met == pytest.approx(np.sin(2.0 * np.pi * path.xi / CURVE.length) * (1.0 + time), abs=2e-3)
 
 
-# A part of a run
-
-
 def test_means_are_over_time_and_ratios_are_of_means() -> None:
     columns = {
         "primary.axialForce": [10.0, 20.0, 30.0], "secondary.axialForce": [5.0, 10.0, 15.0],
@@ -68,9 +62,6 @@ def test_means_are_over_time_and_ratios_are_of_means() -> None:
     part = Window(trace, nothing, nothing, nothing[0])
     assert (part.thrust_ratio, part.efficiency, part.change) == pytest.approx((2.0, 140.0 / 150.0, 0.0))
     assert part.efficiency_from_losses == pytest.approx(part.efficiency)
-
-
-# Computing times
 
 
 def test_ratios_of_times_are_products_of_their_factors() -> None:
@@ -186,12 +177,10 @@ def test_parameters_that_do_not_fit_a_ring_are_refused(paper_archive: Archive, r
         unit.initialise()
 
 
-# All of it
-
-
 def test_short_run_writes_report_and_tables(paper_fmu: Path, tmp_path: Path) -> None:
     """The example for rings alone is compiled as the FMU's library is."""
-    arguments = ["--fmu", paper_fmu, "--rings", built(["--release", "--package=pushbelt-paper"], "paper_rings")["paper_rings"], "--output", tmp_path, "--short"]
+    program = built(["--release", "--package=pushbelt-paper"], "paper_rings")["paper_rings"]
+    arguments = ["--fmu", paper_fmu, "--rings", program, "--output", tmp_path, "--short"]
     assert __main__.main([str(argument) for argument in arguments]) == 0
     page = reports.stands_alone(tmp_path / "report.html")
     assert reports.figures(page) >= 3 + 4 + 3 + 2 + 1 + 4 + 1 + 2 + 1

@@ -34,9 +34,6 @@ sys.exit(cli.main(sys.argv[1:]))
 """The command in an environment in which packages are not installed."""
 
 
-# Completion and descriptions
-
-
 def test_the_package_completes_to_what_is_public() -> None:
     assert dir(pushbelt) == sorted(pushbelt.__all__)
     assert all(getattr(pushbelt, name) is not None for name in dir(pushbelt))
@@ -55,9 +52,6 @@ def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
     )  # fmt: skip
     for text, part in zip(texts, parts, strict=True):
         assert part in text and text[0] == "<" and len(text) < 260 and "\n" not in text
-
-
-# Tables
 
 
 def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
@@ -110,9 +104,6 @@ def test_similar_names_are_given(belt: Variator) -> None:
     for name, near in (("belt_155", "belt155"), ("Bench168", "bench168"), ("rig.json", "")):
         with pytest.raises(FileNotFoundError, match=f"{name}.*bench168.*{near}"):
             Variator(name)
-
-
-# The command line
 
 
 def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -179,9 +170,6 @@ def test_without_the_wltc_the_nedc_is_driven(
     assert plans[0] == runs.SHORT["nedc"]
     assert drive.main([*words, "--cycle", "wltc"]) == 0
     assert not capsys.readouterr().err
-
-
-# The notebook and the pages
 
 
 def test_the_notebook_runs_on_the_line_that_it_names(declared: dict[str, set[str]]) -> None:  # noqa: F811

@@ -122,8 +122,6 @@ def numbered(value: str, variable: Any) -> Any:
     return value == "true" if variable.type == "Boolean" else float(value)
 
 
-# Parameter sets
-
 PARAMETERS = ROOT / "resources" / "parameters"
 
 

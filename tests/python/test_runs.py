@@ -27,9 +27,6 @@ def simulated(fmu: Path, inputs: pd.DataFrame, step: float, **changes: float) ->
         return variator.simulate(inputs, step=step)
 
 
-# Tables of inputs
-
-
 def test_a_ramp_is_a_ramp_between_communication_points(fmu: Path) -> None:
     ramp = pd.DataFrame({TORQUE: [20.0, 80.0]}, index=[0.0, 0.5])
     exact, coarse = (simulated(fmu, ramp, step)["slip"] for step in (1e-3, 20e-3))
@@ -61,9 +58,6 @@ def test_a_constant_table_takes_no_more_work_than_steps(fmu: Path, belt: Variato
         for at in np.diff(belt.outputs["time"]):
             other.step(at)
         assert belt["solver.steps"] == other["solver.steps"]
-
-
-# Recording
 
 
 @pytest.mark.parametrize("rows", [150_000, pytest.param(3_600_000, marks=pytest.mark.slow)])
@@ -102,9 +96,6 @@ def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:
     for wrong in ({"interval": 0.0}, {"interval": math.nan}, {"columns": "slip"}, {"columns": 0.01}):
         with pytest.raises(pushbelt.ArgumentError):
             pushbelt.Record(**wrong)
-
-
-# Earlier states
 
 
 def test_reading_does_not_start_a_run(belt: Variator) -> None:
@@ -146,9 +137,6 @@ def test_a_restored_state_continues_bit_for_bit(fmu: Path, belt: Variator) -> No
         assert other.step(1e-3)["time"] > first[-1]["time"]
 
 
-# Variables
-
-
 def test_variables_are_a_typed_table(belt: Variator) -> None:
     inertia, ring, steady, slip = (belt.variables[name] for name in ("secondary.inertia", "ring.model", "initial.steady", "slip"))
     assert (inertia.causality, inertia.variability, inertia.unit, inertia.type) == ("parameter", "fixed", "kg.m2", "Real")
@@ -169,9 +157,6 @@ def test_other_units_are_named(fmu3: Path, map_fmu: Path) -> None:
         Variator({}, fmu=fmu3)
     with pytest.raises(pushbelt.ArgumentError, match="MapVariator"):
         Variator({}, fmu=map_fmu)
-
-
-# Threads and processes
 
 
 def steps(fmu: Path, torque: float, state: Snapshot | None = None) -> tuple[list[float], float]:

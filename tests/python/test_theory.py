@@ -32,9 +32,6 @@ def bench(ratio: float, traction: float, mu: float = MU) -> cmm.Variator:
     return cmm.variator(wrap_p, wrap_s, BETA, mu, traction)
 
 
-# Geometry, groove
-
-
 def test_geometry_of_the_laboratory_variator() -> None:
     """Radii and wrap angles published for the speed ratio 2.25, and the radius at ratio 1."""
     assert cmm.wrap_angles(1.0, *BENCH)[2:] == pytest.approx((0.05841, 0.05841), abs=2e-5)
@@ -53,9 +50,6 @@ def test_groove_of_sattler() -> None:
         half_width = radius * tan(BETA)
         deeper = radius - (half_width - radius * opening) / tan(BETA + opening)
         assert deeper / radius == pytest.approx(cmm.deformation_factor(BETA) * delta * cos(phase), rel=1e-4, abs=1e-12)
-
-
-# Balances and signs
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -86,17 +80,11 @@ def test_fields_close_the_balances(wrap: float, traction: float) -> None:
     assert arc.tension[0] + arc.tension[-1] == pytest.approx(2.0, rel=1e-8)
 
 
-# Symmetry, uniqueness
-
-
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("traction", (-0.35, -0.1, 0.0, 0.3))
 def test_mirror_symmetry(ratio: float, traction: float) -> None:
     """With the roles of the pulleys swapped the strands swap too: i_F(i; r) i_F(1/i; -r) = 1."""
     assert bench(ratio, traction).thrust_ratio * bench(1.0 / ratio, -traction).thrust_ratio == pytest.approx(1.0, rel=1e-9)
-
-
-# A general integrator
 
 
 @pytest.mark.parametrize(("creep", "shift"), [*product((-1.3, -0.9, 0.4), (0.0, 0.3)), (-1e7, 0.0), (1e7, 0.0)])
@@ -121,9 +109,6 @@ def test_against_an_ordinary_differential_equation(creep: float, shift: float) -
     assert force == pytest.approx(arc.tension[-1], rel=1e-7)
     assert thrust == pytest.approx(arc.thrust, rel=1e-7)
     assert atan2(sine, cosine) == pytest.approx(arc.centre, abs=1e-7)
-
-
-# Capacity
 
 
 def test_beyond_capacity_is_refused() -> None:
@@ -153,9 +138,6 @@ def test_rest_and_slip_arc_meets_the_published_reference_case() -> None:
     assert thrust_s * mean == pytest.approx(20_000.0, rel=2e-3)
     assert thrust_p * mean == pytest.approx(17_831.7, rel=2e-3)
     assert ratio == pytest.approx(0.8916, rel=1e-3)
-
-
-# Shift law
 
 
 @pytest.fixture(scope="module")
@@ -221,9 +203,6 @@ def test_a_run_begins_with_the_law_and_ends_in_equilibrium(law: ShiftLaw) -> Non
     assert (start[0] - 1.0) / 1e-4 == pytest.approx(factor * law.gain(1.0) * step, rel=1e-3)
     end = float(law.run(1.0, step, speed, opening, np.arange(0.05, 30.0, 0.05))[-1])
     assert law.equilibrium(end) == pytest.approx(step, abs=1e-3)
-
-
-# Spiral running
 
 
 def belt_on_tilted_sheaves(

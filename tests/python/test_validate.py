@@ -31,9 +31,6 @@ def bench(archive: Archive) -> Iterator[Bench]:
         yield opened
 
 
-# Judging
-
-
 @pytest.mark.parametrize(
     ("values", "limits", "used"),
     [
@@ -90,9 +87,6 @@ def test_only_an_unmet_theory_fails(unmet: Verdict, code: int, monkeypatch: pyte
     assert document["measurements"] == {"met": 0, "goals": 1, "reported": 1}
 
 
-# Measurements
-
-
 def test_measurements_are_read_with_their_source_and_certainty() -> None:
     entries = [entry for key, entry in measured.data().items() if isinstance(entry, dict) and key != "causes"]
     entries += measured.data()["bounds"]
@@ -100,9 +94,6 @@ def test_measurements_are_read_with_their_source_and_certainty() -> None:
     points = measured.transmission_map()
     assert len(points) == 117 and {point.ratio for point in points} == {2.5, 2.0, 1.5, 1.0, 0.5}
     assert all(1000.0 <= one.rpm <= 5000.0 and 10.0 < one.torque < 100.0 and 0.7 < one.efficiency < 1.0 for one in points)
-
-
-# Points of the FMU
 
 
 def test_start_values_lead_to_what_they_say(bench: Bench) -> None:
@@ -126,9 +117,6 @@ def test_a_point_without_a_steady_state_leaves_its_reason(bench: Bench) -> None:
     assert len(solved) == 2
 
 
-# The report
-
-
 def test_sections_alone_meet_the_theory_and_make_a_report(fmu: Path, tmp_path: Path) -> None:
     words = ["--short", "--section", "thrust", "--section", "continuum"]
     assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), *words]) == 0
@@ -138,9 +126,6 @@ def test_sections_alone_meet_the_theory_and_make_a_report(fmu: Path, tmp_path: P
     found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["verification"]
     assert found["met"] == found["goals"] > 6
     reports.look_at(tmp_path / "report.html")
-
-
-# What is pinned
 
 
 @pytest.fixture(scope="module")
@@ -173,9 +158,6 @@ def test_numbers_of_goals_are_renewed() -> None:
     found = {"verification": {"met": 7, "goals": 8}, "measurements": {"met": 3, "goals": 5}}
     text = "Verification: 1 of 2 goals met, measurements: 10 of 20 goals met**, 10 missed, and 4 missed"
     assert results.renewed(text, found) == "Verification: 7 of 8 goals met, measurements: 3 of 5 goals met**, 2 missed, and 4 missed"
-
-
-# All of it
 
 
 @pytest.mark.slow

@@ -56,9 +56,6 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
     assert not [name for name in names if "__pycache__" in name]
 
 
-# Dependencies
-
-
 def imported(paths: Iterable[Path]) -> set[str]:
     """Packages that modules import, except those of Python and of this project."""
     found = set()

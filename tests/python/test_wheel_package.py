@@ -24,9 +24,6 @@ from pushbelt.fmu.start_values import StartValueError, checked
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
-# Start values
-
-
 def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
     given = {"belt.play": "2e-4", "mesh.strand": "12", "initial.steady": "False", "ring.model": "ALE0", "primary.drive": 2.0}
     found = checked(variables, given)
@@ -47,9 +44,6 @@ def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, An
 def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name: str, value: Any, why: str) -> None:
     with pytest.raises(StartValueError, match=f"{name}.*{why}"):
         checked(variables, {name: value})
-
-
-# Over time
 
 
 def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
@@ -101,9 +95,6 @@ def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
         belt.start()
 
 
-# Steady states
-
-
 def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variator) -> None:
     belt.step(1e-3)
     before = belt.outputs
@@ -117,9 +108,6 @@ def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variat
     assert np.array_equal(belt.outputs, before)
 
 
-# Files
-
-
 def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     assert pushbelt.default_fmu() == fmu
@@ -130,9 +118,6 @@ def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: 
     monkeypatch.setattr(files, "TREE", tmp_path)
     with pytest.raises(FileNotFoundError, match="cargo fmu build"):
         pushbelt.default_fmu()
-
-
-# The command
 
 
 def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
