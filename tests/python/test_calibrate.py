@@ -166,7 +166,7 @@ def write(points: Sequence[Point], path: Path) -> None:
 @pytest.mark.slow
 def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
     """Within their 95 % intervals, which are narrow; report, parameters and residuals are written."""
-    points = solver.measure([*STEADY, *SHIFTS], seed=168)
+    points = solver.measure([*STEADY[::3], *STEADY[2::3], *SHIFTS[:2]], seed=168)
     write(points, tmp_path / "table.csv")
     out = tmp_path / "out"
     words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), *(f"--set={name}={value}" for name, value in MESH.items())]

@@ -62,9 +62,9 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
     assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
     assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
     # It continues, with time as a column and a selection of outputs.
-    more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0], "friction.pulley": [0.09, 0.08]})
+    more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0], "friction.pulley": [0.09, 0.07]})
     rest = belt.simulate(more, outputs=["slip", "macroSlip"])
-    assert belt["friction.pulley"] == 0.08
+    assert belt["friction.pulley"] == 0.07 and rest["slip"].iloc[-1] > 1.2 * rest["slip"].iloc[0]
     assert list(rest.columns) == ["slip", "macroSlip"] and rest.index[[0, -1]].tolist() == pytest.approx([0.03, 0.05])
     assert belt.to_dataframe().shape == (len(found) + len(rest) - 1, len(belt.outputs.dtype.names) - 1)
     with pytest.raises(pushbelt.ArgumentError):

@@ -16,6 +16,7 @@ from pushbelt_validation.tilt import tilt_under
 from scipy.integrate import solve_ivp
 
 from pushbelt.fmu import data
+from pushbelt.fmu.geometry import theta_of
 from pushbelt.fmu.results import BeltState, Profile
 
 BETA, MU = radians(11.0), 0.09
@@ -32,12 +33,12 @@ def bench(ratio: float, traction: float, mu: float = MU) -> cmm.Variator:
     return cmm.variator(wrap_p, wrap_s, BETA, mu, traction)
 
 
-def test_geometry_of_the_laboratory_variator() -> None:
-    """Radii and wrap angles published for the speed ratio 2.25, and the radius at ratio 1."""
-    assert cmm.wrap_angles(1.0, *BENCH)[2:] == pytest.approx((0.05841, 0.05841), abs=2e-5)
-    wrap_p, wrap_s, radius_p, radius_s = cmm.wrap_angles(1.0 / 2.25, *BENCH)
-    assert (radius_p, radius_s) == pytest.approx((0.07837, 0.03483), abs=2e-5)
-    assert (wrap_p, wrap_s) == pytest.approx((3.666, 2.617), abs=1e-3)
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_geometry_is_that_of_the_package(ratio: float) -> None:
+    """Whose radii and wrap angles are compared with published ones."""
+    curve = data.curve_of(PARAMETERS, theta_of(ratio))
+    expected = (2.0 * (pi - curve.phi), 2.0 * curve.phi, curve.primary_radius, curve.secondary_radius)
+    assert cmm.wrap_angles(ratio, *BENCH) == pytest.approx(expected, rel=1e-9)
 
 
 def test_groove_of_sattler() -> None:

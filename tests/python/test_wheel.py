@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, cargo, pip_of
+from packaging.requirements import Requirement
 
 PACKAGE = ROOT / "python" / "pushbelt"
 LOCK = ROOT / "python" / "requirements.txt"
@@ -78,19 +79,15 @@ def declared() -> dict[str, set[str]]:
     def resolved(name: str) -> set[str]:
         found = set()
         for text in lists[name]:
-            if own := re.fullmatch(r"pushbelt\[(.*)\]", text):
-                found |= set().union(*(resolved(extra.strip()) for extra in own[1].split(",")))
-            else:
-                found.add(re.match(r"[\w.-]+", text)[0])
+            needed = Requirement(text)
+            found |= set().union(*map(resolved, needed.extras)) if needed.name == "pushbelt" else {needed.name}
         return found
 
     return {name: resolved(name) | resolved("base") for name in lists}
 
 
 def locked(file: Path) -> set[str]:
-    """Names of the packages in a lock file."""
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return {re.split("[=;]", line)[0].strip() for line in lines if line[0] != "#"}
+    return {Requirement(line).name for line in file.read_text(encoding="utf-8").splitlines() if line[0] != "#"}
 
 
 def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
