@@ -8,8 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,7 +23,7 @@ from pushbelt_cosim.masters import leave  # noqa: E402
 
 from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
-from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
+from pushbelt.fmu.unit import Archive  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
@@ -136,29 +135,6 @@ def description(fmu: Path) -> Any:
 def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder for the thrust-ratio map of the drives, so that it is solved once."""
     return tmp_path_factory.mktemp("drive")
-
-
-@pytest.fixture
-def variator(archive: Archive) -> Iterator[Callable[..., Instance]]:
-    """Creates instances, and frees them at the end of the test."""
-    with ExitStack() as instances:
-        yield lambda values=CHEAP, name="variator": instances.enter_context(Instance(archive, values, name))
-
-
-def readings(unit: Instance) -> list[float]:
-    """All real outputs and locals, fields along the belt included."""
-    names = (v.name for v in unit.variables.values() if v.type == "Real" and v.initial == "calculated")
-    return unit.get_reals(unit.reals(names)).tolist()
-
-
-def run(unit: Instance, steps: range = range(20)) -> list[list[float]]:
-    """Runs steps of 1 ms with a growing load; returns the readings after each."""
-    rows = []
-    for k in steps:
-        unit.set({"secondary.torque": -49.0 - k})
-        unit.step_to((k + 1) * 1e-3)
-        rows.append(readings(unit))
-    return rows
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
