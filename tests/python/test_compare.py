@@ -54,10 +54,8 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [
-        ("case,slip\nfirst,1\n", "time"), ("time,slip\n", "rows"), ("time,slip\n0,1\n0,2\n", "ascend"), ("time,slip\n0,1\n1,2,3\n", "line 3"),
-    ],
-)  # fmt: skip
+    [("case,slip\nfirst,1\n", "time"), ("time,slip\n", "rows"), ("time,slip\n0,1\n0,2\n", "ascend"), ("time,slip\n0,1\n1,2,3\n", "line 3")],
+)
 def test_a_file_that_is_not_a_run_is_an_error(tmp_path: Path, text: str, message: str) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text(text, encoding="utf-8")
