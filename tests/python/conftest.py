@@ -59,7 +59,6 @@ map_fmu3 = _under_test("map_fmu3", "PushbeltMap3.fmu", " --map --fmi3")
 
 @pytest.fixture
 def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh."""
     with Variator("bench168", COARSE, fmu=fmu) as opened:
         yield opened
 
@@ -114,20 +113,17 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="session")
 def variables(description: Any) -> dict[str, Any]:
-    """The variables of the model description by name."""
     return {variable.name: variable for variable in description.modelVariables}
 
 
 @pytest.fixture(scope="session")
 def archive(fmu: Path) -> Iterator[Archive]:
-    """The unpacked FMU."""
     with Archive.unpack(fmu) as unpacked:
         yield unpacked
 
 
 @pytest.fixture(scope="session")
 def description(fmu: Path) -> Any:
-    """The model description as fmpy reads it."""
     return fmpy.read_model_description(fmu)
 
 
@@ -156,7 +152,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
-    """Stores the exit status for the end."""
     session.config.stash[STATUS] = int(exitstatus)
 
 

@@ -27,7 +27,6 @@ OF_WINDOWS = ("binaries/win64/PushbeltVariator.dll", "binaries/win64/PushbeltVar
 
 @pytest.fixture(params=["fmu", "fmu3"])
 def archive(request: pytest.FixtureRequest) -> Iterator[zipfile.ZipFile]:
-    """The archive of each version."""
     with zipfile.ZipFile(request.getfixturevalue(request.param)) as opened:
         yield opened
 

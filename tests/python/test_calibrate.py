@@ -151,7 +151,6 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
 
 
 def write(points: Sequence[Point], path: Path) -> None:
-    """The table of measured points."""
     quantities = [(quantity, "1/s" if "/dt" in quantity else "1") for quantity in NOISE]
     header = ["name", "ratio.geometric [1]", "primary.speed [rad/s]", "primary.torque [N.m]", "secondary.clampingForce [N]",
               "primary.clampingForce [N]", *(f"{q}{end} [{unit}]" for q, unit in quantities for end in ("", ".sd"))]  # fmt: skip

@@ -126,7 +126,6 @@ def test_points_without_a_steady_state_do_not_break_the_fit() -> None:
 
 
 def with_value(point: Point, value: float) -> Point:
-    """A point with another measured value."""
     return replace(point, measured=(replace(point.measured[0], value=float(value)),))
 
 

@@ -1,4 +1,4 @@
-"""Both FMUs in importers: archives, descriptions, the same run to the last bit, bad values, events, another master."""
+"""Both FMUs in importers: archives, descriptions, the same run to the last bit, events, another master."""
 
 from __future__ import annotations
 
@@ -198,7 +198,6 @@ def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
 
 
 def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path) -> None:
-    """The launch of the manoeuvre."""
     needs("ecospy")
     outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
     two, three = (masters.with_ecos(path, demo.START_VALUES, manoeuvre_inputs().at, 1000, outputs) for path in (fmu, fmu3))

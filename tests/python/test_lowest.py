@@ -41,7 +41,6 @@ def lowest_python() -> str:
 
 @pytest.fixture(scope="module")
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An environment with the lowest versions."""
     folder = tmp_path_factory.mktemp("lowest")
     subprocess.run([lowest_python(), "-m", "venv", "--without-pip", folder], check=True)
     found = folder / ("Scripts" if os.name == "nt" else "bin") / "python"

@@ -114,7 +114,6 @@ def test_a_verdict_other_than_the_pinned_one_is_named(capsys: pytest.CaptureFixt
 
 @pytest.fixture(scope="module")
 def paper_archive(paper_fmu: Path) -> Iterator[Archive]:
-    """The unpacked FMU of the paper's belts."""
     with Archive.unpack(paper_fmu) as unpacked:
         yield unpacked
 

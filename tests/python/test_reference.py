@@ -37,7 +37,6 @@ ROLES = re.compile(
 
 @pytest.fixture(params=["fmu", "fmu3"])
 def path(request: pytest.FixtureRequest) -> Path:
-    """The FMU of each version."""
     return request.getfixturevalue(request.param)
 
 

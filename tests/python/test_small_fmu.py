@@ -24,7 +24,6 @@ def artifacts() -> dict[str, Path]:
 
 @pytest.fixture(params=[2, 3])
 def lag(request: pytest.FixtureRequest, artifacts: dict[str, Path], tmp_path: Path) -> Path:
-    """The packed FMU."""
     version, fmu = request.param, tmp_path / "Lag.fmu"
     command = [artifacts["lag_description"], str(version)]
     with zipfile.ZipFile(fmu, "w") as archive:

@@ -120,9 +120,6 @@ def test_beyond_capacity_is_refused() -> None:
         cmm.variator(*wraps, BETA, MU, 1.01 * limit)
 
 
-# Rigid pulleys and elastic belt, for contrast
-
-
 def test_rest_and_slip_arc_meets_the_published_reference_case() -> None:
     """The belt155 case: 25 N m at R_S/R_P = 2.5 and 20 kN gives a slip arc of 33.7 deg and a thrust ratio of 0.8916."""
     mu, case = 0.11, {"upper": 2966.588, "lower": 2151.913, "speed": 9.635874562}

@@ -63,7 +63,6 @@ def step(unit: fmi2.FMU2Slave) -> float:
 
 
 def start(unit: fmi2.FMU2Slave) -> None:
-    """Ends initialisation at 0 s."""
     unit.setupExperiment()
     unit.enterInitializationMode()
     unit.exitInitializationMode()
@@ -73,12 +72,10 @@ AFTER_STEP = 0.048770575499286
 
 
 def is_loaded(path: Path) -> bool:
-    """Whether a library is in this process."""
     return str(path) in Path("/proc/self/maps").read_text()
 
 
 def variant(path: Path) -> Path:
-    """The variant of a library."""
     return path.with_name("Lag-avx2.so")
 
 
@@ -103,7 +100,6 @@ def hash_of(content: bytes) -> str:
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A library and its variant."""
     folder = tmp_path_factory.mktemp("built")
     fast = Path(shutil.copy(compiled(None), folder / "Lag-avx2.so"))
     return Path(shutil.copy(compiled(fast), folder / "Lag.so")), fast

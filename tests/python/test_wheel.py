@@ -139,7 +139,6 @@ def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def tool(folder: Path, name: str) -> Path:
-    """A program of the environment."""
     return folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / name
 
 

@@ -63,7 +63,6 @@ def place(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def host(place: Path, description) -> Host:
-    """Runs the program on a library."""
     real = readings_of(description)
     references = place / "references.txt"
     references.write_text("\n".join(str(variable.valueReference) for variable in real))
@@ -105,7 +104,6 @@ def first(host: Host, libraries: dict[str, Build]) -> dict[str, tuple[np.ndarray
 
 @pytest.fixture(scope="module")
 def sizes(description) -> np.ndarray:
-    """The typical size of each reading."""
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
@@ -147,7 +145,6 @@ def test_the_variant_for_avx2_runs_where_it_may(first, sizes: np.ndarray, system
 def test_each_build_continues_from_the_states_of_the_others(
     host: Host, libraries: dict[str, Build], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
-    """The run continues as from a state of the same library."""
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
     expected = first[reader][0]
     assert np.max(np.abs(found - expected) / sizes) < (ROUNDING if lanes(reader) == lanes(writer) else OTHER_LANES)
