@@ -22,14 +22,10 @@ from pushbelt.variator import Snapshot, Variator
 TORQUE, FORCE = "primary.torque", "primary.clampingForce"
 
 
-def simulated(fmu: Path, inputs: pd.DataFrame, step: float, **changes: float) -> pd.DataFrame:
-    with Variator("bench168", {**COARSE, **changes}, fmu=fmu) as variator:
-        return variator.simulate(inputs, step=step)
-
-
 def test_a_ramp_is_a_ramp_between_communication_points(fmu: Path) -> None:
     ramp = pd.DataFrame({TORQUE: [20.0, 80.0]}, index=[0.0, 0.5])
-    exact, coarse = (simulated(fmu, ramp, step)["slip"] for step in (1e-3, 20e-3))
+    with Variator("bench168", COARSE, fmu=fmu) as one, Variator("bench168", COARSE, fmu=fmu) as other:
+        exact, coarse = one.simulate(ramp, step=1e-3)["slip"], other.simulate(ramp, step=20e-3)["slip"]
     assert np.abs(coarse - exact[coarse.index]).max() < 1e-3 * np.ptp(exact)
     assert len(coarse) == 26 and coarse.index[-1] == 0.5
 
