@@ -5,10 +5,10 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -23,11 +23,11 @@ from pushbelt_cosim.masters import leave  # noqa: E402
 
 from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
-from pushbelt.fmu.unit import Archive, Instance  # noqa: E402
+from pushbelt.fmu.unit import Archive  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
-SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "validation", "wheel"}
+SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}
@@ -59,7 +59,6 @@ map_fmu3 = _under_test("map_fmu3", "PushbeltMap3.fmu", " --map --fmi3")
 
 @pytest.fixture
 def belt(fmu: Path) -> Iterator[Variator]:
-    """A variator on a coarse mesh."""
     with Variator("bench168", COARSE, fmu=fmu) as opened:
         yield opened
 
@@ -79,12 +78,22 @@ def module_of(path: Path) -> ModuleType:
     return module
 
 
-def built(package: str, *examples: str) -> dict[str, Path]:
-    """What cargo builds for the examples of a package: libraries or programs."""
-    command = ["cargo", "build", "--release", "--package", package, "--message-format=json", *(f"--example={one}" for one in examples)]
-    output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+def cargo() -> str:
+    """Cargo. Without it the test is skipped."""
+    return os.environ.get("CARGO") or shutil.which("cargo") or pytest.skip("cargo is not on the path")
+
+
+def built(options: Sequence[str], *examples: str, **environment: str) -> dict[str, Path]:
+    """What cargo builds for examples: libraries or programs."""
+    command = [cargo(), "build", *options, "--message-format=json", *(f"--example={one}" for one in examples)]
+    output = subprocess.run(command, cwd=ROOT, env={**os.environ, **environment}, check=True, capture_output=True, text=True).stdout
     found = [message for message in map(json.loads, output.splitlines()) if message["reason"] == "compiler-artifact"]
     return {one["target"]["name"]: Path(one["executable"] or one["filenames"][0]) for one in found if one["target"]["name"] in examples}
+
+
+def pip_of(python: Path) -> list[str | Path]:
+    """The pip of the tests, for another environment, which needs none."""
+    return [sys.executable, "-m", "pip", "--python", python, "--quiet", "--disable-pip-version-check"]
 
 
 def needs(package: str) -> None:
@@ -104,20 +113,17 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="session")
 def variables(description: Any) -> dict[str, Any]:
-    """The variables of the model description by name."""
     return {variable.name: variable for variable in description.modelVariables}
 
 
 @pytest.fixture(scope="session")
 def archive(fmu: Path) -> Iterator[Archive]:
-    """The unpacked FMU."""
     with Archive.unpack(fmu) as unpacked:
         yield unpacked
 
 
 @pytest.fixture(scope="session")
 def description(fmu: Path) -> Any:
-    """The model description as fmpy reads it."""
     return fmpy.read_model_description(fmu)
 
 
@@ -125,29 +131,6 @@ def description(fmu: Path) -> Any:
 def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder for the thrust-ratio map of the drives, so that it is solved once."""
     return tmp_path_factory.mktemp("drive")
-
-
-@pytest.fixture
-def variator(archive: Archive) -> Iterator[Callable[..., Instance]]:
-    """Creates instances, and frees them at the end of the test."""
-    with ExitStack() as instances:
-        yield lambda values=CHEAP, name="variator": instances.enter_context(Instance(archive, values, name))
-
-
-def readings(unit: Instance) -> list[float]:
-    """All real outputs and locals, fields along the belt included."""
-    names = (v.name for v in unit.variables.values() if v.type == "Real" and v.initial == "calculated")
-    return unit.get_reals(unit.reals(names)).tolist()
-
-
-def run(unit: Instance, steps: range = range(20)) -> list[list[float]]:
-    """Runs steps of 1 ms with a growing load; returns the readings after each."""
-    rows = []
-    for k in steps:
-        unit.set({"secondary.torque": -49.0 - k})
-        unit.step_to((k + 1) * 1e-3)
-        rows.append(readings(unit))
-    return rows
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -169,7 +152,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
-    """Stores the exit status for the end."""
     session.config.stash[STATUS] = int(exitstatus)
 
 

@@ -42,7 +42,6 @@ def take(report: Path, picture: Path, figures: Mapping[str, str] | None) -> None
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Takes the picture and prints its path."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("name", choices=["demo", *FIGURES], help="which report")
     parser.add_argument("report", type=Path, nargs="?")

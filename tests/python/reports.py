@@ -19,7 +19,6 @@ def stands_alone(report: Path) -> str:
 
 
 def figures(text: str) -> int:
-    """Number of panels in a report."""
     return text.count('<div class="panel">')
 
 

@@ -13,7 +13,7 @@ import pytest
 import reports
 from conftest import MESH
 
-from pushbelt.calibrate import __main__, fit, model, parameters, worker
+from pushbelt.calibrate import __main__, model, parameters, worker
 from pushbelt import tables
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
@@ -29,8 +29,6 @@ NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
 """Standard deviations of the tables."""
 SPEED, FORCE = 209.0, 10e3
 """Primary speed, rad/s, and secondary force, N, of the points."""
-
-# Parameters
 
 
 def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any]) -> None:
@@ -62,9 +60,6 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
 def test_parameters_that_cannot_be_fitted_are_named(wanted: dict, limits: dict, prior: dict, why: str, variables: Mapping[str, Any]) -> None:
     with pytest.raises(ParameterError, match=why):
         choose(wanted, limits, variables, BASE, prior)
-
-
-# Model
 
 
 def planned(ratio: float, utilisation: float, *quantities: str, force: float = FORCE) -> Point:
@@ -116,11 +111,10 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, vari
     On the default mesh: on that of short runs thrust ratios have waves over the friction coefficient.
     """
     chosen = choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
-    opened = Model([STEADY[1], STEADY[5], STEADY[7], *SHIFTS[:2]], solver)
+    opened = Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
     fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in MESH}}
-    (base,) = opened.states([fixed])
-    found = []
+    (base,), found = opened.states([fixed]), []
     for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
         monkeypatch.setattr(model, "STEP", step)
         found.append(opened.slopes(chosen, fixed, place, base, central=True))
@@ -156,11 +150,7 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
     assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
 
 
-# Fit
-
-
 def write(points: Sequence[Point], path: Path) -> None:
-    """The table of measured points."""
     quantities = [(quantity, "1/s" if "/dt" in quantity else "1") for quantity in NOISE]
     header = ["name", "ratio.geometric [1]", "primary.speed [rad/s]", "primary.torque [N.m]", "secondary.clampingForce [N]",
               "primary.clampingForce [N]", *(f"{q}{end} [{unit}]" for q, unit in quantities for end in ("", ".sd"))]  # fmt: skip
@@ -175,7 +165,7 @@ def write(points: Sequence[Point], path: Path) -> None:
 @pytest.mark.slow
 def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
     """Within their 95 % intervals, which are narrow; report, parameters and residuals are written."""
-    points = solver.measure([*STEADY, *SHIFTS], seed=168)
+    points = solver.measure([*STEADY[::3], *STEADY[2::3], *SHIFTS[:2]], seed=168)
     write(points, tmp_path / "table.csv")
     out = tmp_path / "out"
     words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), *(f"--set={name}={value}" for name, value in MESH.items())]
@@ -197,19 +187,3 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
     section = report[report.index('<h2 id="correlations">') : report.index('<h2 id="residuals">')]
     assert [row.count("1.00<") for row in section.split("<tr>")[2:]] == [1, 1, 1]
     reports.look_at(out / "report.html")
-
-
-@pytest.mark.slow
-def test_points_without_a_steady_state_do_not_break_the_fit(solver: InProcess, variables: Mapping[str, Any]) -> None:
-    """With the initial friction none of these points has a steady state, so it is raised first. A point beyond any capacity is excluded."""
-    asked = [STEADY[2], STEADY[5], STEADY[8]]
-    points = solver.measure(asked, seed=None)
-    beyond = dataclasses.replace(points[0], line=9, torque=1.6 * torque_capacity({**BASE, **TRUTH}, 0.5, FORCE))
-    truth = {name: value for name, value in TRUTH.items() if name != "friction.pulley"}
-    opened = Model([*points, beyond], lambda jobs: solver([({**truth, **values}, point) for values, point in jobs]))
-    (before,) = opened.states([{"friction.pulley": 0.062}])
-    assert sum(found.reason is not None for found in before) >= 2
-    result = fit.fit(opened, choose({"friction.pulley": 0.062}, {}, variables, BASE))
-    (friction,) = result.estimates
-    assert [found.reason is not None for found in result.after] == [False, False, False, True]
-    assert friction.value == pytest.approx(TRUTH["friction.pulley"], rel=0.02)

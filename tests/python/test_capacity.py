@@ -18,19 +18,11 @@ from pushbelt.variator import Variator
 
 
 @pytest.fixture
-def belt(coarse: Variator) -> Variator:
-    return coarse
-
-
-@pytest.fixture
 def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """One entry for each initial state that an FMU solves."""
     calls, original = [], unit.Instance.initialise
     monkeypatch.setattr(unit.Instance, "initialise", lambda self: (calls.append(self), original(self))[1])
     return calls
-
-
-# Wrong units
 
 
 @pytest.mark.parametrize(
@@ -41,8 +33,8 @@ def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
         ({"torque": 300.0, "force": 9e3}, r"\d+\.?\d* N·m at 9000 N$"),
     ],
 )  # fmt: skip
-def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(belt: Variator, initialised: list, point: dict, why: str) -> None:
-    for call in (belt.steady, belt.linearize):
+def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(coarse: Variator, initialised: list, point: dict, why: str) -> None:
+    for call in (coarse.steady, coarse.linearize):
         with pytest.raises(SteadyStateError, match=why):
             call(1.0, **point)
     assert not initialised
@@ -55,9 +47,9 @@ def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(belt: Var
         ({"force": -5e3}, "force = -5000 N"), ({"safety": 0.0}, "safety = 0.0"),
     ],
 )  # fmt: skip
-def test_a_number_that_is_no_point_is_named(belt: Variator, point: dict[str, float], why: str) -> None:
+def test_a_number_that_is_no_point_is_named(coarse: Variator, point: dict[str, float], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        belt.steady(**{"ratio": 1.0, "torque": 40.0, **point})
+        coarse.steady(**{"ratio": 1.0, "torque": 40.0, **point})
 
 
 def test_forces_in_kilonewtons_are_refused_at_the_start_and_give_a_warning_in_a_run(fmu: Path, initialised: list[object]) -> None:
@@ -77,12 +69,12 @@ def test_forces_in_kilonewtons_are_refused_at_the_start_and_give_a_warning_in_a_
             run.set({"secondary.clampingForce": 9e3, "primary.torque": 300.0})
 
 
-def test_a_speed_in_rpm_gives_a_warning(belt: Variator) -> None:
+def test_a_speed_in_rpm_gives_a_warning(coarse: Variator) -> None:
     with pytest.warns(VariatorWarning, match=r"\d+ m/s, above 60 m/s. .* 3000 rpm are 314.2"):
-        belt.steady(1.1, 20.0, speed=3000.0, force=9e3)
+        coarse.steady(1.1, 20.0, speed=3000.0, force=9e3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        belt.steady(1.1, 20.0, speed=600.0, force=9e3)
+        coarse.steady(1.1, 20.0, speed=600.0, force=9e3)
 
 
 def test_the_command_line_answers_too(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -93,41 +85,38 @@ def test_the_command_line_answers_too(fmu: Path, tmp_path: Path, capsys: pytest.
         assert said in error and ".py:" not in error
 
 
-# Clamping forces
-
-
 @pytest.mark.parametrize("ratio", [0.5, 0.9, 1.6, 2.1])
 @pytest.mark.parametrize("torque", [-110.0, -25.0, 25.0, 110.0])
-def test_both_pulleys_carry_the_torque(belt: Variator, initialised: list[object], ratio: float, torque: float) -> None:
-    force = belt.least_force(ratio, torque)
+def test_both_pulleys_carry_the_torque(coarse: Variator, initialised: list[object], ratio: float, torque: float) -> None:
+    force = coarse.least_force(ratio, torque)
     assert 1 <= len(initialised) <= MOST_STATES
-    state = belt.steady(ratio, torque, force=force)
-    safety = belt.torque_capacity(ratio, force, state["thrustRatio"]) / abs(torque)
+    state = coarse.steady(ratio, torque, force=force)
+    safety = coarse.torque_capacity(ratio, force, state["thrustRatio"]) / abs(torque)
     assert safety > 1.26
     assert safety < 1.35 or force == LEAST_FORCE
     # Without a solution, by a known thrust ratio.
     count = len(initialised)
-    known = belt.least_force(ratio, torque, thrust_ratio=state["thrustRatio"])
+    known = coarse.least_force(ratio, torque, thrust_ratio=state["thrustRatio"])
     assert len(initialised) == count and known == pytest.approx(force, rel=0.03)
 
 
-def test_a_point_that_the_belt_does_not_carry_is_refused(belt: Variator) -> None:
-    capacity = belt.torque_capacity(1.0, 10e3)
-    belt.steady(1.0, 0.8 * capacity, force=10e3)
+def test_a_point_that_the_belt_does_not_carry_is_refused(coarse: Variator) -> None:
+    capacity = coarse.torque_capacity(1.0, 10e3)
+    coarse.steady(1.0, 0.8 * capacity, force=10e3)
     for ratio, torque, force, named in ((1.0, 1.3 * capacity, 10e3, "at ratio 1, "), (30.0, 10.0, None, "initial.ratio = 30 is out of range")):
         with pytest.raises(SteadyStateError, match=named):
-            belt.steady(ratio, torque, force=force)
-    assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
+            coarse.steady(ratio, torque, force=force)
+    assert coarse.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
 
 
-def test_a_map_holds_the_steady_states_and_has_overrun_in_underdrive(belt: Variator) -> None:
+def test_a_map_holds_the_steady_states_and_has_overrun_in_underdrive(coarse: Variator) -> None:
     """Overrun was beyond capacity when the force counted the secondary pulley only."""
-    found = belt.thrust_map([1.5, 2.2], [-90.0, -15.0])
+    found = coarse.thrust_map([1.5, 2.2], [-90.0, -15.0])
     assert (found["reason"] == "").all() and (found["thrustRatio"] < 1.0).all()
-    assert not list(belt.linear_grid([2.0], [-45.0, 45.0]).refused())
-    found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
+    assert not list(coarse.linear_grid([2.0], [-45.0, 45.0]).refused())
+    found = coarse.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
     assert found.sizes == {"ratio": 2, "torque": 3}
-    state, point = belt.steady(0.6, 60.0, force=9e3), found.sel(ratio=0.6, torque=60.0)
+    state, point = coarse.steady(0.6, 60.0, force=9e3), found.sel(ratio=0.6, torque=60.0)
     for name in ("thrustRatio", "efficiency"):
         assert float(point[name]) == pytest.approx(state[name])
     assert np.isnan(found["thrustRatio"].sel(torque=900.0)).all()
@@ -135,7 +124,7 @@ def test_a_map_holds_the_steady_states_and_has_overrun_in_underdrive(belt: Varia
     assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
 
 
-def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initialised: list[object]) -> None:
+def test_the_state_that_gave_the_force_is_not_solved_again(coarse: Variator, initialised: list[object]) -> None:
     """In drive at this ratio the first thrust ratio is above 1."""
-    belt.steady(0.8, 52.0)
+    coarse.steady(0.8, 52.0)
     assert len(initialised) == 1

@@ -9,7 +9,6 @@ from conftest import MESH
 
 import pushbelt
 from pushbelt.demo.__main__ import main as demo
-from pushbelt.durability.__main__ import main as durability
 from pushbelt.fmu.data import is_chain, parameter_set
 
 ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
@@ -39,11 +38,3 @@ def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "The pins of the chain are drawn." in page and "kN tension" in page
     assert "Push force" not in page and "polygon action" in page
-
-
-def test_durability_refuses_a_chain(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table = tmp_path / "run.csv"
-    table.write_text("time,ring.speed\n0,1\n1,1\n", encoding="utf-8")
-    words = [str(table), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--variator", "chain168"]
-    assert durability(words) == 1
-    assert "belt.kind = 2" in capsys.readouterr().err

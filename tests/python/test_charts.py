@@ -63,24 +63,20 @@ EVERYTHING = Panel(
     "All kinds",
     [
         Series("line", [0.0, 1.0, 2.0], [1.0, 5.0, np.nan], dash="dash"),
-        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"], texts=["7", "8"], text_sides=["middle left", "middle right"]),
+        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"], texts=["7", "8"],
+               text_sides=["middle left", "middle right"]),
         Series("bars", [0.0, 1.0], [1.0, 2.0], kind="bars", hatched=[True, False], errors=([0.1, 0.1], [0.2, 0.2])),
         Series("rows", [1.0, 2.0], [0.0, 1.0], kind="rows"),
         Series("band", [0.0, 1.0], [1.0, 2.0], kind="band", upper=[2.0, 3.0]),
     ],
-    "x",
-    "y",
+    "x", "y",
     fields=[
         Field("map", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, np.nan]], levels=(1.0, 3.0, 0.5), ticks=((1.0, "1"),), unit="%", middle=2.0),
         Field("lines", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, 4.0]], lines_only=True),
     ],
-    x_range=(0.0, 2.0),
-    x_ticks=((0.0, "zero"),),
-    shades=[Shade(0.0, 1.0, style.RED, "shade")],
-    marks=[Mark(0.5, "1")],
-    levels=[Level(2.0, "level")],
-    equal=True,
-)
+    x_range=(0.0, 2.0), x_ticks=((0.0, "zero"),), shades=[Shade(0.0, 1.0, style.RED, "shade")], marks=[Mark(0.5, "1")],
+    levels=[Level(2.0, "level")], equal=True,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("linked", [False, True])

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import reports
+from conftest import CHEAP
 
 from pushbelt.compare import __main__, belts, runs
 from pushbelt.fmu.data import parameter_set
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
+from pushbelt.variator import Variator
 
 
 def write(path: Path, step: float = 0.01, shift: float = 0.0, end: float = 1.0, unit: str = "rad/s") -> Path:
@@ -52,12 +54,7 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [
-        ("case,slip\nfirst,1\n", "time"),
-        ("time,slip\n", "rows"),
-        ("time,slip\n0,1\n0,2\n", "ascend"),
-        ("time,slip\n0,1\n1,2,3\n", "line 3"),
-    ],
+    [("case,slip\nfirst,1\n", "time"), ("time,slip\n", "rows"), ("time,slip\n0,1\n0,2\n", "ascend"), ("time,slip\n0,1\n1,2,3\n", "line 3")],
 )
 def test_a_file_that_is_not_a_run_is_an_error(tmp_path: Path, text: str, message: str) -> None:
     bad = tmp_path / "bad.csv"
@@ -104,21 +101,17 @@ def test_runs_with_another_column_gap_or_time_are_not_equal(tmp_path: Path) -> N
         assert not pair.equal and not pair.differing
 
 
-def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -> None:
+def test_the_belts_of_both_runs_are_shown(fmu: Path, tmp_path: Path) -> None:
     """Where both files have the fields along the belt."""
-    paths = []
-    for name, force in (("a", 13e3), ("b", 15e3)):
-        unit = variator()
-        unit.set({"primary.clampingForce": force})
-        unit.initialise()
-        names = belts.needed(parameter_set("bench168"))
-        reals = unit.reals(names)
+    paths, names = [tmp_path / "a.csv", tmp_path / "b.csv"], belts.needed(parameter_set("bench168"))
+    for path, force in zip(paths, (13e3, 15e3), strict=True):
         rows = []
-        for k in range(20):
-            rows.append([k * 1e-3, *unit.get_reals(reals)])
-            unit.step_to((k + 1) * 1e-3)
-        paths.append(tmp_path / f"{name}.csv")
-        write_table(paths[-1], ["time [s]", *titles(names, {name: unit.variables[name].unit for name in names})], rows)
+        with Variator("bench168", {**CHEAP, "primary.clampingForce": force}, fmu=fmu) as belt:
+            belt.start()
+            for _ in range(20):
+                rows.append([belt.time, *(belt[name] for name in names)])
+                belt.step(1e-3)
+            write_table(path, ["time [s]", *titles(names, {name: belt.variables[name].unit for name in names})], rows)
     out = tmp_path / "out"
     assert __main__.main([*map(str, paths), "--output", str(out), "--fmu", str(fmu)]) == 0
     text = reports.stands_alone(out / "report.html")
@@ -141,7 +134,6 @@ def test_the_report_shows_both_runs(fmu: Path, tmp_path: Path) -> None:
     text = reports.stands_alone(tmp_path / "out" / "report.html")
     assert reports.figures(text) == 3
     assert "primary.torque (N.m)" in text and "secondary.speed (rpm)" in text
-    with (tmp_path / "out" / "differences.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [(row["column"], row["unit"]) for row in rows] == [("slip", ""), ("primary.torque", "N.m"), ("secondary.speed", "rpm")]
-    assert float(rows[0]["largest [SI]"]) == pytest.approx(0.25)
+    rows = pd.read_csv(tmp_path / "out" / "differences.csv", keep_default_na=False)
+    assert list(zip(rows["column"], rows["unit"], strict=True)) == [("slip", ""), ("primary.torque", "N.m"), ("secondary.speed", "rpm")]
+    assert rows["largest [SI]"][0] == pytest.approx(0.25)

@@ -40,9 +40,7 @@ if __name__ == "__main__":
 def process(words: list[str], **variables: str) -> subprocess.Popen[bytes]:
     """A Python process in its own process group, as a terminal starts it."""
     known = {**os.environ, "PYTHONPATH": str(ROOT / "python"), **variables}
-    return subprocess.Popen(
-        [sys.executable, *words], env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
-    )
+    return subprocess.Popen([sys.executable, *words], env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
 
 
 def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool]) -> tuple[int, list[str]]:

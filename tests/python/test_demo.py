@@ -7,11 +7,11 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import reports
 import tables_of_runs
 
-from pushbelt import tables
 from pushbelt.demo import __main__, events
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
@@ -27,18 +27,12 @@ def variator(name: str) -> dict:
     return next(entry for entry in data.published_data()["variators"] if entry["id"] == name)
 
 
-# Geometry
-
-
 def test_radii_are_those_derived_for_the_published_variator() -> None:
     derived = variator("bench168")["derived"]
-    at_one = data.curve_of(BENCH, 0.0)
-    assert [at_one.primary_radius, at_one.secondary_radius] == pytest.approx(derived["radiiAtRatio1"], abs=6e-6)
-    overdrive = data.curve_of(BENCH, theta_of(1 / 2.25))
-    radii = [overdrive.primary_radius, overdrive.secondary_radius]
-    assert radii == pytest.approx(derived["radiiAtSpeedRatio2.25"], abs=6e-6)
-    wraps = [2 * (math.pi - overdrive.phi), 2 * overdrive.phi]
-    assert wraps == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
+    at_one, overdrive = (data.curve_of(BENCH, theta_of(ratio)) for ratio in (1.0, 1 / 2.25))
+    for curve, key in ((at_one, "radiiAtRatio1"), (overdrive, "radiiAtSpeedRatio2.25")):
+        assert [curve.primary_radius, curve.secondary_radius] == pytest.approx(derived[key], abs=6e-6)
+    assert [2 * (math.pi - overdrive.phi), 2 * overdrive.phi] == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
 
 
 def test_the_push_force_changes_from_strand_to_strand() -> None:
@@ -52,9 +46,6 @@ def test_the_push_force_changes_from_strand_to_strand() -> None:
 def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
     with pytest.raises(ArgumentError):
         primary_radius(*belt)
-
-
-# Data
 
 
 def test_parameter_sets_agree_with_the_published_data() -> None:
@@ -83,9 +74,6 @@ def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
     assert 20e3 < expected < 23e3
 
 
-# Load search
-
-
 def test_load_is_found_in_a_few_evaluations() -> None:
     tried: list[float] = []
 
@@ -100,44 +88,25 @@ def test_load_is_found_in_a_few_evaluations() -> None:
         find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
 
 
-# Events
-
-
 def synthetic_manoeuvre() -> Trace:
     """A synthetic trace with a launch, a shift, two torque steps, an over-torque and the recovery, in 1 ms steps."""
     time = np.arange(0.0, 10.0005, 1e-3)
-    torque = np.interp(
-        time, [0, 0.5, 6.0, 6.01, 7.0, 7.01, 8.5, 8.51, 8.7, 8.71], [0, 60, 60, 30, 30, 80, 80, 300, 300, 40]
-    )
+    torque = np.interp(time, [0, 0.5, 6.0, 6.01, 7.0, 7.01, 8.5, 8.51, 8.7, 8.71], [0, 60, 60, 30, 30, 80, 80, 300, 300, 40])
     slipping = (time > 8.505) & (time < 8.8)
-    carried = np.where(slipping, 130.0, torque)
-    secondary = np.interp(time, [0, 0.05, 2, 10], [0, 0, 80, 150])
-    return Trace(
-        time,
-        {
-            "primary.externalTorque": torque,
-            "primary.shaftTorque": -carried,
-            "secondary.speed": secondary,
-            "ratio.geometric": np.interp(time, [0, 2, 3, 10], [2.2, 2.2, 0.5, 0.5]),
-            "slip": np.where(slipping, 0.5, 0.01),
-            "macroSlip": slipping.astype(float),
-            "torqueUtilisation": torque / 130.0,
-            "loss.total": np.where(slipping, 3e4, 100.0),
-        },
-    )
+    columns = {
+        "primary.externalTorque": torque, "primary.shaftTorque": -np.where(slipping, 130.0, torque), "torqueUtilisation": torque / 130.0,
+        "secondary.speed": np.interp(time, [0, 0.05, 2, 10], [0, 0, 80, 150]),
+        "ratio.geometric": np.interp(time, [0, 2, 3, 10], [2.2, 2.2, 0.5, 0.5]),
+        "slip": np.where(slipping, 0.5, 0.01), "macroSlip": slipping.astype(float), "loss.total": np.where(slipping, 3e4, 100.0),
+    }  # fmt: skip
+    return Trace(time, columns)
 
 
 def test_events_are_found_in_order() -> None:
     found = events.detect(synthetic_manoeuvre())
     assert all(event.occurred for event in found)
-    assert [event.name for event in found] == [
-        "Launch in underdrive",
-        "Shift to overdrive",
-        "Torque step 60 → 30 N·m",
-        "Torque step 30 → 80 N·m",
-        events.OVERLOAD,
-        "Recovery",
-    ]
+    steps = ["Torque step 60 → 30 N·m", "Torque step 30 → 80 N·m"]
+    assert [event.name for event in found] == ["Launch in underdrive", "Shift to overdrive", *steps, events.OVERLOAD, "Recovery"]
     overload = found[4]
     assert (overload.start, overload.end) == pytest.approx((8.506, 8.799), abs=2e-3)
     assert found[1].start == pytest.approx(2.05, abs=0.02)
@@ -159,9 +128,6 @@ def test_intervals_close_small_gaps() -> None:
     assert intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
 
 
-# Report
-
-
 def test_numbers_are_set_as_in_print() -> None:
     assert page.number(-1234.5, 1) == "−1\u202f234.5"
     assert page.number(-0.001, 1) == "0.0"
@@ -178,18 +144,16 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
     folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
     assert folded == [("checks", " open", "7 of 8 hold")]
-    section = report[report.index('id="checks"') : report.index('id="sources"')]
-    verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', section)
+    verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', report.split('id="checks"')[1].split('id="sources"')[0])
     assert len(verdicts) == 8
     # Most events come after the first second.
     assert [statement for mark, statement in verdicts if mark == "✗"] == ["Every event of the manoeuvre occurs"]
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.
     assert reports.figures(report) == 3 + 7 + 6
     assert report.count('<div class="belt"') == 2
-    times = [float(row["time"]) for row in tables.by_name(tmp_path / "results.csv")]
-    assert times == pytest.approx(np.arange(1001) * 1e-3)
-    cases = {row["case"]: row for row in tables.by_name(tmp_path / "cases.csv")}
+    run, cases = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("results", "cases"))
+    assert run["time [s]"].to_numpy() == pytest.approx(np.arange(1001) * 1e-3)
     tables_of_runs.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
-    assert list(cases) == ["overdrive-100", "medium-100", "underdrive-100"]
-    assert float(cases["medium-100"]["primary.shaftTorque"]) == pytest.approx(-100.0, rel=1e-4)
+    assert list(cases["case"]) == ["overdrive-100", "medium-100", "underdrive-100"]
+    assert cases["primary.shaftTorque [N.m]"].to_numpy() == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")

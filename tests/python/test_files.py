@@ -27,7 +27,6 @@ from pushbelt.fmu.untrusted import InputFileError
 
 @pytest.fixture(autouse=True)
 def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A cache of this test's own."""
     monkeypatch.setenv("PUSHBELT_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -154,9 +153,6 @@ def test_a_gigabyte_of_json_is_not_read(tmp_path: Path) -> None:
         file.truncate(1 << 30)
     with pytest.raises(InputFileError, match="large.json has 1074 MB, above the limit of 50 MB"):
         parameter_set(str(path))
-
-
-# The cache
 
 
 def files(folder: Path) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Both FMUs in importers: archives, descriptions, the same run to the last bit, bad values, events, another master."""
+"""Both FMUs in importers: archives, descriptions, the same run to the last bit, events, another master."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import struct
 import subprocess
 import zipfile
 from collections import Counter
-from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -19,14 +18,14 @@ import fmpy
 import masters
 import numpy as np
 import pytest
-from conftest import CHEAP, ROOT, needs, readings, run
+from conftest import CHEAP, ROOT, needs
 from fmpy.validation import validate_fmu
 from lxml import etree
 
 from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
 from pushbelt.fmu.enumerations import Axial, Drive, RingModel, StartState
-from pushbelt.fmu.unit import Instance, UnitError
+from pushbelt.fmu.unit import Archive, Instance
 
 FMPY = Path(fmpy.__file__).parent
 
@@ -44,21 +43,6 @@ def description3(fmu3: Path) -> Any:
     return fmpy.read_model_description(str(fmu3))
 
 
-# ------------------------------------------------------------------------------------------------------- the archive
-
-
-def test_everything_has_its_place(fmu3: Path) -> None:
-    with zipfile.ZipFile(fmu3) as archive:
-        names = archive.namelist()
-        for entry in archive.infolist():
-            if entry.filename.startswith("binaries/"):
-                assert entry.compress_size < 3e6 and entry.file_size < 7e6, "2.2 MB a platform, unpacked 6.3 MB"
-    assert {"modelDescription.xml", "documentation/index.html", "resources/bench168.json"} <= set(names)
-    assert {f"documentation/licenses/{name}" for name in ("LICENSE-MIT.txt", "third-party.txt")} <= set(names)
-    assert f"binaries/{fmpy.platform_tuple}/PushbeltVariator{fmpy.sharedLibraryExtension}" in names
-    assert not any(name.startswith("sources/") for name in names)
-
-
 @pytest.mark.parametrize(("fixture", "checked_in"), [("fmu", "modelDescription.xml"), ("fmu3", "resources/modelDescription3.xml")])
 def test_the_description_is_the_one_checked_in_and_fmpy_accepts_it(fixture: str, checked_in: str, request: pytest.FixtureRequest) -> None:
     path = request.getfixturevalue(fixture)
@@ -69,8 +53,8 @@ def test_the_description_is_the_one_checked_in_and_fmpy_accepts_it(fixture: str,
     assert re.sub(rb'generationDateAndTime="[-0-9T:]+Z" ', b"", inside, count=1) == (ROOT / checked_in).read_bytes()
 
 
-def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, description: Any) -> None:
-    """FMI 2.0.4 has the file of FMI 3.0, unchanged. Its variables and icons are there."""
+def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path) -> None:
+    """FMI 2.0.4 has the file of FMI 3.0, unchanged. Its icons are there."""
     files = []
     for path in (fmu, fmu3):
         with zipfile.ZipFile(path) as archive:
@@ -78,12 +62,8 @@ def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, description
     assert files[0] == files[1]
     terminals = etree.fromstring(files[0]["terminalsAndIcons/terminalsAndIcons.xml"])
     etree.XMLSchema(etree.parse(FMPY / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd")).assertValid(terminals)
-    found = {terminal.get("name"): terminal for terminal in terminals.iter("Terminal")}
-    assert set(found) == {f"{pulley}{what}" for pulley in ("primary", "secondary") for what in ("Shaft", "Clamp", "Port")}
-    causalities = {variable.name: variable.causality for variable in description.modelVariables}
-    for terminal in found.values():
-        members = [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]
-        assert [causalities[name] for name in members] == ["input", "output"]
+    names = {terminal.get("name") for terminal in terminals.iter("Terminal")}
+    assert names == {f"{pulley}{what}" for pulley in ("primary", "secondary") for what in ("Shaft", "Clamp", "Port")}
     for icon in {"icon"} | {node.get("iconBaseName") for node in terminals.iter("TerminalGraphicalRepresentation")}:
         etree.fromstring(files[0][f"terminalsAndIcons/{icon}.svg"])
         picture = files[0][f"terminalsAndIcons/{icon}.png"]
@@ -95,12 +75,7 @@ def test_every_function_of_the_standard_is_exported(unpacked: Path) -> None:
     (library,) = (unpacked / "binaries" / fmpy.platform_tuple).iterdir()
     loaded = ctypes.CDLL(str(library))
     functions = set(re.findall(r"^#define (fmi3\w+)\s+fmi3FullName", (FMPY / "c-code" / "fmi3Functions.h").read_text(), re.M))
-    assert len(functions) >= 75
-    missing = [name for name in functions if not hasattr(loaded, name)]
-    assert not missing
-
-
-# --------------------------------------------------------------------------------------------------- the description
+    assert len(functions) >= 75 and not [name for name in functions if not hasattr(loaded, name)]
 
 
 def test_variables_are_those_of_fmi_2(unpacked: Path, description: Any, description3: Any) -> None:
@@ -142,12 +117,8 @@ def test_units_are_declared_with_their_dimensions(description) -> None:
     declared = {unit.name: unit for unit in description.unitDefinitions}
     assert {v.unit for v in description.modelVariables if v.type == "Real"} == set(declared)
     for name, unit in declared.items():
-        assert {base: int(getattr(unit.baseUnit, base) or 0) for base in ("kg", "m", "s", "rad")} == {
-            base: dimensions(name)[base] for base in ("kg", "m", "s", "rad")
-        }, name
-    (rpm,) = declared["rad/s"].displayUnits
-    assert float(rpm.factor) * 209.43951023931953 == pytest.approx(2000.0)
-    assert {v.displayUnit for v in description.modelVariables if v.unit == "rad/s"} == {rpm.name} == {"rpm"}
+        assert all(int(getattr(unit.baseUnit, base) or 0) == dimensions(name)[base] for base in ("kg", "m", "s", "rad")), name
+    assert {v.displayUnit for v in description.modelVariables if v.unit == "rad/s"} == {"rpm"}
 
 
 @pytest.mark.parametrize("enumeration", [RingModel, Drive, Axial, StartState])
@@ -157,20 +128,14 @@ def test_enumerations_are_those_of_the_package(description, enumeration: type[In
     assert items == {member.name.replace("_", ""): member.value for member in enumeration}
 
 
-# ------------------------------------------------------------------------------------------------------ use
-
-
 def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) -> None:
     names = [v.name for v in description.modelVariables if v.causality == "output"]
     result = fmpy.simulate_fmu(fmu, output=names)
     assert len(result) == 1001
     assert result["time"][-1] == pytest.approx(1.0)
-    limits = {v.name: (v.min, v.max) for v in description.modelVariables}
-    for name in names:
-        assert np.all(np.isfinite(result[name].astype(float))), name
-        low, high = limits[name]
-        assert low is None or np.all(result[name] >= float(low)), name
-        assert high is None or np.all(result[name] <= float(high)), name
+    for one in (v for v in description.modelVariables if v.name in names):
+        values, low, high = result[one.name].astype(float), float(one.min or -math.inf), float(one.max or math.inf)
+        assert np.isfinite(values).all() and low <= values.min() and values.max() <= high, one.name
 
 
 def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
@@ -194,77 +159,31 @@ def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
             assert np.array_equal(result[name], rust[:, column]), name
 
 
-# ------------------------------------------------------------------------------------------------------- instances
-
-New = Callable[..., Instance]
-
-
-def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
+def test_no_output_moves_at_once_when_an_input_does(archive: Archive) -> None:
     """Consistency with the empty dependencies of the model structure."""
-    unit = variator()
-    unit.initialise()
-    run(unit, range(3))
-    before = readings(unit)
-    for name, variable in unit.variables.items():
-        if variable.causality == "input":
-            unit.set({name: unit.get(name) * 1.1 + 1.0})
-            assert readings(unit) == before, name
-
-
-# ------------------------------------------------------------------------------------------------------- bad input
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("primary.clampingForce", -1.0),
-        ("secondary.torque", math.nan),
-        ("primary.speedSetpoint", math.inf),
-        ("mesh.strand", 0),
-        ("ring.model", 5),
-        ("geometry.beltLength", 0.3),
-        ("primary.minRadius", 0.09),
-    ],
-)
-def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float) -> None:
-    unit = variator()
-    with pytest.raises(UnitError, match=re.escape(f"{name} = {value:g}") if math.isfinite(value) else name):
-        unit.set({name: value})
+    with Instance(archive, CHEAP) as unit:
         unit.initialise()
-    # A value out of its range is discarded; an inconsistent combination is detected at initialisation.
-    assert unit.log[-1][:2] in ((2, "logStatusDiscard"), (3, "logStatusError"))
-    unit.restart(CHEAP)
-    unit.initialise()
-    run(unit, range(2))
-
-
-# ------------------------------------------------------------------------------------------------------ FMI 3.0
+        unit.step_to(3e-3)
+        calculated = unit.reals(v.name for v in unit.variables.values() if v.type == "Real" and v.initial == "calculated")
+        before = unit.get_reals(calculated).tolist()
+        for name, variable in unit.variables.items():
+            if variable.causality == "input":
+                unit.set({name: unit.get(name) * 1.1 + 1.0})
+                assert unit.get_reals(calculated).tolist() == before, name
 
 
 def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
     """Over-torque from 20 ms on: the step ends at the event, off the grid of 1 ms."""
-    names = ["primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce"]
-    rows = [
-        (0.0, 50.0, -49.0, 13e3, 10e3),
-        (0.02, 50.0, -49.0, 13e3, 10e3),
-        (0.02, 400.0, -49.0, 13e3, 10e3),
-        (0.05, 400.0, -49.0, 13e3, 10e3),
-    ]
+    torque = np.array([(0.0, 50.0), (0.02, 50.0), (0.02, 400.0), (0.05, 400.0)], dtype=[("time", float), ("primary.torque", float)])
     said = []
 
     def simulated(**modes: bool) -> np.ndarray:
         said.clear()
         return fmpy.simulate_fmu(
-            str(fmu3),
-            stop_time=0.05,
-            output_interval=1e-3,
-            input=np.array(rows, dtype=[(name, float) for name in ["time", *names]]),
-            output=["macroSlip", "primary.speed", "profile.pushForce"],
-            start_values=CHEAP,
-            debug_logging=True,
-            logger=lambda _environment, _status, _category, message: said.append(message.decode()),
-            **modes,
-        )
+            str(fmu3), stop_time=0.05, output_interval=1e-3, input=torque, output=["macroSlip", "profile.pushForce"], debug_logging=True,
+            start_values={**CHEAP, "secondary.torque": -49.0, "primary.clampingForce": 13e3, "secondary.clampingForce": 10e3},
+            logger=lambda _environment, _status, _category, message: said.append(message.decode()), **modes,
+        )  # fmt: skip
 
     result = simulated(use_event_mode=True, early_return_allowed=True)
     off = result["time"][np.abs(result["time"] * 1e3 - np.round(result["time"] * 1e3)) > 1e-6]
@@ -279,7 +198,6 @@ def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
 
 
 def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path) -> None:
-    """The launch of the manoeuvre."""
     needs("ecospy")
     outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
     two, three = (masters.with_ecos(path, demo.START_VALUES, manoeuvre_inputs().at, 1000, outputs) for path in (fmu, fmu3))

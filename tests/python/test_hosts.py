@@ -13,7 +13,7 @@ from typing import Any
 
 import fmpy
 import pytest
-from conftest import ROOT
+from conftest import ROOT, cargo
 
 from pushbelt.fmu.unit import Archive, Instance
 
@@ -64,16 +64,9 @@ def test_the_program_for_rigs_runs_the_library_and_counts(fmu: Path, description
 @pytest.fixture(scope="module")
 def importer() -> Path:
     """The program, compiled in a folder of its own."""
-    cargo = os.environ.get("CARGO") or shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("cargo is not on the path: the importer can't be compiled")
     target = ROOT / "target" / "importer"
-    environment = {**os.environ, "CARGO_TARGET_DIR": str(target)}
-    manifest = ROOT / "tests" / "importer" / "Cargo.toml"
-    done = subprocess.run(
-        [cargo, "build", "--locked", "--manifest-path", manifest], env=environment, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    command = [cargo(), "build", "--locked", f"--manifest-path={ROOT / 'tests' / 'importer' / 'Cargo.toml'}", f"--target-dir={target}"]
+    subprocess.run(command, check=True)
     return target / "debug" / ("importer.exe" if os.name == "nt" else "importer")
 
 

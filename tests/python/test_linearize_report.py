@@ -36,9 +36,7 @@ def test_similar_responses_are_on_one_branch(order: tuple[int, ...]) -> None:
 def grid(**axes: list[float]) -> LinearGrid:
     shape = tuple(map(len, axes.values()))
     models = np.array([object() for _ in range(np.prod(shape))], dtype=object).reshape(shape)
-    return LinearGrid(
-        {name: np.array(values) for name, values in axes.items()}, models, np.full(shape, "", dtype=object)
-    )
+    return LinearGrid({name: np.array(values) for name, values in axes.items()}, models, np.full(shape, "", dtype=object))
 
 
 def test_the_ratio_has_a_colour_and_the_torque_a_dash() -> None:

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, pip_of
 
 PACKAGE = ROOT / "python" / "pushbelt"
 PROJECT = (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")
@@ -41,22 +41,18 @@ def lowest_python() -> str:
 
 @pytest.fixture(scope="module")
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An environment with the lowest versions."""
     folder = tmp_path_factory.mktemp("lowest")
-    subprocess.run([lowest_python(), "-m", "venv", folder], check=True)
+    subprocess.run([lowest_python(), "-m", "venv", "--without-pip", folder], check=True)
     found = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
-    pip = [found, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--only-binary=:all:"]
     packages = [*(f"{name}=={version}" for name, version in BOUND.items()), "lxml", "platformdirs", "xarray", "vermin==1.9.2"]
-    subprocess.run([*pip, *packages], check=True, capture_output=True, text=True)
+    subprocess.run([*pip_of(found), "install", "--no-compile", "--only-binary=:all:", *packages], check=True, capture_output=True, text=True)
     return found
 
 
 @pytest.mark.slow
 def test_the_interface_runs_on_the_lowest_versions(python: Path, fmu: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python"), "PUSHBELT_FMU": str(fmu), "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(
-        [python, "-W", "error", "-c", SMOKE, tmp_path / "models.npz"], env=environment, capture_output=True, text=True
-    )
+    done = subprocess.run([python, "-W", "error", "-c", SMOKE, tmp_path / "models.npz"], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     for name in ("numpy", "pandas"):
         assert re.search(rf"(?<![\d.]){re.escape(BOUND[name])}(\.0)*(?![\d.])", done.stdout), done.stdout

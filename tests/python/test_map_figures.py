@@ -65,9 +65,7 @@ def test_the_capacity_is_the_border_of_the_colours() -> None:
 def test_the_border_of_a_study_is_between_the_last_point_that_holds_and_the_next_one() -> None:
     utilisation = np.array([-1.0, -0.5, 0.0, 0.6, 1.2])
     holds = np.array([[0, 1, 1, 1, 0], [1, 1, 1, 1, 1], [0, 0, 1, 0, 0], [0, 0, 0, 0, 0]], dtype=bool)
-    assert carried(utilisation, holds) == pytest.approx(
-        np.array([[-0.75, np.nan, -0.25, np.nan], [0.9, np.nan, 0.3, np.nan]]), nan_ok=True
-    )
+    assert carried(utilisation, holds) == pytest.approx(np.array([[-0.75, np.nan, -0.25, np.nan], [0.9, np.nan, 0.3, np.nan]]), nan_ok=True)
 
 
 def test_maps_end_at_their_own_capacity() -> None:

@@ -34,9 +34,6 @@ sys.exit(cli.main(sys.argv[1:]))
 """The command in an environment in which packages are not installed."""
 
 
-# Completion and descriptions
-
-
 def test_the_package_completes_to_what_is_public() -> None:
     assert dir(pushbelt) == sorted(pushbelt.__all__)
     assert all(getattr(pushbelt, name) is not None for name in dir(pushbelt))
@@ -57,9 +54,6 @@ def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
         assert part in text and text[0] == "<" and len(text) < 260 and "\n" not in text
 
 
-# Tables
-
-
 def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
     times = [0.0, 0.013, 0.03]
     inputs = pd.DataFrame({"primary.torque": [44.0, 52.0, 52.0], "primary.clampingForce": [12e3, 12e3, 13.5e3]}, index=times)
@@ -68,8 +62,9 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
     assert np.diff(found.index).max() <= 4e-3 + 1e-12 and len(found) == 1 + 4 + 5
     assert found["primary.torque"].to_numpy() == pytest.approx(np.interp(found.index, times, inputs["primary.torque"]))
     # It continues, with time as a column and a selection of outputs.
-    more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0]})
+    more = pd.DataFrame({"time": [0.03, 0.05], "secondary.torque": [-50.0, -51.0], "friction.pulley": [0.09, 0.07]})
     rest = belt.simulate(more, outputs=["slip", "macroSlip"])
+    assert belt["friction.pulley"] == 0.07 and rest["slip"].iloc[-1] > 1.2 * rest["slip"].iloc[0]
     assert list(rest.columns) == ["slip", "macroSlip"] and rest.index[[0, -1]].tolist() == pytest.approx([0.03, 0.05])
     assert belt.to_dataframe().shape == (len(found) + len(rest) - 1, len(belt.outputs.dtype.names) - 1)
     with pytest.raises(pushbelt.ArgumentError):
@@ -109,9 +104,6 @@ def test_similar_names_are_given(belt: Variator) -> None:
     for name, near in (("belt_155", "belt155"), ("Bench168", "bench168"), ("rig.json", "")):
         with pytest.raises(FileNotFoundError, match=f"{name}.*bench168.*{near}"):
             Variator(name)
-
-
-# The command line
 
 
 def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -178,9 +170,6 @@ def test_without_the_wltc_the_nedc_is_driven(
     assert plans[0] == runs.SHORT["nedc"]
     assert drive.main([*words, "--cycle", "wltc"]) == 0
     assert not capsys.readouterr().err
-
-
-# The notebook and the pages
 
 
 def test_the_notebook_runs_on_the_line_that_it_names(declared: dict[str, set[str]]) -> None:  # noqa: F811

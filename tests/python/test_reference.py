@@ -37,7 +37,6 @@ ROLES = re.compile(
 
 @pytest.fixture(params=["fmu", "fmu3"])
 def path(request: pytest.FixtureRequest) -> Path:
-    """The FMU of each version."""
     return request.getfixturevalue(request.param)
 
 
@@ -121,8 +120,6 @@ def numbered(value: str, variable: Any) -> Any:
         return next(int(item.value) for item in variable.declaredType.items if item.name == value)
     return value == "true" if variable.type == "Boolean" else float(value)
 
-
-# Parameter sets
 
 PARAMETERS = ROOT / "resources" / "parameters"
 

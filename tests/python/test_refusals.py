@@ -25,7 +25,7 @@ REFUSED = {
     "durability": [
         ("--strength 2e9", "strength of the steel: 2e+09 MPa"), ("--limit 6e8", "limit of the steel: 6e+08 MPa"),
         ("--strength 2e9Pa --limit 2500MPa", "limit of the steel: 2500 MPa"), ("--knee 10", "knee of the steel: 10"),
-        ("--slope nan", "slope of the steel: nan"), ("--safety 0.1", "safety of the steel: 0.1"),
+        ("--variator chain168", "belt.kind = 2"), ("--slope nan", "slope of the steel: nan"), ("--safety 0.1", "safety of the steel: 0.1"),
     ],
     "linearize": [
         ("initial.ratio", "initial.ratio"), ("initial.ratio=one", "initial.ratio = 'one'"), ("initial.ratio=nan", "ratio = nan"),

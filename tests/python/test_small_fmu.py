@@ -12,20 +12,20 @@ import pytest
 from conftest import built
 from fmpy.validation import validate_fmu
 
+pytestmark = pytest.mark.slow
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
 
 @pytest.fixture(scope="module")
 def artifacts() -> dict[str, Path]:
-    return built("pushbelt-fmi", "lag", "lag_description")
+    # As `cargo fmu test --all` has compiled the package.
+    return built(["--workspace", "--exclude=fmu-build"], "lag", "lag_description")
 
 
 @pytest.fixture(params=[2, 3])
 def lag(request: pytest.FixtureRequest, artifacts: dict[str, Path], tmp_path: Path) -> Path:
-    """The packed FMU."""
-    version = request.param
+    version, fmu = request.param, tmp_path / "Lag.fmu"
     command = [artifacts["lag_description"], str(version)]
-    fmu = tmp_path / "Lag.fmu"
     with zipfile.ZipFile(fmu, "w") as archive:
         archive.writestr("modelDescription.xml", subprocess.run(command, check=True, capture_output=True, text=True).stdout)
         archive.write(artifacts["lag"], f"binaries/{PLATFORM[version]}/Lag{fmpy.sharedLibraryExtension}")

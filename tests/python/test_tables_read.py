@@ -24,7 +24,6 @@ from pushbelt_validation.outcome import UNSCALED
 
 POUND = 4.4482216152605
 
-# Notations
 
 SPELLED = {
     "signs": ("-", "1/min", "1/min", "Nm", "N m", "kN", "kN"),
@@ -135,8 +134,6 @@ HABITS = {
 }  # fmt: skip
 
 
-# Titles and units
-
 HEADS = {
     "English": "geometric ratio;input speed [rpm];output speed [rpm];Torque In (Nm);output torque, Nm;Sec Clamp Force (kN);thrust primary [kN]",
     "German": "geometrische Übersetzung;Drehzahl Primär [1/min];Drehzahl Sekundär [U/min];Drehmoment Primär [Nm];Drehmoment Sekundär [Nm];"
@@ -243,9 +240,6 @@ def test_a_ratio_is_that_of_the_speeds_or_inverse_if_its_title_or_the_user_says_
     is_right(points.read(table(tmp_path / "table.csv", {"x": 1.0 / c["i_geo"], **others}), Reading(renamed={"x": "1/ratio.geometric"})))
 
 
-# Cells
-
-
 @pytest.mark.parametrize(
     ("cells", "separator", "decimal"),
     [
@@ -341,9 +335,6 @@ def test_all_faults_of_a_file_are_in_one_answer_at_once(tmp_path: Path) -> None:
     assert str(error.value).startswith(f"{path}: 6 faults\n")
 
 
-# Quantities that follow from others
-
-
 def test_values_and_standard_deviations_of_a_point(tmp_path: Path) -> None:
     (point,) = points.read(file(
         tmp_path,
@@ -415,9 +406,6 @@ def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
             points.read(written(path, wrong))
 
 
-# Files
-
-
 def test_spreadsheets_are_read(tmp_path: Path) -> None:
     """Numbers, per cent formats, error values, formulas without values, a second sheet, text with decimal commas."""
     openpyxl = pytest.importorskip("openpyxl")
@@ -442,9 +430,6 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
     assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
     with pytest.raises(TableError, match="Data; .* Sheet, Points"):
         points.read(path, Reading(sheet="Data"))
-
-
-# The program
 
 
 def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -476,9 +461,6 @@ def test_template_is_a_table(tmp_path: Path) -> None:
     assert [point.name for point in points.read(path).points] == ["underdrive", "ratio 1", "overdrive", "upshift"]
     text = path.read_text(encoding="utf-8")
     assert all(f"#     {column} [" in text for column in [*known.CONDITIONS, *known.QUANTITIES])
-
-
-# Tables of programs
 
 
 @pytest.mark.parametrize("unit", ["rad/s", "N.m", "1", "kg.m2", "N.m.s/rad", "Pa"])

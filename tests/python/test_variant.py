@@ -13,7 +13,7 @@ from ctypes import CFUNCTYPE, c_char_p, c_int, c_void_p, cast
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, built
 from fmpy import fmi2
 
 CPU = Path("/proc/cpuinfo")
@@ -43,7 +43,6 @@ class Library:
         self.guid = self.log.pop().split("not that of this binary, ")[1].split(":")[0]
 
     def add(self, *arguments: object) -> None:
-        """Takes a message."""
         self.statuses.append(arguments[2])
         self.log.append(arguments[5].decode())
 
@@ -52,7 +51,6 @@ class Library:
         return fmi2.FMU2Slave(guid=guid, modelIdentifier="lag", unzipDirectory="/", libraryPath=str(self.path))
 
     def create(self, *, logging: bool = True) -> fmi2.FMU2Slave:
-        """A new instance."""
         unit = self.load(self.guid)
         unit.instantiate(callbacks=self.callbacks, loggingOn=logging)
         return unit
@@ -65,7 +63,6 @@ def step(unit: fmi2.FMU2Slave) -> float:
 
 
 def start(unit: fmi2.FMU2Slave) -> None:
-    """Ends initialisation at 0 s."""
     unit.setupExperiment()
     unit.enterInitializationMode()
     unit.exitInitializationMode()
@@ -75,27 +72,11 @@ AFTER_STEP = 0.048770575499286
 
 
 def is_loaded(path: Path) -> bool:
-    """Whether a library is in this process."""
     return str(path) in Path("/proc/self/maps").read_text()
 
 
 def variant(path: Path) -> Path:
-    """The variant of a library."""
     return path.with_name("Lag-avx2.so")
-
-
-def built(of: Path | None) -> Path:
-    """Compiles the library for a variant, or the variant, and returns its path, where the next one replaces it."""
-    cargo = os.environ.get("CARGO") or shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("cargo is not on the path: the library can't be built")
-    folder = ROOT / "target" / "variant" / ("all" if of else "avx2")
-    flags = {"CARGO_TARGET_DIR": str(folder), "CARGO_ENCODED_RUSTFLAGS": "" if of else "-Ctarget-feature=+avx2"}
-    if of:
-        flags["PUSHBELT_VARIANT"] = hash_of(of.read_bytes())
-    command = [cargo, "build", "--release", "--package", "pushbelt-fmi", "--example", "lag"]
-    subprocess.run(command, cwd=ROOT, env={**os.environ, **flags}, check=True, capture_output=True)
-    return folder / "release" / "examples" / "liblag.so"
 
 
 def hash_of(content: bytes) -> str:
@@ -110,10 +91,11 @@ def hash_of(content: bytes) -> str:
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A library and its variant."""
     folder = tmp_path_factory.mktemp("built")
-    fast = Path(shutil.copy(built(None), folder / "Lag-avx2.so"))
-    return Path(shutil.copy(built(fast), folder / "Lag.so")), fast
+    # The variant is as `cargo fmu test --all` has compiled it, for AVX2.
+    fast = Path(shutil.copy(built(["--workspace", "--exclude=fmu-build"], "lag")["lag"], folder / "Lag-avx2.so"))
+    flags = {"CARGO_TARGET_DIR": str(ROOT / "target" / "variant"), "CARGO_ENCODED_RUSTFLAGS": "", "PUSHBELT_VARIANT": hash_of(fast.read_bytes())}
+    return Path(shutil.copy(built(["--release", "--package=pushbelt-fmi"], "lag", **flags)["lag"], folder / "Lag.so")), fast
 
 
 @pytest.fixture

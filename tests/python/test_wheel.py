@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import os
 import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -13,7 +12,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, cargo, pip_of
+from packaging.requirements import Requirement
 
 PACKAGE = ROOT / "python" / "pushbelt"
 LOCK = ROOT / "python" / "requirements.txt"
@@ -32,12 +32,8 @@ ON_DEMAND = {"pandas"}
 @pytest.fixture(scope="module")
 def wheel(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel with the FMU under test: the portable one takes minutes to build."""
-    cargo = os.environ.get("CARGO") or shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("cargo is not on the path: the wheel can't be built")
     folder = tmp_path_factory.mktemp("wheel")
-    command = [cargo, "fmu", "wheel", "--fmu", fmu, "--output", folder]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    subprocess.run([cargo(), "fmu", "wheel", "--fmu", fmu, "--output", folder], cwd=ROOT, check=True, capture_output=True)
     (path,) = folder.glob("*.whl")
     return path
 
@@ -59,9 +55,6 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
     expected |= {path.relative_to(PACKAGE.parent).as_posix() for path in files}
     assert {"pushbelt/py.typed", *expected} <= names, sorted(expected - names)
     assert not [name for name in names if "__pycache__" in name]
-
-
-# Dependencies
 
 
 def imported(paths: Iterable[Path]) -> set[str]:
@@ -86,19 +79,15 @@ def declared() -> dict[str, set[str]]:
     def resolved(name: str) -> set[str]:
         found = set()
         for text in lists[name]:
-            if own := re.fullmatch(r"pushbelt\[(.*)\]", text):
-                found |= set().union(*(resolved(extra.strip()) for extra in own[1].split(",")))
-            else:
-                found.add(re.match(r"[\w.-]+", text)[0])
+            needed = Requirement(text)
+            found |= set().union(*map(resolved, needed.extras)) if needed.name == "pushbelt" else {needed.name}
         return found
 
     return {name: resolved(name) | resolved("base") for name in lists}
 
 
 def locked(file: Path) -> set[str]:
-    """Names of the packages in a lock file."""
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return {re.split("[=;]", line)[0].strip() for line in lines if line[0] != "#"}
+    return {Requirement(line).name for line in file.read_text(encoding="utf-8").splitlines() if line[0] != "#"}
 
 
 def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
@@ -144,30 +133,28 @@ def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str
 def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with an environment that has the wheel and its requirements in the tested versions, and a separate home."""
     folder = tmp_path_factory.mktemp("installed")
-    subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "venv"], check=True)
     pip(folder, "install", str(wheel))
     return folder
 
 
 def tool(folder: Path, name: str) -> Path:
-    """A program of the environment."""
     return folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / name
 
 
 def pip(folder: Path, *arguments: str) -> None:
-    """Runs pip there, with the versions of the lock file."""
-    versions = ["--constraint", str(LOCK)] if arguments[0] == "install" else []
-    command = [tool(folder, "python"), "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments, *versions]
+    """Runs the pip of the tests there, with the versions of the lock file. Only modules that are imported are compiled."""
+    more = ["--no-compile", f"--constraint={LOCK}"] if arguments[0] == "install" else []
     clean = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PUSHBELT_FMU")}
-    subprocess.run(command, env=clean, check=True, capture_output=True, text=True)
+    subprocess.run([*pip_of(tool(folder, "python")), *arguments, *more], env=clean, check=True, capture_output=True, text=True)
 
 
 def run(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Runs a program of the environment with an empty search path and a separate home."""
     home = folder / "home"
     home.mkdir(exist_ok=True)
-    keep = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
-    clean = {**keep, "PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
+    clean = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
+    clean |= {"PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
     return subprocess.run([tool(folder, name), *arguments], cwd=folder, env=clean, capture_output=True, text=True)
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import struct
 import subprocess
 import zipfile
 from collections.abc import Callable
@@ -64,17 +63,11 @@ def place(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def host(place: Path, description) -> Host:
-    """Runs the program on a library."""
     real = readings_of(description)
     references = place / "references.txt"
     references.write_text("\n".join(str(variable.valueReference) for variable in real))
-    environment = {
-        **os.environ,
-        "WINEPREFIX": str(place / "wine"),
-        "WINEDEBUG": "-all",
-        # Neither .NET nor a browser is installed into the fresh folder.
-        "WINEDLLOVERRIDES": "mscoree=;mshtml=",
-    }
+    # Neither .NET nor a browser is installed into the fresh folder.
+    wine_only = {"WINEPREFIX": str(place / "wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree=;mshtml="}
 
     def run(build: Build, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
         library, avx2 = build
@@ -82,18 +75,11 @@ def host(place: Path, description) -> Host:
         windows = library.suffix == ".dll"
         program = [wine(), place / "host.exe"] if windows else [place / "host"]
         paths = [str(path) if path else "-" for path in (references, state, stored, readings)]
-        done = subprocess.run(
-            [*program, library, description.guid, *paths],
-            env={**environment, "PUSHBELT_AVX2": "1" if avx2 else "0"},
-            capture_output=True,
-            text=True,
-            timeout=600,
-        )
+        known = {**os.environ, **wine_only, "PUSHBELT_AVX2": "1" if avx2 else "0"}
+        done = subprocess.run([*program, library, description.guid, *paths], env=known, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stderr
         assert re.search(r"^\d+ calls passed$", done.stdout, re.MULTILINE), done.stdout
-        words = readings.read_text().split()
-        values = [struct.unpack(">d", bytes.fromhex(word))[0] for word in words]
-        return np.array(values).reshape(2, len(real)), stored
+        return np.frombuffer(bytes.fromhex(readings.read_text()), ">f8").reshape(2, len(real)), stored
 
     return run
 
@@ -118,7 +104,6 @@ def first(host: Host, libraries: dict[str, Build]) -> dict[str, tuple[np.ndarray
 
 @pytest.fixture(scope="module")
 def sizes(description) -> np.ndarray:
-    """The typical size of each reading."""
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
@@ -141,12 +126,10 @@ def lanes(build: str) -> bool:
 @pytest.mark.parametrize(
     ("one", "other", "bound"),
     [
-        ("windows", "linux", SAME),
-        ("windows, AVX2", "this machine", SAME),
-        ("linux, AVX2", "this machine", SAME),
+        ("windows", "linux", SAME), ("windows, AVX2", "this machine", SAME), ("linux, AVX2", "this machine", SAME),
         ("linux", "this machine", OTHER_LANES),
     ],
-)
+)  # fmt: skip
 def test_builds_agree(first, sizes: np.ndarray, one: str, other: str, bound: float) -> None:
     assert np.max(np.abs(first[one][0] - first[other][0]) / sizes) < bound
 
@@ -162,7 +145,6 @@ def test_the_variant_for_avx2_runs_where_it_may(first, sizes: np.ndarray, system
 def test_each_build_continues_from_the_states_of_the_others(
     host: Host, libraries: dict[str, Build], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
-    """The run continues as from a state of the same library."""
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
     expected = first[reader][0]
     assert np.max(np.abs(found - expected) / sizes) < (ROUNDING if lanes(reader) == lanes(writer) else OTHER_LANES)
