@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.compare import __main__, belts, runs
+from pushbelt.compare import __main__, report, runs
 from pushbelt.fmu.data import parameter_set
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
@@ -111,7 +111,7 @@ def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -
         unit = variator()
         unit.set({"primary.clampingForce": force})
         unit.initialise()
-        names = belts.needed(parameter_set("bench168"))
+        names = report.needed(parameter_set("bench168"))
         reals = unit.reals(names)
         rows = []
         for k in range(20):
@@ -124,9 +124,9 @@ def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -
     text = reports.stands_alone(out / "report.html")
     assert text.count('<div class="belt"') == 2 and "The belt of run B" in text
     (pair,) = runs.pairs(*paths)
-    shown = [belts.belt_of(run, parameter_set("bench168")) for run in pair.runs]
+    shown = [report.belt_of(run, parameter_set("bench168")) for run in pair.runs]
     assert len(shown[0].time) == 20
-    assert shown[0].force == pytest.approx(np.column_stack([pair.runs[0][n] for n in belts.places("pushForce")]))
+    assert shown[0].force == pytest.approx(np.column_stack([pair.runs[0][n] for n in report.places("pushForce")]))
     assert abs(shown[0].radii - shown[1].radii).max() > 1e-6, "the belts are at other ratios"
     # Fields are in the table, but not among the curves.
     assert "<code>profile.pushForce[1]</code>" in text

@@ -26,7 +26,7 @@ from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, stops
 from pushbelt.study import run
-from pushbelt.study.store import Store
+from pushbelt.study.run import Store
 from pushbelt.study.tasks import variator
 from pushbelt.study.worker import Solver
 

@@ -31,13 +31,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.cli.options import add_set, add_variator, count, program
+from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables import columns, points
-from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
 
 from . import parameters
@@ -89,7 +88,8 @@ def parser() -> argparse.ArgumentParser:
     add_variator(found)
     add_set(found, "fixed value of a parameter")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
-    reading_options.add(found)
+    text = "take values that are not plausible on a variator as they are written"
+    add_reading(found).add_argument("--as-written", action="store_true", help=text)
     return found
 
 
@@ -105,7 +105,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
     try:
-        rig = reading_options.read(options.table, options)
+        # Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
+        fixed = {**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)}
+        rig = points.read(options.table, reading(options), fixed)
     except TableError as error:
         # The faults come after what is understood in spite of them.
         if options.check and error.found is not None:
@@ -185,13 +187,13 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
 
 def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
     """Scores of a parameter set on a table."""
-    from . import holdout
+    from . import report
 
     begin = time.perf_counter()
-    held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
-    path = holdout.write(held, options.output)
+    held = report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
+    path = report.write_hold_out(held, options.output)
     for score in held.scores:
-        print(f"  {holdout.sentence(score)}")
+        print(f"  {report.sentence_of_score(score)}")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

@@ -11,8 +11,7 @@ from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
-from .checks import energy_bound
-from .events import Event
+from .events import Event, energy_bound
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
