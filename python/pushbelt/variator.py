@@ -21,12 +21,11 @@ from .fmu.files import default_fmu
 from .fmu.results import Profile, dataframe
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import UnitError
-from .input_table import InputTable, Ramp
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
 from .linear.points import FREQUENCY, LinearPoints, model_of
 from .points import Values
-from .recording import Record, Recording
+from .recording import InputTable, Ramp, Record, Recording
 
 if TYPE_CHECKING:
     import pandas

@@ -116,7 +116,7 @@ def test_a_line_is_measured_without_the_drag_of_the_shafts(archive: Archive, pla
 
 def test_shifts_are_as_those_of_validate(archive: Archive, plan: Plan) -> None:
     """The rate of a small excess agrees with the gain that the validation measures."""
-    from pushbelt.fmu.starts import driven_at_speed
+    from pushbelt.fmu.steady import driven_at_speed
     from pushbelt_validation.shift import shift
 
     states, line = SteadyStates(archive, {**plan.full, **SHAFTS}), Line(12e3, 60.0, 1.2)
@@ -181,7 +181,7 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
 
 def test_drag_of_the_shafts_is_that_of_the_fmu(archive: Archive, plan: Plan, maps: Maps) -> None:
     """`loss.shafts` and `efficiency` of the FMU with its own drag, at the torque of a point."""
-    from pushbelt.fmu.starts import driven_by_torque
+    from pushbelt.fmu.steady import driven_by_torque
     from pushbelt.fmu.unit import Instance
 
     place = (1, 1, 2, 3)

@@ -72,7 +72,6 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("calibrate", __doc__, "report.html, parameters.json and residuals.csv", needed=False)
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
@@ -95,7 +94,6 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("calibrate", "tables")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Fits, writes report, parameters and residuals, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("calibrate", arguments)
     if options.template is not None:
@@ -114,7 +112,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("\n".join(points.described(error.found)))
         raise
     if options.hold_out is not None and not options.check:
-        return _hold_out(options, rig)
+        # Imported here, so that the help needs no packages of the extras.
+        from . import report
+
+        begin = time.perf_counter()
+        for score in report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers, options.output):
+            print(f"  {report.sentence_of_score(score)}")
+        print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
+        return 0
     rig = once(rig)
     if not options.check:
         return _run(options, rig)
@@ -183,19 +188,6 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0 if not found.misfit or options.accept_misfit else MISFIT
-
-
-def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
-    """Scores of a parameter set on a table."""
-    from . import report
-
-    begin = time.perf_counter()
-    held = report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
-    path = report.write_hold_out(held, options.output)
-    for score in held.scores:
-        print(f"  {report.sentence_of_score(score)}")
-    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0
 
 
 if __name__ == "__main__":

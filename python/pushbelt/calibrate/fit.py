@@ -53,7 +53,6 @@ class Estimate(NamedTuple):
 
     @property
     def at_bound(self) -> bool:
-        """Whether it is held at a bound."""
         return self.half is None and self.undetermined is None
 
 
@@ -296,7 +295,6 @@ class Search:
     # Search
 
     def hold(self, k: int, coordinate: float) -> None:
-        """Fixes a parameter at a coordinate."""
         if self.place[k] != coordinate:
             self.place = np.where(np.arange(len(self.place)) == k, coordinate, self.place)
             self.states, self.residuals = self._at(self.place)
@@ -374,5 +372,4 @@ class Search:
         return reduction / expected
 
     def at_bound(self, k: int) -> bool:
-        """Whether a parameter is at a bound."""
         return bool(min(self.place[k] - self._low[k], self._high[k] - self.place[k]) < AT_BOUND)

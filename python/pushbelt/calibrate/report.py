@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
@@ -29,8 +29,6 @@ SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI
 
 
 class Results:
-    """The fit and its table."""
-
     def __init__(
         self, table: str, version: str, variator: str, base: Mapping[str, float], model: Model, found: Fit, seconds: float = 0.0,
         notes: Sequence[str] = (),
@@ -41,8 +39,7 @@ class Results:
         self.fit, self.points, self.solves = found, model.points, model.solves
         # All measured values with the start values and with the fitted parameters, in the order of the table.
         self.before, self.rows = (model.rows(states, found.kept) for states in (found.before, found.after))
-        # One row for each point without a steady state after the fit.
-        self.lost = self.rows[self.rows["reason"].notna()].drop_duplicates("line")
+        self.lost = _lost(self.rows)
         # For each row or sample of the table that was left out, its value with the largest residual.
         out = self.rows[~self.rows["kept"]].sort_values("relative", key=abs, ascending=False, kind="stable")
         self.outliers = out.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
@@ -112,7 +109,6 @@ def _unit(quantity: str) -> str:
 
 
 def write_html(results: Results, path: Path) -> None:
-    """Writes the report."""
     found, rows = results.fit, results.rows
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
@@ -151,54 +147,42 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
 # Hold-out
 
 
-class HoldOut(NamedTuple):
-    """A table, and the model's values with each set."""
-
-    rig: Rig
-    version: str
-    sets: Mapping[str, pd.DataFrame]
-    scores: list[Score]  # By quantity and set
-
-
-def hold_out(fmu: Path, rig: Rig, variator: str, workers: int = 2) -> HoldOut:
-    """Solves all points of a table with a set, and with the default one if it is another. Raises the errors of the parameter set."""
-    sets = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
-    with model.opened(fmu, {}, rig.points, workers, len(sets) * len(rig.points)) as opened:
-        rows = dict(zip(sets, map(opened.rows, opened.states(list(sets.values()))), strict=True))
-    measured = quantities(rows[variator])
-    scores = [score(own, quantity, name) for quantity in measured for name, own in rows.items()]
-    return HoldOut(rig, described(fmu).version or "", rows, scores)
-
-
-def write_hold_out(held: HoldOut, folder: Path) -> Path:
-    """Writes report.html, holdout.csv, holdout.json and residuals.csv; returns the path of the report."""
+def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> list[Score]:
+    """Scores of a set on a table, and of the default one if it is another, by quantity and set. Writes report.html, holdout.csv,
+    holdout.json and residuals.csv. Raises the errors of the parameter set."""
+    parameters = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
+    with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
+        sets = dict(zip(parameters, map(opened.rows, opened.states(list(parameters.values()))), strict=True))
+    first = sets[variator]
+    scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
     folder.mkdir(parents=True, exist_ok=True)
-    first = next(iter(held.sets.values()))
-    tables.write(folder / "holdout.csv", SCORES, held.scores)
-    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in held.scores]
+    tables.write(folder / "holdout.csv", SCORES, scores)
+    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
     (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
-    header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in held.sets)]
+    header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
-    tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in held.sets.values())], axis=1))
+    tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
     context = {
-        "held": held,
-        "variators": list(held.sets),
-        "notes": points.understood(held.rig)[1:],
+        "rig": rig,
+        "version": described(fmu).version or "",
+        "scores": scores,
+        "variators": list(sets),
+        "notes": points.understood(rig)[1:],
         "figures": [
-            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in held.sets.items() if len(own := of(rows, q))}))
-            for q in dict.fromkeys(one.quantity for one in held.scores if one.count)
+            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
+            for q in dict.fromkeys(one.quantity for one in scores if one.count)
         ],
-        "lost": [
-            (name, row)
-            for name, rows in held.sets.items()
-            for row in rows[rows["reason"].notna()].drop_duplicates("line").itertuples()
-        ],
+        "lost": [(name, row) for name, rows in sets.items() for row in _lost(rows).itertuples()],
     }
     page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=short)
-    return folder / "report.html"
+    return scores
+
+
+def _lost(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row for each point without a steady state."""
+    return rows[rows["reason"].notna()].drop_duplicates("line")
 
 
 def sentence_of_score(score: Score) -> str:
-    """A score in one line."""
     lost = f", {score.lost} values without a steady state" if score.lost else ""
     return f"{score.quantity}, {score.variator}: {short(score.relative)} standard deviations, bias {short(score.bias)}{lost}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,12 +33,11 @@ def write_fmu(options: argparse.Namespace) -> int:
     archive = cache.unpacked(fmu)
     if archive.description.variableNamingConvention == "flat":
         raise ArgumentError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
-    variables = {variable.name: variable for variable in archive.description.modelVariables}
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
     if options.ssv:
-        given |= ssv.read(options.ssv, variables)
+        given |= ssv.read(options.ssv, archive.variables)
     given |= dict(options.set)
-    values = start_values.checked(variables, given)
+    values = start_values.checked(archive.variables, given)
     remarks = _tried(archive, values, "values")
     start_values.write_copy(fmu, options.copy, values)
     if options.flat:
@@ -103,7 +103,8 @@ def show_cache(options: argparse.Namespace) -> int:
     folder = cache.folder()
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
     if options.clear:
-        cache.clear()
+        if folder.is_dir():
+            shutil.rmtree(folder)
         print(f"removed {folder} ({size / 1e6:.1f} MB)")
     else:
         print(f"{folder} ({size / 1e6:.1f} MB)")

@@ -68,17 +68,11 @@ def add_set(parser: argparse.ArgumentParser, what: str = "value of a parameter")
 
 
 def add_ring(parser: argparse.ArgumentParser) -> None:
-    """`--ring`, also as `--model`."""
     parser.add_argument("--ring", "--model", choices=list(RingModel.__members__), default="ALE", help="ring model [default: ALE]")
 
 
 def add_short(parser: argparse.ArgumentParser, what: str) -> None:
-    """`--short`: a smaller extent of the same."""
     parser.add_argument("--short", action="store_true", help=f"a first look: {what}")
-
-
-def add_workers(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
 
 
 def add_study(parser: argparse.ArgumentParser) -> None:
@@ -86,7 +80,7 @@ def add_study(parser: argparse.ArgumentParser) -> None:
     add_variator(parser)
     add_ring(parser)
     add_set(parser)
-    add_workers(parser)
+    parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of dask, tcp://host:port [default: a cluster of this machine]")
     parser.add_argument("--anew", action="store_true", help="discard what an earlier run has stored")
     parser.add_argument("--measure", action="store_true", help="only measure the time; nothing stored is used")

@@ -47,7 +47,7 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tuple[str, Markup]]:
     """The belt of each run; empty unless both files have the required columns."""
-    if not all(shows_belt(run, parameters) for run in pair.runs):
+    if not all(run.columns.keys() >= set(needed(parameters)) for run in pair.runs):
         return []
     return [
         (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))
@@ -56,7 +56,6 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tupl
 
 
 def places(field: str) -> list[str]:
-    """Names of the columns of a field along the belt."""
     return [f"{FIELD}{field}[{k + 1}]" for k in range(PROFILE_POINTS)]
 
 
@@ -64,10 +63,6 @@ def needed(parameters: Mapping[str, float]) -> list[str]:
     """Columns that the animation of the belt requires. Other fields are optional."""
     fields = ("position", "ringTension" if is_chain(parameters) else "pushForce", "radialDeviation")
     return [*OUTPUTS, *SPEEDS, *(name for field in fields for name in places(field))]
-
-
-def shows_belt(run: Trace, parameters: Mapping[str, float]) -> bool:
-    return all(name in run.columns for name in needed(parameters))
 
 
 def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:

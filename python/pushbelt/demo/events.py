@@ -21,8 +21,6 @@ OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torq
 
 @dataclass(frozen=True)
 class Event:
-    """An expected event of the manoeuvre."""
-
     name: str
     occurred: bool
     evidence: str  # Description of the event by its outputs
@@ -44,7 +42,6 @@ def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list
 
 
 def launch(trace: Trace) -> Event:
-    """Launch from standstill in underdrive."""
     name = "Launch in underdrive"
     speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
     if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
@@ -64,7 +61,6 @@ def launch(trace: Trace) -> Event:
 
 
 def shift(trace: Trace) -> Event:
-    """Shift from underdrive to overdrive by clamping forces."""
     name = "Shift to overdrive"
     ratio, time = trace["ratio.geometric"], trace.time
     through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
@@ -158,7 +154,6 @@ def detect(trace: Trace) -> list[Event]:
 
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
-    """Check that all cases are within limits."""
     pairs = list(values)
     numbers = [value for _, value in pairs]
     outside = [result.case.name for result, value in pairs if not low <= value <= high]

@@ -33,7 +33,6 @@ GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 
 
 def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
-    """Thrust ratio, efficiency, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():
