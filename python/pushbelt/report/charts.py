@@ -269,7 +269,6 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
     if one.errors is not None:
         below, above = one.errors
         trace["error_y"] = {"type": "data", "symmetric": False, "array": encoded(above), "arrayminus": encoded(below)}
-        trace["error_y"] |= {"color": INK, "thickness": 1.1, "width": 2}
     trace |= _hover(one)
     if lying:
         trace["hovertemplate"] = "<b>%{x:.4~g}</b><extra>" + escape(one.name) + "</extra>"
