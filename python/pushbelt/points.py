@@ -32,8 +32,7 @@ Read = TypeVar("Read")
 
 
 Objects = NDArray[np.object_]
-Values = Mapping[str, Any]
-"""Values by names of FMU variables, in SI units; enumerations by name or number."""
+Values = Mapping[str, Any]  # Values by names of FMU variables, in SI units; enumerations by name or number
 
 
 def over(axes: Mapping[str, Iterable[Any]], solve: Callable[..., Any], *lost: type[Exception]) -> tuple[Objects, Objects]:

@@ -80,8 +80,7 @@ class InputTable:
 class Record:
     """What is recorded. Fewer columns make room for more rows."""
 
-    columns: Sequence[str] | None = None
-    """Inputs and outputs by name; None: all."""
+    columns: Sequence[str] | None = None  # Inputs and outputs by name; None: all
     interval: float | None = None
     """Time between rows, s: all of them are kept. None: a row at each communication step, then at every second, fourth, … one, so that
     the recording stays below `LARGEST`."""

@@ -94,8 +94,7 @@ class Variator(LinearPoints):
         self._names = ("time", *names, "macroSlip")
         self._record = record if isinstance(record, Record) else Record(record)
         self._recording = Recording(self._names, self._record)
-        self._now: NDArray[np.float64] | None = None
-        """The present row of outputs; None before the start."""
+        self._now: NDArray[np.float64] | None = None  # The present row of outputs; None before the start
         self._warned = 0
         self._unit = calls.Instance(archive, self._start)
         self._reals = self._unit.reals(names)

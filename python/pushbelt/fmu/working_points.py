@@ -30,8 +30,7 @@ SHAFTS = {
 }
 """Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
 FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in the FMU
-LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")
-"""Losses of the belt."""
+LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")  # Losses of the belt
 OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 """Outputs that are recorded at each point, besides the torque loss and the bearing load."""
 POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "macroSlip")

@@ -37,8 +37,7 @@ class Series:
     colour: str = INK
     kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
     dash: str = ""
-    marker: str = ""
-    """Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line."""
+    marker: str = ""  # Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line
     size: float = 6.0
     width: float = 1.5
     opacity: float = 1.0
@@ -113,8 +112,7 @@ class Panel:
     shades: Sequence[Shade] = ()
     marks: Sequence[Mark] = ()
     levels: Sequence[Level] = ()
-    equal: bool = False
-    """Whether x and y have the same scale. Without ranges the axes have a margin around the lines."""
+    equal: bool = False  # Whether x and y have the same scale. Without ranges the axes have a margin around the lines.
     stacked: bool = False
     height: int = 230
     note: str = ""
