@@ -1,6 +1,6 @@
 """Python around the pushbelt FMU.
 
-- `variator`: a variator over time (`input_table`, `recording`) and its steady states (`points`); `linear`: linear models;
+- `variator`: a variator over time (`recording`) and its steady states (`points`); `linear`: linear models;
   `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results. `tables`: tables of rigs and of programs.
 - `report`: common parts of the reports.

@@ -15,8 +15,7 @@ from .fmu import unit as calls
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
 from .fmu.results import SteadyState
 from .fmu.start_values import StartValueError, checked
-from .fmu.starts import driven_by_torque
-from .fmu.steady import SteadyStates
+from .fmu.steady import SteadyStates, driven_by_torque
 from .fmu.unit import Archive, UnitError
 from .fmu.variables import Variables
 
@@ -33,8 +32,7 @@ Read = TypeVar("Read")
 
 
 Objects = NDArray[np.object_]
-Values = Mapping[str, Any]
-"""Values by names of FMU variables, in SI units; enumerations by name or number."""
+Values = Mapping[str, Any]  # Values by names of FMU variables, in SI units; enumerations by name or number
 
 
 def over(axes: Mapping[str, Iterable[Any]], solve: Callable[..., Any], *lost: type[Exception]) -> tuple[Objects, Objects]:

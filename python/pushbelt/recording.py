@@ -1,30 +1,86 @@
-"""What a run records: outputs over time, in bounded memory."""
+"""A run over time: a table of inputs, linear between its rows, with jumps where two rows have the same time; and the outputs that are recorded, in
+bounded memory."""
 
 from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ArgumentError
+from .fmu.geometry import Array
 from .fmu.results import item
+
+if TYPE_CHECKING:
+    import pandas
 
 LARGEST = 40_000_000
 """Size of a recording without an interval, bytes, at which every second row is dropped. Reading it takes as much again, so both fit
 in 100 MB. All outputs of 80 s in steps of 1 ms fit in it; an hour then has a row each 64 ms."""
 
 
+class Ramp(NamedTuple):
+    """A step in which all values are linear in time."""
+
+    begin: dict[str, float]
+    end: dict[str, float]
+    time: float  # End of the step, s
+    duration: float  # s
+
+
+@dataclass(frozen=True)
+class InputTable:
+    """Times, s, and values by name."""
+
+    times: Array
+    columns: Mapping[str, Array]
+
+    @classmethod
+    def of(cls, inputs: pandas.DataFrame) -> InputTable:
+        """The table of a data frame, whose index or column `time` is time. Raises ArgumentError if it is not usable."""
+        if not hasattr(inputs, "columns") or not hasattr(inputs, "index"):
+            raise ArgumentError(f"inputs are a pandas.DataFrame over time, not {type(inputs).__name__}")
+        columns = {str(name): inputs[name].to_numpy() for name in inputs.columns}
+        times = columns.pop("time", inputs.index.to_numpy())
+        try:
+            times = np.asarray(times, dtype=float)
+            columns = {name: np.asarray(values, dtype=float) for name, values in columns.items()}
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(f"time and inputs must be numbers: {error}") from error
+        if len(times) < 2:
+            raise ArgumentError(f"the table of inputs has {len(times)} rows: at least 2 are needed, for the begin and the end of the run")
+        steps = np.diff(times)
+        if not np.isfinite(times).all() or (steps < 0.0).any() or times[-1] == times[0]:
+            raise ArgumentError("the times of the inputs must be finite and must ascend")
+        if (thrice := np.flatnonzero((steps[1:] == 0.0) & (steps[:-1] == 0.0))).size:
+            raise ArgumentError(f"more than two rows have the time {times[thrice[0]]:g} s: a jump has one before and one after it")
+        return cls(times, columns)
+
+    def row(self, k: int) -> dict[str, float]:
+        return {name: float(values[k]) for name, values in self.columns.items()}
+
+    def ramps(self, step: float) -> Iterator[Ramp]:
+        """Steps of at most `step`, s, that end at each row."""
+        for k, (begin, end) in enumerate(pairwise(self.times.tolist())):
+            first, last = self.row(k), self.row(k + 1)
+            count = math.ceil((end - begin) / step - 1e-9)
+            # The values of rows are exact, so that a constant input has the rate 0.
+            places = [{name: first[name] + (last[name] - first[name]) * (j / count) for name in first} for j in range(count)] + [last]
+            for j, (before, after) in enumerate(pairwise(places), 1):
+                yield Ramp(before, after, begin + (end - begin) * (j / count), (end - begin) / count)
+
+
 @dataclass(frozen=True)
 class Record:
     """What is recorded. Fewer columns make room for more rows."""
 
-    columns: Sequence[str] | None = None
-    """Inputs and outputs by name; None: all."""
+    columns: Sequence[str] | None = None  # Inputs and outputs by name; None: all
     interval: float | None = None
     """Time between rows, s: all of them are kept. None: a row at each communication step, then at every second, fourth, … one, so that
     the recording stays below `LARGEST`."""
@@ -51,11 +107,10 @@ class Recording:
         self.clear()
 
     def clear(self) -> None:
-        """Removes all rows."""
         self._values, self._stride, self._offered, self._due = array("d"), 1, 0, -math.inf
-        self._latest: NDArray[np.float64] | None = None
+        self._latest: Array | None = None
 
-    def add(self, row: NDArray[np.float64]) -> None:
+    def add(self, row: Array) -> None:
         """Offers a row, which is kept if it is due. It must not change afterwards."""
         time, self._latest = float(row[0]), row
         if self._interval is None:
@@ -83,7 +138,7 @@ class Recording:
         return len(self._values) // len(self._chosen)
 
     @property
-    def _rows(self) -> NDArray[np.float64]:
+    def _rows(self) -> Array:
         """The kept rows. No row can be added while this view exists."""
         return np.frombuffer(self._values).reshape(-1, len(self._chosen))
 

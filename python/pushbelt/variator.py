@@ -21,12 +21,11 @@ from .fmu.files import default_fmu
 from .fmu.results import Profile, dataframe
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import UnitError
-from .input_table import InputTable, Ramp
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
 from .linear.points import FREQUENCY, LinearPoints, model_of
 from .points import Values
-from .recording import Record, Recording
+from .recording import InputTable, Ramp, Record, Recording
 
 if TYPE_CHECKING:
     import pandas
@@ -95,8 +94,7 @@ class Variator(LinearPoints):
         self._names = ("time", *names, "macroSlip")
         self._record = record if isinstance(record, Record) else Record(record)
         self._recording = Recording(self._names, self._record)
-        self._now: NDArray[np.float64] | None = None
-        """The present row of outputs; None before the start."""
+        self._now: NDArray[np.float64] | None = None  # The present row of outputs; None before the start
         self._warned = 0
         self._unit = calls.Instance(archive, self._start)
         self._reals = self._unit.reals(names)

@@ -14,7 +14,7 @@ import pytest
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import Array, theta_of
 from pushbelt.fmu.results import BeltState, Profile
-from pushbelt.report import belt_view, charts, style
+from pushbelt.report import belt_view, charts, page, style
 from pushbelt.report.charts import Chart, Field, Level, Mark, Panel, Series, Shade
 
 BENCH = data.parameter_set("bench168")
@@ -85,7 +85,9 @@ def test_plotly_knows_every_setting(scale: str, linked: bool) -> None:
     """The Python package of plotly rejects properties that are not in its schema; the browser would ignore them."""
     panel = Panel(**{**EVERYTHING.__dict__, "scale": scale, "x_range": None})
     figure = charts.panel_data(panel, linked)
-    assert len(go.Figure(data=figure["data"], layout=figure["layout"]).data) == 8
+    script = page._environment().get_template("charts.js.j2").render(dict.fromkeys(("ink", "muted", "grid"), style.INK))
+    template = json.loads(re.search(r"const TEMPLATE = (.*?\n  });", script, re.DOTALL).group(1))
+    assert len(go.Figure(data=figure["data"], layout={**figure["layout"], "template": template}).data) == 8
 
 
 def test_axes_of_equal_scale_have_a_margin_around_the_lines() -> None:

@@ -10,7 +10,7 @@ import pytest
 import reports
 from conftest import CHEAP
 
-from pushbelt.compare import __main__, belts, runs
+from pushbelt.compare import __main__, report, runs
 from pushbelt.fmu.data import parameter_set
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
@@ -103,7 +103,7 @@ def test_runs_with_another_column_gap_or_time_are_not_equal(tmp_path: Path) -> N
 
 def test_the_belts_of_both_runs_are_shown(fmu: Path, tmp_path: Path) -> None:
     """Where both files have the fields along the belt."""
-    paths, names = [tmp_path / "a.csv", tmp_path / "b.csv"], belts.needed(parameter_set("bench168"))
+    paths, names = [tmp_path / "a.csv", tmp_path / "b.csv"], report.needed(parameter_set("bench168"))
     for path, force in zip(paths, (13e3, 15e3), strict=True):
         rows = []
         with Variator("bench168", {**CHEAP, "primary.clampingForce": force}, fmu=fmu) as belt:
@@ -117,9 +117,9 @@ def test_the_belts_of_both_runs_are_shown(fmu: Path, tmp_path: Path) -> None:
     text = reports.stands_alone(out / "report.html")
     assert text.count('<div class="belt"') == 2 and "The belt of run B" in text
     (pair,) = runs.pairs(*paths)
-    shown = [belts.belt_of(run, parameter_set("bench168")) for run in pair.runs]
+    shown = [report.belt_of(run, parameter_set("bench168")) for run in pair.runs]
     assert len(shown[0].time) == 20
-    assert shown[0].force == pytest.approx(np.column_stack([pair.runs[0][n] for n in belts.places("pushForce")]))
+    assert shown[0].force == pytest.approx(np.column_stack([pair.runs[0][n] for n in report.places("pushForce")]))
     assert abs(shown[0].radii - shown[1].radii).max() > 1e-6, "the belts are at other ratios"
     # Fields are in the table, but not among the curves.
     assert "<code>profile.pushForce[1]</code>" in text

@@ -23,7 +23,7 @@ from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.vehicle import demo_car
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps

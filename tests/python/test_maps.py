@@ -18,7 +18,7 @@ import xarray
 from scipy.io import loadmat, whosmat
 
 from pushbelt.fmu.data import pitch_radius, torque_capacity
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.fmu.working_points import Line
 from pushbelt.maps import __main__, files
@@ -26,7 +26,7 @@ from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, stops
 from pushbelt.study import run
-from pushbelt.study.store import Store
+from pushbelt.study.run import Store
 from pushbelt.study.tasks import variator
 from pushbelt.study.worker import Solver
 

@@ -18,7 +18,7 @@ MODULES = {
 }
 
 
-LIBRARY = {f"pushbelt.{name}" for name in ("input_table", "points", "recording", "variator")}
+LIBRARY = {f"pushbelt.{name}" for name in ("points", "recording", "variator")}
 """Modules of what `pushbelt` exports, besides the packages `fmu`, `linear` and `maps`."""
 NOT_RAISED_BY_CALLS = {"NotFoundError"}
 """Errors of modules in `pushbelt.fmu` that serve the programs."""

@@ -21,8 +21,7 @@ from distributed import LocalCluster
 
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
-from pushbelt.study.run import Effort, chunks
-from pushbelt.study.store import Store
+from pushbelt.study.run import Effort, Store, chunks
 from pushbelt.study.worker import Solver
 from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
 from pushbelt.sweep.point import Row, solve

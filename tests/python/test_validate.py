@@ -17,7 +17,7 @@ from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import Check, Column, Part, Section, Source, Unit, Verdict, table, within
 from pushbelt_validation.runs import SECTIONS, Results
 
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.steady import driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Archive
 from pushbelt.tables import split
 from pushbelt.tables.units import dimensions

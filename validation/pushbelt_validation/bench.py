@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from pushbelt.fmu import data
-from pushbelt.fmu.starts import StartValues
-from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.steady import StartValues, SteadyStates
 from pushbelt.fmu.unit import Archive, UnitError
 
 from . import shift

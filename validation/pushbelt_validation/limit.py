@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.starts import StartValues
+from pushbelt.fmu.steady import StartValues
 
 from .bench import Bench
 from .theory import cmm

@@ -19,7 +19,7 @@ from pushbelt.fmu.enumerations import Drive
 from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import solve
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
-from pushbelt.fmu.starts import driven_at_speed
+from pushbelt.fmu.steady import driven_at_speed
 from pushbelt.fmu.unit import Archive, Instance, output_names
 
 from . import times

@@ -31,13 +31,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.cli.options import add_set, add_variator, count, program
+from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables import columns, points
-from pushbelt.tables import options as reading_options
 from pushbelt.tables.faults import TableError
 
 from . import parameters
@@ -73,7 +72,6 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
     found = program("calibrate", __doc__, "report.html, parameters.json and residuals.csv", needed=False)
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
@@ -89,13 +87,13 @@ def parser() -> argparse.ArgumentParser:
     add_variator(found)
     add_set(found, "fixed value of a parameter")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
-    reading_options.add(found)
+    text = "take values that are not plausible on a variator as they are written"
+    add_reading(found).add_argument("--as-written", action="store_true", help=text)
     return found
 
 
 @console.program("calibrate", "tables")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Fits, writes report, parameters and residuals, and prints their paths."""
     options = parser().parse_args(arguments)
     provenance.begin("calibrate", arguments)
     if options.template is not None:
@@ -105,14 +103,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
     try:
-        rig = reading_options.read(options.table, options)
+        # Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
+        fixed = {**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)}
+        rig = points.read(options.table, reading(options), fixed)
     except TableError as error:
         # The faults come after what is understood in spite of them.
         if options.check and error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
     if options.hold_out is not None and not options.check:
-        return _hold_out(options, rig)
+        # Imported here, so that the help needs no packages of the extras.
+        from . import report
+
+        begin = time.perf_counter()
+        for score in report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers, options.output):
+            print(f"  {report.sentence_of_score(score)}")
+        print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
+        return 0
     rig = once(rig)
     if not options.check:
         return _run(options, rig)
@@ -181,19 +188,6 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0 if not found.misfit or options.accept_misfit else MISFIT
-
-
-def _hold_out(options: argparse.Namespace, rig: points.Rig) -> int:
-    """Scores of a parameter set on a table."""
-    from . import holdout
-
-    begin = time.perf_counter()
-    held = holdout.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers)
-    path = holdout.write(held, options.output)
-    for score in held.scores:
-        print(f"  {holdout.sentence(score)}")
-    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0
 
 
 if __name__ == "__main__":

@@ -168,7 +168,6 @@ class Score(NamedTuple):
 
 
 def score(rows: pd.DataFrame, quantity: str, variator: str = "") -> Score:
-    """The score of a quantity."""
     known = of(rows, quantity)
     squares, spread = known["residual"] ** 2, ((known["measured"] - known["measured"].mean()) ** 2).sum()
     explained = 1.0 - squares.sum() / spread if spread else np.nan

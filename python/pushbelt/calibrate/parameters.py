@@ -35,11 +35,9 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the coordinate is a logarithm."""
         return self.low > 0.0
 
     def coordinate(self, value: float) -> float:
-        """Coordinate of a value."""
         return math.log(value / self.start) if self.logarithmic else value / self.start
 
     def value(self, coordinate: float) -> float:

@@ -1,26 +1,34 @@
-"""Results of a calibration: report, parameter file and model."""
+"""Reports and files: of a calibration, and of a parameter set on a table that it was not fitted to, beside the default set."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from pushbelt import tables
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
+from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
+from pushbelt.tables.points import Rig
 
 from . import figures, fit, model, worker
 from .fit import Estimate, Fit
-from .model import Model
+from .model import Model, Score, of, plain, quantities, score
 
 WORST = 10  # Number of values with the largest residuals in the list
+DEFAULT = "bench168"
+short = partial(plain, digits=4, none="–")
+SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
 
 
 class Results:
-    """The fit and its table."""
-
     def __init__(
         self, table: str, version: str, variator: str, base: Mapping[str, float], model: Model, found: Fit, seconds: float = 0.0,
         notes: Sequence[str] = (),
@@ -31,8 +39,7 @@ class Results:
         self.fit, self.points, self.solves = found, model.points, model.solves
         # All measured values with the start values and with the fitted parameters, in the order of the table.
         self.before, self.rows = (model.rows(states, found.kept) for states in (found.before, found.after))
-        # One row for each point without a steady state after the fit.
-        self.lost = self.rows[self.rows["reason"].notna()].drop_duplicates("line")
+        self.lost = _lost(self.rows)
         # For each row or sample of the table that was left out, its value with the largest residual.
         out = self.rows[~self.rows["kept"]].sort_values("relative", key=abs, ascending=False, kind="stable")
         self.outliers = out.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
@@ -102,7 +109,6 @@ def _unit(quantity: str) -> str:
 
 
 def write_html(results: Results, path: Path) -> None:
-    """Writes the report."""
     found, rows = results.fit, results.rows
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
@@ -111,7 +117,7 @@ def write_html(results: Results, path: Path) -> None:
         "outliers": outliers(results),
         "rms": found.rms,
         "lost_values": int(rows["reason"].notna().sum()),
-        "quantities": [_quantity(results, q) for q in model.quantities(rows) if len(model.of(rows, q))],
+        "quantities": [_quantity(results, q) for q in quantities(rows) if len(of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
         "correlated": [
             (names[k], names[m], float(correlations[k, m]))
@@ -127,12 +133,56 @@ def write_html(results: Results, path: Path) -> None:
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     """Scores and figures of a quantity. The values after the fit determine the axes, since those at the start may be far off."""
-    after, before = model.of(results.rows, quantity), model.of(results.before, quantity)
+    after, before = of(results.rows, quantity), of(results.before, quantity)
     kept = after[after["kept"]] if after["kept"].any() else after
     return {
         "meaning": MEASURED[quantity].meaning,
         "unit": _unit(quantity),
-        "score": model.score(kept, quantity),
-        "before": model.score(before[before.index.isin(kept.index)], quantity).rms,
+        "score": score(kept, quantity),
+        "before": score(before[before.index.isin(kept.index)], quantity).rms,
         "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
     }
+
+
+# Hold-out
+
+
+def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> list[Score]:
+    """Scores of a set on a table, and of the default one if it is another, by quantity and set. Writes report.html, holdout.csv,
+    holdout.json and residuals.csv. Raises the errors of the parameter set."""
+    parameters = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
+    with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
+        sets = dict(zip(parameters, map(opened.rows, opened.states(list(parameters.values()))), strict=True))
+    first = sets[variator]
+    scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
+    folder.mkdir(parents=True, exist_ok=True)
+    tables.write(folder / "holdout.csv", SCORES, scores)
+    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
+    (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+    header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]
+    columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
+    tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
+    context = {
+        "rig": rig,
+        "version": described(fmu).version or "",
+        "scores": scores,
+        "variators": list(sets),
+        "notes": points.understood(rig)[1:],
+        "figures": [
+            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
+            for q in dict.fromkeys(one.quantity for one in scores if one.count)
+        ],
+        "lost": [(name, row) for name, rows in sets.items() for row in _lost(rows).itertuples()],
+    }
+    page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=short)
+    return scores
+
+
+def _lost(rows: pd.DataFrame) -> pd.DataFrame:
+    """One row for each point without a steady state."""
+    return rows[rows["reason"].notna()].drop_duplicates("line")
+
+
+def sentence_of_score(score: Score) -> str:
+    lost = f", {score.lost} values without a steady state" if score.lost else ""
+    return f"{score.quantity}, {score.variator}: {short(score.relative)} standard deviations, bias {short(score.bias)}{lost}"

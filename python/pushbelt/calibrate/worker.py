@@ -11,8 +11,7 @@ from typing import NamedTuple
 import fmpy
 
 from pushbelt.fmu.enumerations import Axial, StartState
-from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.steady import SteadyStates, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.report.side_by_side import tick
 from pushbelt.tables.columns import SAMPLED

@@ -46,7 +46,7 @@ def parser() -> argparse.ArgumentParser:
         made.set_defaults(runs=runs)
         return made
 
-    fmu = command("fmu", "write.write_fmu", "write a copy of the FMU with other start values, or with flat names")
+    fmu = command("fmu", "write_fmu", "write a copy of the FMU with other start values, or with flat names")
     fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     options.add_set(fmu, "start value of a parameter or an input")
     fmu.add_argument("--variator", metavar="NAME", help=f"applied first, {options.VARIATOR}")
@@ -58,21 +58,21 @@ def parser() -> argparse.ArgumentParser:
         "--set and --ssv have the names with dots",
     )
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
-    maps = command("map-fmu", "write.write_map_fmu", "write an FMU of a variator from maps")
+    maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
     maps.add_argument("--variator", metavar="NAME", help=f"solve for the maps of a {options.VARIATOR}, in 4 minutes of processor time")
     options.add_short(maps, "with --variator, 12 lines of steady states instead of 84")
     options.add_set(maps, "start value")
     maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")
-    cache = command("cache", "show.show_cache", "show the folder of unpacked FMUs and its size")
+    cache = command("cache", "show_cache", "show the folder of unpacked FMUs and its size")
     cache.add_argument("--clear", action="store_true", help="remove them")
     text = "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range"
-    variables = command("variables", "show.show_variables", text)
+    variables = command("variables", "show_variables", text)
     variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
-    docs = command("docs", "show.show_docs", "show the pages of the documentation, or one of them")
+    docs = command("docs", "show_docs", "show the pages of the documentation, or one of them")
     docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
     return found
 
@@ -86,9 +86,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    module, _, function = options.runs.partition(".")
+    # Imported here, so that the help is fast.
+    from . import commands
+
     try:
-        return getattr(importlib.import_module(f".{module}", __name__), function)(options)
+        return getattr(commands, options.runs)(options)
     except BrokenPipeError:
         # The reader of the output, such as `head`, has enough.
         sys.stdout = None

@@ -9,6 +9,7 @@ import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
@@ -17,6 +18,10 @@ from ..provenance import COMMAND
 from ..steel import Material
 from ..tables import units
 
+if TYPE_CHECKING:
+    from ..tables.sheet import Reading
+
+DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
 VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 
 
@@ -63,17 +68,11 @@ def add_set(parser: argparse.ArgumentParser, what: str = "value of a parameter")
 
 
 def add_ring(parser: argparse.ArgumentParser) -> None:
-    """`--ring`, also as `--model`."""
     parser.add_argument("--ring", "--model", choices=list(RingModel.__members__), default="ALE", help="ring model [default: ALE]")
 
 
 def add_short(parser: argparse.ArgumentParser, what: str) -> None:
-    """`--short`: a smaller extent of the same."""
     parser.add_argument("--short", action="store_true", help=f"a first look: {what}")
-
-
-def add_workers(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
 
 
 def add_study(parser: argparse.ArgumentParser) -> None:
@@ -81,7 +80,7 @@ def add_study(parser: argparse.ArgumentParser) -> None:
     add_variator(parser)
     add_ring(parser)
     add_set(parser)
-    add_workers(parser)
+    parser.add_argument("--workers", type=count, metavar="N", help="processes of this machine [default: one per processor]")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of dask, tcp://host:port [default: a cluster of this machine]")
     parser.add_argument("--anew", action="store_true", help="discard what an earlier run has stored")
     parser.add_argument("--measure", action="store_true", help="only measure the time; nothing stored is used")
@@ -100,15 +99,40 @@ def material(options: argparse.Namespace) -> Material:
     return Material(**{name: getattr(options, "stress_safety" if name == "safety" else name) for name in STEEL})
 
 
+def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """How a table is read; returns the group of these options."""
+    group = parser.add_argument_group("how the table is read")
+    example = "such as --map i=ratio.geometric, --map n_P=\"primary.speed [rpm]\", --map T_P=-primary.torque or --map i=1/ratio.speed"
+    text = f"what a column is, {example}; can be repeated"
+    group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME", help=text)
+    group.add_argument("--decimal", choices=DECIMAL, metavar="SIGN", help="point or comma [default: what the whole file shows]")
+    group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
+    return group
+
+
+def reading(options: argparse.Namespace) -> Reading:
+    """Choices of the command line, of how a table is read."""
+    from ..tables.sheet import Reading
+
+    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, getattr(options, "as_written", False))
+
+
 def numbers(text: str) -> tuple[float, ...]:
     return tuple(float(number) for number in text.split(","))
 
 
-def assignment(text: str) -> tuple[str, str]:
-    name, separator, value = text.partition("=")
-    if not separator or not name.strip():
-        raise argparse.ArgumentTypeError(f"{text} is not of the form NAME=VALUE")
-    return name.strip(), value.strip()
+def assignment(text: str, form: str = "NAME=VALUE") -> tuple[str, str]:
+    name, separator, value = (part.strip() for part in text.partition("="))
+    if not separator or not name:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form {form}")
+    return name, value
+
+
+def mapped(text: str) -> tuple[str, str]:
+    title, name = assignment(text, "title=name")
+    if not name:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form title=name")
+    return title, name
 
 
 def quantity(dimension: str, default: str, example: str) -> Callable[[str], float]:

@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 from markupsafe import Markup
 
 from pushbelt import tables
+from pushbelt.fmu.data import is_chain
+from pushbelt.fmu.results import Profile, Trace
+from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view
+from pushbelt.report.belt_view import OUTPUTS, SPEEDS, Motion, belt_view, of_run
 from pushbelt.report.charts import Chart, Series, stack
 from pushbelt.report.style import BLUE, ORANGE, in_figures
 
-from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
 
 MOST = 24  # Largest number of columns in the figures of a pair. The table has all columns.
+FIELD = "profile."  # Prefix of the names of fields along the belt
+MOMENTS = 300  # Largest number of times of a run in the animation
 
 
 def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:
@@ -42,12 +47,34 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tuple[str, Markup]]:
     """The belt of each run; empty unless both files have the required columns."""
-    if not all(shows_belt(run, parameters) for run in pair.runs):
+    if not all(run.columns.keys() >= set(needed(parameters)) for run in pair.runs):
         return []
     return [
         (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))
         for who, run in zip("AB", pair.runs, strict=True)
     ]
+
+
+def places(field: str) -> list[str]:
+    return [f"{FIELD}{field}[{k + 1}]" for k in range(PROFILE_POINTS)]
+
+
+def needed(parameters: Mapping[str, float]) -> list[str]:
+    """Columns that the animation of the belt requires. Other fields are optional."""
+    fields = ("position", "ringTension" if is_chain(parameters) else "pushForce", "radialDeviation")
+    return [*OUTPUTS, *SPEEDS, *(name for field in fields for name in places(field))]
+
+
+def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
+    """The belt over the time of the run, at evenly spaced rows. `parameters` are those of the variator."""
+    rows = np.unique(np.linspace(0, len(run.time) - 1, MOMENTS).round().astype(int))
+    none = np.zeros((len(run.time), PROFILE_POINTS))
+    tables = {
+        name: np.column_stack([run[column] for column in places(field)]) if places(field)[0] in run.columns else none
+        for name, field in PROFILE_FIELDS.items()
+    }
+    profiles = {float(run.time[k]): Profile(**{name: of[k] for name, of in tables.items()}) for k in rows}
+    return of_run(run, profiles, parameters)
 
 
 def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:

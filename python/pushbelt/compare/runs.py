@@ -58,7 +58,6 @@ class Pair:
 
     @property
     def differing(self) -> list[Difference]:
-        """Columns in which the runs differ."""
         return [difference for difference in self.differences if difference.share > SAME]
 
     @property

@@ -21,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from . import events, report, simulate
 
     begin = time.perf_counter()
-    results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL, options.variator)
+    results = simulate.run_all(options.fmu, options.variator, short=options.short)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_trace(results, options.output / "results.csv")
     report.write_cases(results, options.output / "cases.csv")

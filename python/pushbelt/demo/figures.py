@@ -11,8 +11,7 @@ from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
-from .checks import energy_bound
-from .events import Event
+from .events import Event, energy_bound
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -34,7 +33,6 @@ GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 
 
 def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
-    """Thrust ratio, efficiency, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():

@@ -12,7 +12,7 @@ from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.report import page
 from pushbelt.report.belt_view import belt_view, of_run, steady
 
-from . import checks, events, figures
+from . import events, figures
 from .simulate import START_VALUES, STEP, DemoResults
 
 CHOSEN_CASE = "overdrive-100"  # The load case whose fields along the belt are shown
@@ -51,9 +51,9 @@ def _context(results: DemoResults) -> dict[str, Any]:
         pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
     return {
         "version": results.fmu_version,
-        "rows": [{"result": result, "imbalance": checks.power_imbalance(result)} for result in results.cases],
+        "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
         "events": found,
-        "checks": checks.evaluate(results),
+        "checks": events.evaluate(results),
         "manoeuvre": results.manoeuvre,
         "step": STEP,
         "duration": float(trace.time[-1]),

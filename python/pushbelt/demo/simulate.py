@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,23 +46,14 @@ class DemoResults:
     variator: str  # Name or file of the parameter set
 
 
-@dataclass(frozen=True)
-class Plan:
-    torques: tuple[float, ...] | None = None  # Torques of the load cases, N·m; None for all
-    duration: float | None = None  # Duration of the manoeuvre, s; None for all of it
+SHORT_TORQUES, SHORT_DURATION = (100.0,), 1.0  # Torques of the load cases, N·m, and duration of the manoeuvre, s, at a first look
 
 
-FULL = Plan()
-SHORT = Plan(torques=(100.0,), duration=1.0)
-
-
-def manoeuvre(
-    archive: Archive, parameters: Mapping[str, float], inputs: Trace, duration: float, progress: Callable[[float], None]
-) -> ManoeuvreResult:
-    """Simulates the inputs for a duration, s. `progress` is called with the simulated time of each step, s."""
+def _manoeuvre(archive: Archive, variator: str, inputs: Trace, duration: float) -> ManoeuvreResult:
+    """Simulates the inputs for a duration, s."""
     times = np.arange(round(duration / STEP) + 1) * STEP
     begin = time.perf_counter()
-    with Instance(archive, {**parameters, **START_VALUES, **inputs.at(0.0)}) as unit:
+    with Instance(archive, {**parameter_set(variator), **START_VALUES, **inputs.at(0.0)}) as unit:
         unit.initialise()
         outputs = unit.reals(output_names(unit.variables.values()))
         rows, flags = np.empty((len(times), len(outputs.names))), np.empty(len(times))
@@ -70,7 +61,7 @@ def manoeuvre(
         for step, now in enumerate(times.tolist()):
             if step > 0:
                 unit.step_to(now)
-                progress(STEP)
+                tick(_MANOEUVRE_TICKS * STEP / duration)
             rows[step], flags[step] = unit.get_reals(outputs), unit.get("macroSlip")
             if step % round(SNAPSHOT_STEP / STEP) == 0:
                 snapshots[round(now, 3)] = unit.profile()
@@ -81,32 +72,20 @@ def manoeuvre(
     return ManoeuvreResult(Trace(times, columns), time.perf_counter() - begin, snapshots, warnings)
 
 
-def _run_manoeuvre(archive: Archive, variator: str, duration: float) -> ManoeuvreResult:
-    def progress(seconds: float) -> None:
-        tick(_MANOEUVRE_TICKS * seconds / duration)
-
-    return manoeuvre(archive, parameter_set(variator), manoeuvre_inputs(), duration, progress)
-
-
-def _run_case(archive: Archive, variator: str, case: LoadCase) -> LoadCaseResult:
+def _case(archive: Archive, variator: str, case: LoadCase) -> LoadCaseResult:
     result = load_cases.run(archive, parameter_set(variator), case)
     tick(_CASE_TICKS)
     return result
 
 
-def run_all(fmu: Path, plan: Plan, variator: str) -> DemoResults:
-    """Runs a plan with an FMU and a parameter set."""
-    parameters = parameter_set(variator)
-    cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
-    duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
+def run_all(fmu: Path, variator: str, *, short: bool = False) -> DemoResults:
+    """Runs all, or a short extent of it, with an FMU and a parameter set."""
+    parameters, inputs = parameter_set(variator), manoeuvre_inputs()
+    cases = [case for case in all_load_cases(parameters) if not short or case.torque in SHORT_TORQUES]
+    duration = SHORT_DURATION if short else float(inputs.time[-1])
     with Archive.unpack(fmu) as archive:
-        run, *states = run_side_by_side(
-            [
-                # The manoeuvre starts first, because it takes longest and cannot be divided.
-                (_run_manoeuvre, (archive, variator, duration)),
-                *((_run_case, (archive, variator, case)) for case in cases),
-            ],
-            total=_MANOEUVRE_TICKS + _CASE_TICKS * len(cases),
-            title="load cases and manoeuvre",
-        )
+        # The manoeuvre starts first, because it takes longest and cannot be divided.
+        calls = [(_manoeuvre, (archive, variator, inputs, duration)), *((_case, (archive, variator, case)) for case in cases)]
+        total = _MANOEUVRE_TICKS + _CASE_TICKS * len(cases)
+        run, *states = run_side_by_side(calls, total, "load cases and manoeuvre")
         return DemoResults(archive.version, tuple(states), run, parameters, archive.units, variator)

@@ -28,11 +28,6 @@ def folder() -> Path:
     return Path(named) if named else Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
 
 
-def clear() -> None:
-    if folder().exists():
-        shutil.rmtree(folder())
-
-
 def unpacked(fmu: Path) -> Archive:
     """An FMU that is unpacked in the cache; files that are missing or have another size are unpacked again. Do not
     remove the archive: it remains in the cache. If the cache cannot be written, a VariatorWarning is issued, and the

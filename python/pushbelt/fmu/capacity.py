@@ -19,8 +19,7 @@ BEYOND = 1.15
 DRAG = 1.0  # Torque that is carried in any case, N·m: drag of a shaft
 SMALL_FORCE = 1e3  # Clamping force below which kN may be meant, N
 LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque, N. Variators for cars have up to 100 kN.
-BELT_SPEED = 60.0
-"""Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s."""
+BELT_SPEED = 60.0  # Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s.
 
 
 def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force: float) -> str | None:

@@ -71,7 +71,6 @@ def published_data() -> dict[str, Any]:
 
 
 def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
-    """Reference curve of a variator at a ratio coordinate."""
     return TwoPulleyCurve(parameters["geometry.centerDistance"], parameters["geometry.beltLength"], theta)
 
 

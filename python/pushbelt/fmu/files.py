@@ -8,8 +8,7 @@ from pathlib import Path
 from ..errors import MissingFileError
 
 PACKAGE = Path(__file__).parents[1]
-DATA = PACKAGE / "data"
-"""Folder of a wheel with the FMU and the published data. It does not exist in the source tree."""
+DATA = PACKAGE / "data"  # Folder of a wheel with the FMU and the published data. It does not exist in the source tree.
 TREE = PACKAGE.parents[1]  # Top level of the source tree
 RESOURCES = (DATA if DATA.is_dir() else TREE) / "resources"  # Parameter sets, published variators and the manoeuvre
 DOCS = (DATA if DATA.is_dir() else TREE) / "docs"  # Pages of the documentation

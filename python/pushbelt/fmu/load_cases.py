@@ -12,7 +12,7 @@ from ..errors import PushbeltError
 from .data import load_case_speed
 from .geometry import ratio_of
 from .results import LoadCase, LoadCaseResult, SteadyState
-from .starts import driven_at_speed
+from .steady import driven_at_speed
 from .unit import Archive, Instance
 
 TORQUE_TOLERANCE = 1e-4  # Relative tolerance of the belt torque

@@ -81,8 +81,6 @@ class SteadyState(BeltState):
 
 @dataclass(frozen=True)
 class LoadCase:
-    """One of the nine load cases."""
-
     ratio_name: str  # `overdrive`, `medium` or `underdrive`
     theta: float  # Ratio coordinate
     torque: float  # Steady belt torque on the primary pulley, N·m
@@ -96,8 +94,6 @@ class LoadCase:
 
 @dataclass(frozen=True)
 class LoadCaseResult:
-    """A load case and its steady state."""
-
     case: LoadCase
     steady: SteadyState
     drift: float  # Relative change of the thrust ratio when the simulation continues from the steady state

@@ -12,8 +12,7 @@ from lxml import etree
 from .start_values import StartValueError, checked
 
 SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-SCHEMA = Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd"
-"""The schema that fmpy contains."""
+SCHEMA = Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd"  # The schema that fmpy contains
 LARGEST = 10_000_000  # Largest size of a file, bytes
 
 

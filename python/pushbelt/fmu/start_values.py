@@ -18,6 +18,7 @@ DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"  # File of start values that the library reads: one line `name = value` each
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
+TRUTH = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
 SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
 
 
@@ -45,10 +46,9 @@ def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[s
 
 
 def _value(variable: Any, value: Any) -> float:
-    read = {"Real": _real, "Integer": _integer, "Boolean": _truth, "Enumeration": _item}.get(variable.type)
-    if read is None:
-        raise StartValueError(f"{variable.name} has the type {variable.type} and cannot be set")
-    found = read(variable, value)
+    found, fault = _read(variable, value)
+    if found is None:
+        raise StartValueError(f"{variable.name} {fault}")
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
     if not low <= found <= high:
@@ -57,40 +57,27 @@ def _value(variable: Any, value: Any) -> float:
     return found
 
 
-def _real(variable: Any, value: Any) -> float:
+def _read(variable: Any, value: Any) -> tuple[float | None, str]:
+    """A value in the type of its variable, or None and why it is none."""
+    if variable.type == "Boolean":
+        return TRUTH.get(str(value).strip().lower()), f"= {value!r} is neither true nor false"
+    if variable.type == "Enumeration":
+        items = {item.name: int(item.value) for item in variable.declaredType.items}
+        numbers = {str(number): number for number in items.values()}
+        text = str(int(value)) if isinstance(value, (int, float)) and value == int(value) else str(value).removesuffix(".0")
+        known = ", ".join(f"{name} ({number})" for name, number in items.items())
+        return items.get(text, numbers.get(text)), f"= {value!r} is not one of {known}"
+    if variable.type not in ("Real", "Integer"):
+        return None, f"has the type {variable.type} and cannot be set"
     try:
         number = float(value)
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise StartValueError(f"{variable.name} = {value!r} is not a finite number")
-    return number
-
-
-def _integer(variable: Any, value: Any) -> int:
-    number = _real(variable, value)
-    if number != int(number):
-        raise StartValueError(f"{variable.name} = {value!r} is not an integer")
-    return int(number)
-
-
-def _truth(variable: Any, value: Any) -> bool:
-    words = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
-    truth = words.get(str(value).strip().lower())
-    if truth is None:
-        raise StartValueError(f"{variable.name} = {value!r} is neither true nor false")
-    return truth
-
-
-def _item(variable: Any, value: Any) -> int:
-    items = {item.name: int(item.value) for item in variable.declaredType.items}
-    numbers = {str(number): number for number in items.values()}
-    text = str(int(value)) if isinstance(value, (int, float)) and value == int(value) else str(value).removesuffix(".0")
-    found = items.get(text, numbers.get(text))
-    if found is None:
-        known = ", ".join(f"{name} ({number})" for name, number in items.items())
-        raise StartValueError(f"{variable.name} = {value!r} is not one of {known}")
-    return found
+        return None, f"= {value!r} is not a finite number"
+    if variable.type == "Real":
+        return number, ""
+    return int(number) if number == int(number) else None, f"= {value!r} is not an integer"
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from .results import dataframe, item
+from ..errors import UnknownNameError, similar
+from .results import dataframe
 
 if TYPE_CHECKING:
     import pandas
@@ -61,28 +62,19 @@ class Variable:
         return f"<{self.name}: {', '.join([f'{self.variability} {self.causality}', *self.facts])}; {self.description}>"
 
 
-class Variables(Mapping[str, Variable]):
+class Variables(dict[str, Variable]):
     """The FMU's variables by name. An unknown name raises UnknownNameError with similar ones."""
 
     def __init__(self, declared: Iterable[Any]) -> None:
-        self._all = {one.name: Variable.of(one) for one in declared}
+        super().__init__((one.name, Variable.of(one)) for one in declared)
 
-    def __getitem__(self, name: str) -> Variable:
-        return item(self._all, name, "FMU", "variable")
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._all
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
+    def __missing__(self, name: str) -> Variable:
+        raise UnknownNameError(f"the FMU has no variable {name}{similar(name, self)}")
 
     def __repr__(self) -> str:
-        counts = Counter(one.causality for one in self._all.values())
+        counts = Counter(one.causality for one in self.values())
         return f"<Variables: {', '.join(f'{count} {kind}s' for kind, count in counts.items())}>"
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over the names, with a column for each attribute. Needs `pushbelt[maps]`."""
-        return dataframe([asdict(one) for one in self._all.values()]).set_index("name")
+        return dataframe([asdict(one) for one in self.values()]).set_index("name")

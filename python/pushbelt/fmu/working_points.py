@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .data import torque_capacity
-from .starts import driven_at_speed, driven_by_slip, driven_by_torque
-from .steady import SteadyStates
+from .steady import SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
 from .unit import Instance, UnitError
 
 REFERENCE_LEVER = 5e-5  # Friction coefficient times radius of the secondary bearings, m
@@ -31,8 +30,7 @@ SHAFTS = {
 }
 """Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
 FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in the FMU
-LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")
-"""Losses of the belt."""
+LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")  # Losses of the belt
 OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 """Outputs that are recorded at each point, besides the torque loss and the bearing load."""
 POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "macroSlip")
@@ -72,11 +70,6 @@ def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Instance:
     return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
 
 
-def utilisation_at_slip(states: SteadyStates, line: Line, slip: float) -> float:
-    unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
-    return -unit.get("primary.shaftTorque") / torque_capacity(states.parameters, line.ratio, line.force)
-
-
 def point(unit: Instance, ratio: float) -> dict[str, float]:
     found = {name: float(unit.get(name)) for name in OUTPUTS}
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
@@ -103,9 +96,11 @@ def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
     reasons: dict[str, str] = {}
+    capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
     def traction(slip: float) -> float:
-        return utilisation_at_slip(states, line, slip)
+        unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
+        return -unit.get("primary.shaftTorque") / capacity
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
     points: list[dict[str, float] | None] = []

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import starts, steady, working_points
+from pushbelt.fmu import steady, working_points
 from pushbelt.fmu.data import pitch_radius
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
@@ -104,7 +104,7 @@ class Plan(Tasks):
 
     @property
     def procedure(self) -> tuple[ModuleType, ...]:
-        return working_points, starts, steady
+        return working_points, steady
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:

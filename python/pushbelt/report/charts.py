@@ -1,7 +1,7 @@
 """Interactive figures: lines, points, bars and maps with hover text, zoom and a legend that shows and hides them.
 
 The input is plain data, the output an HTML fragment. A `Chart` is a group of panels in a responsive grid. `plotly.js`
-draws each panel; `charts.js.j2` adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
+draws each panel; `charts.js.j2` has the layout that all panels have, and adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from ..fmu.geometry import Array
-from .style import GRID, INK, MUTED, colour_stops
+from .style import INK, MUTED, colour_stops
 
 BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
 SYMLOG_SHARE = 1.5  # Height of the linear part of a symlog axis, in decades
 MARGIN = 0.06  # Empty part of the axes on each side of a figure whose axes have the same scale
-
-FONT = "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif"
 
 Tick = tuple[float, str]
 
@@ -39,8 +37,7 @@ class Series:
     colour: str = INK
     kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
     dash: str = ""
-    marker: str = ""
-    """Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line."""
+    marker: str = ""  # Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line
     size: float = 6.0
     width: float = 1.5
     opacity: float = 1.0
@@ -115,8 +112,7 @@ class Panel:
     shades: Sequence[Shade] = ()
     marks: Sequence[Mark] = ()
     levels: Sequence[Level] = ()
-    equal: bool = False
-    """Whether x and y have the same scale. Without ranges the axes have a margin around the lines."""
+    equal: bool = False  # Whether x and y have the same scale. Without ranges the axes have a margin around the lines.
     stacked: bool = False
     height: int = 230
     note: str = ""
@@ -271,7 +267,6 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
     if one.errors is not None:
         below, above = one.errors
         trace["error_y"] = {"type": "data", "symmetric": False, "array": encoded(above), "arrayminus": encoded(below)}
-        trace["error_y"] |= {"color": INK, "thickness": 1.1, "width": 2}
     trace |= _hover(one)
     if lying:
         trace["hovertemplate"] = "<b>%{x:.4~g}</b><extra>" + escape(one.name) + "</extra>"
@@ -281,14 +276,13 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
     trace: dict[str, Any] = {
         "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(one.values),
-        "connectgaps": False, "showscale": not one.lines_only, "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
+        "showscale": not one.lines_only,
     }  # fmt: skip
     if one.levels is not None:
         start, end, size = one.levels
         trace |= {"autocontour": False, "contours": {"start": start, "end": end, "size": size}, "zmin": start, "zmax": end}
     if one.lines_only:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
-        trace["contours"]["labelfont"] = {"size": 12, "color": MUTED}
         trace["line"] = {"width": 1.0, "color": MUTED}
         trace["hovertemplate"] = "%{x:.3~g}, %{y:.3~g}: <b>%{z:.4~g}</b><extra>" + escape(one.name) + "</extra>"
         return trace
@@ -296,9 +290,7 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
     trace["hoverinfo"] = "skip"
     share = None if one.middle is None or one.levels is None else (one.middle - one.levels[0]) / (one.levels[1] - one.levels[0])
     trace["colorscale"] = [list(stop) for stop in colour_stops(share)]
-    trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 12}}
-    if one.unit:
-        trace["colorbar"]["title"] = {"text": one.unit, "font": {"size": 12}}
+    trace["colorbar"] = {"title": {"text": one.unit}}
     if one.ticks:
         places, texts = zip(*one.ticks, strict=True)
         trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
@@ -309,17 +301,12 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
 
 
 def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, scale: str) -> dict[str, Any]:
-    axis: dict[str, Any] = {
-        "title": {"text": label, "standoff": 6, "font": {"size": 12.5, "color": INK}}, "gridcolor": GRID, "zeroline": False,
-        "linecolor": MUTED, "tickcolor": MUTED, "tickfont": {"size": 12, "color": INK}, "showline": True, "ticks": "outside",
-        "ticklen": 3, "automargin": True, "separatethousands": True,
-    }  # fmt: skip
+    axis: dict[str, Any] = {"title": {"text": label}}
     if scale == "log":
-        axis |= {"type": "log", "dtick": 1} if not ticks else {"type": "log"}
-        if span is None or span[1] / span[0] < 30.0:
-            axis.pop("dtick", None)
         # Without a format plotly shows digits between powers of ten smaller.
-        axis |= {"tickformat": "~g"}
+        axis |= {"type": "log", "tickformat": "~g"}
+        if not ticks and span is not None and span[1] / span[0] >= 30.0:
+            axis["dtick"] = 1
     if span is not None:
         axis |= {"range": [float(v) for v in (np.log10(span) if scale == "log" else span)], "autorange": False}
     if ticks:
@@ -346,16 +333,10 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
-        "margin": {"l": 40, "r": 20, "t": 8, "b": 30},
-        "font": {"family": FONT, "color": INK},
-        "showlegend": False,
-        "separators": ".\N{NARROW NO-BREAK SPACE}",
+        "margin": {},
         "hovermode": "x" if linked else "closest",
         "hoverdistance": -1 if linked else 24,
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "rgba(0,0,0,0)",
         "barmode": "relative" if panel.stacked else "group",
-        "bargap": 0.16,
         "shapes": _shapes(panel),
         "annotations": _annotations(panel),
     }
@@ -382,16 +363,12 @@ def _shapes(panel: Panel) -> list[dict[str, Any]]:
 
 def _annotations(panel: Panel) -> list[dict[str, Any]]:
     narrow = 0.03 * (panel.x_range[1] - panel.x_range[0]) if panel.x_range else 0.0
-    shown = {"showarrow": False, "yanchor": "bottom"}
-    above, beside = shown | {"xref": "x", "yref": "paper", "y": 1, "yshift": 1}, shown | {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y"}
-
-    def text(label: str, colour: str) -> dict[str, Any]:
-        return {"text": label, "font": {"size": 12, "color": colour}}
-
+    above, beside = {"xref": "x", "yref": "paper", "y": 1, "yshift": 1}, {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y"}
+    white = {"bgcolor": INK, "borderpad": 2, "font": {"color": "#ffffff"}}
     shades = [s for s in panel.shades if s.label and s.end - s.start > narrow]
-    found = [above | {"x": 0.5 * float(s.start + s.end)} | text(s.label, MUTED) for s in shades]
-    found += [above | {"x": float(m.x), "bgcolor": INK, "borderpad": 2} | text(m.label, "#ffffff") for m in panel.marks if m.label]
+    found = [above | {"text": s.label, "x": 0.5 * float(s.start + s.end)} for s in shades]
+    found += [above | white | {"text": m.label, "x": float(m.x)} for m in panel.marks if m.label]
     for level in filter(lambda level: level.label, panel.levels):
         place = float(np.log10(level.y) if panel.scale == "log" else level.y)
-        found.append(beside | {"y": place} | text(level.label, level.colour))
+        found.append(beside | {"text": level.label, "y": place, "font": {"color": level.colour}})
     return found

@@ -16,6 +16,7 @@ import jinja2
 from plotly.offline import get_plotlyjs
 
 from .. import provenance
+from . import style
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -65,7 +66,8 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Pa
     origin = provenance.current(re.split("[/.]", template)[0])
     text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)
     if 'class="chart"' in text or 'class="belt"' in text:
-        scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
+        colours = {"ink": style.INK, "muted": style.MUTED, "grid": style.GRID}
+        scripts = _environment().get_template("scripts.html.j2").render(colours, plotly=packed_plotly(), notices=plotly_notices())
         text = text.replace("</main>", scripts + "</main>")
     path.write_text(text, encoding="utf-8")
 

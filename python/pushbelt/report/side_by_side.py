@@ -20,13 +20,13 @@ _ticks: Any = None  # In a worker: queue for reports of progress
 _pending = 0.0  # In a worker: progress that is not yet reported
 
 
-def progress_bar(total: float, description: str, done: int = 0) -> Any:
-    """A bar with the remaining time, on a terminal only. `done` of `total` were finished before."""
+def progress_bar(total: float, description: str) -> Any:
+    """A bar with the remaining time, on a terminal only."""
     # Only what shows a bar needs the package.
     from tqdm import tqdm
 
     layout = "  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}{postfix}]"
-    return tqdm(total=total, initial=done, disable=None, desc=description, bar_format=layout)
+    return tqdm(total=total, disable=None, desc=description, bar_format=layout)
 
 
 def _prepare_worker(ticks: Any) -> None:

@@ -101,21 +101,16 @@ def shipped(
             client.register_plugin(UnitPlugin(name, fmu, load))
     except Exception as error:  # Any exception type is possible, since it comes from a worker.
         raise ClusterError(f"a worker cannot load the FMU: {error}") from error
+
+    def solve(chunk: Chunk) -> Rows:
+        # A local function is pickled by value: scheduler and workers do not have this project's modules.
+        return get_worker().plugins[name].solver.solve(chunk)
+
     try:
-        yield solver(name)
+        yield solve
     finally:
         if client.status == "running":
             client.unregister_worker_plugin(name)
-
-
-def solver(name: str) -> Callable[[Chunk], Rows]:
-    """The function that solves a chunk on a worker. It is a local function so that it is pickled by value: scheduler
-    and workers do not have this project's modules."""
-
-    def solve(chunk: Chunk) -> Rows:
-        return get_worker().plugins[name].solver.solve(chunk)
-
-    return solve
 
 
 WORKER_LOST = "the worker process crashed repeatedly"

@@ -1,12 +1,15 @@
-"""Solves the tasks of a study: missing ones are sent to the cluster in chunks, and each finished chunk is stored."""
+"""Solves the tasks of a study: missing ones are sent to the cluster in chunks, and each finished chunk is stored in a file of its own."""
 
 from __future__ import annotations
 
 import argparse
+import gzip
+import json
 import os
 import random
 import time
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -16,12 +19,42 @@ from typing import Any
 from pushbelt.fmu.unit import Archive
 from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import progress_bar
+from pushbelt.whole_file import write_whole
 
 from . import worker
-from .store import Store
 from .tasks import Row, Tasks
 
 MOST_CHUNKS = 5000  # Largest number of chunks. Larger studies have larger chunks, because each chunk is a file.
+
+
+class Store:
+    """Finished tasks, in a folder of the study's identity. Each chunk is a file."""
+
+    def __init__(self, folder: Path, tasks: Tasks) -> None:
+        self.folder = folder / "studies" / tasks.identity[:16]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        text = json.dumps({"study": tasks.identity, **tasks.document()}, indent=1)
+        write_whole(self.folder / "study.json", text.encode())
+
+    def add(self, rows: Mapping[int, Row]) -> None:
+        name = f"tasks-{min(rows)}-{max(rows)}.json.gz"
+        write_whole(self.folder / name, gzip.compress(json.dumps(list(rows.items())).encode(), 1))
+
+    def clear(self) -> None:
+        for path in self.folder.glob("tasks-*"):
+            path.unlink()
+
+    def rows(self) -> dict[int, Row]:
+        """All stored tasks by their numbers. A damaged file is removed, and its tasks are solved again. Raises OSError
+        if a file cannot be read; the file is then not removed."""
+        found: dict[int, Row] = {}
+        for path in sorted(self.folder.glob("tasks-*.json.gz")):
+            content = path.read_bytes()
+            try:
+                found |= {int(number): dict(row) for number, row in json.loads(gzip.decompress(content))}
+            except (ValueError, TypeError, EOFError, zlib.error, gzip.BadGzipFile):
+                path.unlink()
+        return found
 
 
 @dataclass(frozen=True)
@@ -128,13 +161,9 @@ def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chun
             bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
             bar.update(progress.done - bar.n)
 
-        given = {
-            "scheduler": scheduler or options.scheduler,
-            "workers": options.workers,
-            "anew": options.anew or options.measure,
-        }
+        given = {"workers": options.workers, "chunk": chunk, "anew": options.anew or options.measure}
         try:
-            rows = solve(tasks, options.output, chunk=chunk, progress=shown, **given)
+            rows = solve(tasks, options.output, scheduler=scheduler or options.scheduler, progress=shown, **given)
         except KeyboardInterrupt:
             if reports:
                 print(f"\n{reports[-1].done} of {reports[-1].tasks} {what} are finished; the same command continues from them.")

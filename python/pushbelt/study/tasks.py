@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set
@@ -27,6 +27,10 @@ Row = dict[str, Any]  # The result of a task. `reason` is why it has none; `time
 class Tasks(ABC):
     fmu: Path
     parameters: Mapping[str, float]  # Start values of the FMU by name
+    procedure: ClassVar[tuple[ModuleType, ...]]  # Modules that determine the results. They are sent to the workers.
+    measure: ClassVar[Callable[[SteadyStates, Any], Row]]
+    """The function that solves a task. It raises UnitError with the reason if there is no result."""
+    common: ClassVar[Mapping[str, float]] = {}  # Start values of all tasks
 
     @cached_property
     def archive(self) -> bytes:
@@ -39,20 +43,6 @@ class Tasks(ABC):
     @cached_property
     def variables(self) -> Mapping[str, Any]:
         return {variable.name: variable for variable in self.description.modelVariables}
-
-    @property
-    @abstractmethod
-    def procedure(self) -> tuple[ModuleType, ...]:
-        """Modules that determine the results. They are sent to the workers."""
-
-    @property
-    @abstractmethod
-    def measure(self) -> Callable[[SteadyStates, Any], Row]:
-        """The function that solves a task. It raises UnitError with the reason if there is no result."""
-
-    @property
-    def common(self) -> Mapping[str, float]:
-        return {}
 
     @abstractmethod
     def tasks(self) -> Sequence[Any]:

@@ -24,8 +24,7 @@ class Solver:
         self._archive, self._parameters, self._measure = archive, parameters, measure
         self._idle = [SteadyStates(archive, parameters)]
         assert self._idle[0].unit
-        self.instances = 1
-        """Number of instances created so far, without those that replaced another one."""
+        self.instances = 1  # Number of instances created so far, without those that replaced another one
 
     def solve(self, chunk: Sequence[tuple[int, Any]]) -> list[tuple[int, dict[str, Any]]]:
         """Numbers and rows of numbered tasks. The row of a failed task has the reason."""

@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import console, provenance
-from pushbelt.cli.options import add_short, add_study, numbers, program
+from pushbelt.cli.options import add_reading, add_short, add_study, numbers, program, reading
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.untrusted import described
-from pushbelt.tables.options import add_reading, reading
 
 from .design import AXIS_OF, DesignError, Varied, crossed, listed, varied
 from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warnings_of

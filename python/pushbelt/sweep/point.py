@@ -11,8 +11,7 @@ from collections.abc import Mapping
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
-from pushbelt.fmu.starts import driven_by_torque
-from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.steady import SteadyStates, driven_by_torque
 from pushbelt.fmu.unit import UnitError
 from pushbelt.study.tasks import Row
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import capacity, starts, steady
+from pushbelt.fmu import capacity, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -100,12 +100,12 @@ class Study(Tasks):
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
         self.grid.check(self.variables)
-        fixed = {"initial.equilibrium", *starts.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
+        fixed = {"initial.equilibrium", *steady.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
-    procedure = (point, starts, steady)
+    procedure = (point, steady)
     measure = staticmethod(point.solve)
 
     def document(self) -> dict[str, Any]:

@@ -13,8 +13,6 @@ SHOWN = 12  # Largest number of faults that an error lists in full
 
 
 class Fault(NamedTuple):
-    """A fault of a table."""
-
     text: str
     line: int | None = None
     column: str | None = None

@@ -80,7 +80,6 @@ def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
 
 
 def _decoded(data: bytes) -> tuple[str, str]:
-    """Text and encoding of a file."""
     encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
     if encoding is None and data[:4000].count(0):
         # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.

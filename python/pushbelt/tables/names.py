@@ -74,8 +74,6 @@ def in_words(name: str) -> tuple[str, bool] | None:
 
 @dataclass(frozen=True)
 class Column:
-    """A column that a table may have."""
-
     dimension: str  # Dimension of its unit, or `text`
     low: float  # Least plausible value, SI
     high: float  # Largest, SI

@@ -172,8 +172,6 @@ def _single_rows(p: _Points, lines: Array) -> Iterator[str]:
 
 
 class Other(NamedTuple):
-    """Another reading of some columns."""
-
     text: str
     columns: Mapping[str, Taken]  # What columns would be, by the known names that they have now
     unit: bool = False  # Whether it is another unit
@@ -185,7 +183,6 @@ class Other(NamedTuple):
         return [f'--map "{one.title}={one.turned}{one.name}{unit}"' for one, unit in pairs]
 
     def changed(self, sheet: Sheet) -> Sheet:
-        """The sheet with these columns."""
         new = {one.name: one.si(sheet.taken[name].written(sheet.values[name])) for name, one in self.columns.items()}
         return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[], remarks=[])
 
@@ -194,7 +191,6 @@ class Other(NamedTuple):
 
 
 def _others(sheet: Sheet) -> Iterator[Other]:
-    """Other readings of the columns of a table."""
     there = {name: one for name, one in sheet.taken.items() if name in sheet.values}
     for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
         for name in (name for name in names if name in there):

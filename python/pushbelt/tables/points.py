@@ -25,8 +25,6 @@ AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S ar
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured value."""
-
     quantity: str
     value: float  # SI
     deviation: float  # Standard deviation, SI
@@ -55,20 +53,16 @@ class Point:
 
     @property
     def shifting(self) -> bool:
-        """Whether the measured values are shift rates."""
         return self.measured[0].quantity in SHIFTS
 
 
 @dataclass(frozen=True)
 class Rig:
-    """A table with what it measures."""
-
     sheet: Sheet
     points: list[Point]
 
     @property
     def recorded(self) -> bool:
-        """Whether the table has recorded shifts."""
         return any(point.samples for point in self.points)
 
 
@@ -92,8 +86,6 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
 
 
 class _Points:
-    """Points of a sheet."""
-
     def __init__(self, sheet: Sheet, parameters: Mapping[str, float]) -> None:
         self.sheet, self.parameters = sheet, parameters
         self.values: dict[str, Array] = dict(sheet.values)

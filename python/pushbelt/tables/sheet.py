@@ -34,8 +34,6 @@ HEADERS = 4  # Rows below the titles in which units and descriptions are searche
 
 @dataclass(frozen=True)
 class Reading:
-    """Choices of the user."""
-
     decimal: str | None = None  # `point` or `comma`; None: determined from the file
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
@@ -45,8 +43,6 @@ class Reading:
 
 @dataclass(frozen=True)
 class Taken:
-    """A column that is used."""
-
     title: str  # Title in the file
     name: str  # Known name, with `.sd` for standard deviations
     unit: str  # Unit as written; empty without one
@@ -88,8 +84,6 @@ class Taken:
 
 @dataclass
 class Sheet:
-    """A table in SI units."""
-
     path: Path
     source: str
     decimal: str = "unknown"
@@ -184,8 +178,6 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
 
 
 class _Reader:
-    """Fills a sheet with the columns of a file."""
-
     def __init__(self, path: Path, cells: Cells, names: Names, reading: Reading, misspelled: bool) -> None:
         self.cells, self.names, self.reading, self.misspelled = cells, names, reading, misspelled
         self.titles, self.units, row, first, remarks = header(cells, names)
@@ -256,7 +248,6 @@ class _Reader:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
 
     def _fault(self, text: str, column: str) -> None:
-        """A fault of a title."""
         self.sheet.faults.append(Fault(text, self.line, column))
 
     def _renamed(self) -> dict[int, str]:

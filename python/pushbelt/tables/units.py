@@ -192,5 +192,4 @@ def usual(dimension: str) -> list[str]:
 
 
 def confused(dimension: str) -> list[str]:
-    """Units that are taken for each other."""
     return CONFUSED[dimension].split() if dimension in CONFUSED else usual(dimension)

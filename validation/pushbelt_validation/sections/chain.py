@@ -13,7 +13,7 @@ import numpy as np
 from pushbelt.fmu.data import curve_of
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.steady import driven_by_slip, driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad

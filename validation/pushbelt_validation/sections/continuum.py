@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pushbelt.fmu.starts import driven_at_speed
+from pushbelt.fmu.steady import driven_at_speed
 
 from .. import limit
 from ..bench import Bench, Plan, rad

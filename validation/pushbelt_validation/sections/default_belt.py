@@ -22,7 +22,7 @@ import numpy as np
 from pushbelt.fmu.data import curve_at, load_case_speed, load_cases
 from pushbelt.fmu.geometry import EDGE, ratio_of
 from pushbelt.fmu.results import BeltState
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 
 from ..bench import Bench, Plan
 from ..measured import OWN

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.starts import driven_at_speed, driven_by_torque
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad

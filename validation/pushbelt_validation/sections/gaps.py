@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 
 from ..bench import Bench, Outputs, Plan, rad
 from ..measured import data, source

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.starts import driven_at_speed
+from pushbelt.fmu.steady import driven_at_speed
 from pushbelt.report.charts import Chart, Panel, Series
 
 from .. import shift

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.steady import driven_by_slip, driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pushbelt.fmu.starts import StartValues, driven_at_speed, driven_by_torque
+from pushbelt.fmu.steady import StartValues, driven_at_speed, driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan

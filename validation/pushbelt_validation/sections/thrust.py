@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 from pushbelt.fmu.data import published_data
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 from pushbelt.report.charts import Chart, Panel
 
 from ..bench import Bench, Plan, rad

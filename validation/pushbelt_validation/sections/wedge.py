@@ -11,7 +11,7 @@ import math
 
 from scipy.optimize import brentq
 
-from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.steady import driven_by_torque
 
 from ..bench import Bench, Outputs, Plan, rad
 from ..measured import data, source

@@ -1,28 +1,28 @@
-"""`pushbelt fmu` and `pushbelt map-fmu`: copies of FMUs with other values."""
+"""The commands of `pushbelt` that are no programs: copies of FMUs with other values, variables, pages, the cache."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..errors import ArgumentError
-
-if TYPE_CHECKING:
-    from ..fmu.unit import Archive
-    from ..maps.data import Maps
+from ..errors import ArgumentError, similar
+from ..fmu import cache, flat, ssv, start_values
+from ..fmu.data import parameter_set
+from ..fmu.files import DOCS, default_fmu
+from ..fmu.unit import Archive, Instance, UnitError
+from ..fmu.untrusted import described
+from ..fmu.variables import Variables
+from ..maps import unit as map_unit
+from ..maps.data import Maps
 
 
 def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
-    from ..fmu import cache, flat, start_values
-    from ..fmu.data import parameter_set
-    from ..fmu.files import default_fmu
-    from ..fmu.untrusted import described
-
     _check_name(options.copy)
     fmu = options.fmu or default_fmu()
     if options.flat and not (options.set or options.variator or options.ssv):
@@ -33,14 +33,11 @@ def write_fmu(options: argparse.Namespace) -> int:
     archive = cache.unpacked(fmu)
     if archive.description.variableNamingConvention == "flat":
         raise ArgumentError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
-    variables = {variable.name: variable for variable in archive.description.modelVariables}
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
     if options.ssv:
-        from ..fmu import ssv
-
-        given |= ssv.read(options.ssv, variables)
+        given |= ssv.read(options.ssv, archive.variables)
     given |= dict(options.set)
-    values = start_values.checked(variables, given)
+    values = start_values.checked(archive.variables, given)
     remarks = _tried(archive, values, "values")
     start_values.write_copy(fmu, options.copy, values)
     if options.flat:
@@ -56,8 +53,6 @@ def _check_name(copy: Path) -> None:
 
 def _tried(archive: Archive, values: Mapping[str, Any], what: str) -> list[str]:
     """Warnings of the FMU after a start with these values. Raises ArgumentError if it rejects them."""
-    from ..fmu.unit import Instance, UnitError
-
     try:
         with Instance(archive, values) as unit:
             unit.initialise()
@@ -74,10 +69,6 @@ def _print(copy: Path, remarks: list[str], more: str = "") -> None:
 
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
-    from ..fmu.unit import Archive
-    from ..maps import unit as map_unit
-    from ..maps.data import Maps
-
     _check_name(options.copy)
     if options.maps and options.variator:
         raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
@@ -100,12 +91,57 @@ def write_map_fmu(options: argparse.Namespace) -> int:
 
 def _solved_maps(variator: str, folder: Path, *, short: bool) -> Maps:
     """The default maps of a parameter set, or a few lines of them. Finished lines remain in a folder beside the FMU."""
-    from ..fmu.files import default_fmu
-    from ..maps.data import Maps
-
     output = folder / "pushbelt-maps"
     program = importlib.import_module("pushbelt.maps.__main__")
     words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator, *["--short"] * short]
     if program.main(words) != 0:
         raise ArgumentError("there are no maps")
     return Maps.read(output / "maps.nc")
+
+
+def show_cache(options: argparse.Namespace) -> int:
+    folder = cache.folder()
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
+    if options.clear:
+        if folder.is_dir():
+            shutil.rmtree(folder)
+        print(f"removed {folder} ({size / 1e6:.1f} MB)")
+    else:
+        print(f"{folder} ({size / 1e6:.1f} MB)")
+    return 0
+
+
+def show_variables(options: argparse.Namespace) -> int:
+    words = [word.lower() for word in options.words]
+    variables = Variables(described(options.fmu or default_fmu()).modelVariables)
+    fields = "profile." in " ".join(words)
+    found = [
+        one
+        for one in variables.values()
+        if (options.kind is None or one.causality == options.kind)
+        and all(word in f"{one.name} {one.description}".lower() for word in words)
+        and (fields or not one.name.startswith(("profile.", "profile_")))
+    ]
+    if not found:
+        wanted = " ".join(options.words)
+        raise ArgumentError(
+            f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{similar(wanted, variables)}"
+        )
+    for one in found:
+        print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
+    print(f"{len(found)} of {len(variables)} variables" + ("" if fields else "; `pushbelt variables profile.` lists the fields"))
+    return 0
+
+
+def show_docs(options: argparse.Namespace) -> int:
+    # Pages that consist of a file of the source tree are left out.
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
+    pages = sorted(name for name, text in texts.items() if "{{#include ../" not in text and name != "SUMMARY")
+    if options.page is None:
+        print(f"{DOCS}: {', '.join(pages)}\n`pushbelt docs PAGE` prints a page.")
+        return 0
+    name = options.page.removesuffix(".md")
+    if name not in pages:
+        raise ArgumentError(f"no page {name}{similar(name, pages) or '; there are ' + ', '.join(pages)}")
+    print(texts[name])
+    return 0
