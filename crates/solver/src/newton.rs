@@ -53,7 +53,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    fn each_mut(&mut self) -> [&mut u64; 5] {
+    pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
         let Self {
             steps,
             rejected,
@@ -63,13 +63,17 @@ impl Counts {
         } = self;
         [steps, rejected, failed, residuals, factorizations]
     }
+
+    fn with(mut self, mut other: Self, combine: fn(u64, u64) -> u64) -> Self {
+        let pairs = self.each_mut().into_iter().zip(other.each_mut());
+        pairs.for_each(|(count, other)| *count = combine(*count, *other));
+        self
+    }
 }
 
 impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, mut more: Self) {
-        for (count, more) in self.each_mut().into_iter().zip(more.each_mut()) {
-            *count += *more;
-        }
+    fn add_assign(&mut self, more: Self) {
+        *self = self.with(more, |count, more| count + more);
     }
 }
 
@@ -77,11 +81,8 @@ impl std::ops::AddAssign for Counts {
 impl std::ops::Sub for Counts {
     type Output = Self;
 
-    fn sub(mut self, mut earlier: Self) -> Self {
-        for (count, earlier) in self.each_mut().into_iter().zip(earlier.each_mut()) {
-            *count -= *earlier;
-        }
-        self
+    fn sub(self, earlier: Self) -> Self {
+        self.with(earlier, |count, earlier| count - earlier)
     }
 }
 
