@@ -294,12 +294,6 @@ impl Newton {
         (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// The scaled product of the correction with the step of the search.
-    fn product_with_step(&self) -> f64 {
-        let products = self.correction.iter().zip(&self.step).zip(&self.scale);
-        products.map(|((d, step), s)| (d / s) * (step / s)).sum()
-    }
-
     /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and
     /// the residual there is at hand.
     /// `corrected`: the correction at `stage.state.y` is at hand.
@@ -412,7 +406,8 @@ impl Newton {
             self.evaluate(system, stage);
             self.correct();
             let (change, after) = self.measure();
-            let projection = self.product_with_step() / (norm * norm);
+            let products = self.correction.iter().zip(&self.step).zip(&self.scale);
+            let projection = products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm);
             let solved = after.is_finite() && change < LEFT * tolerance;
             let accepted = solved || after < norm;
             if accepted && (share >= 1.0 || solved || projection.abs() < PROJECTION) {
