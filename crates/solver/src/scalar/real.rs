@@ -1,6 +1,6 @@
 //! What a scalar can do, and plain numbers as scalars.
 
-use num_dual::{Dual64, DualNum};
+use num_dual::{Dual64, DualNum, DualSVec64};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -174,76 +174,78 @@ impl Real for f64 {
     }
 }
 
-/// num-dual's number is a [`Real`] too: it checks derivatives.
-impl Real for Dual64 {
-    type Constant = f64;
+/// num-dual's numbers are [`Real`] too: they check derivatives.
+macro_rules! real_by_num_dual {
+    ([$($generic:tt)*] $type:ty) => {
+        impl<$($generic)*> Real for $type {
+            type Constant = f64;
 
-    fn constant(value: f64) -> Self {
-        Self::from_re(value)
-    }
+            fn constant(value: f64) -> Self {
+                Self::from_re(value)
+            }
 
-    fn value(&self) -> f64 {
-        self.re
-    }
+            fn value(&self) -> f64 {
+                self.re
+            }
 
-    fn re(&self) -> f64 {
-        self.re
-    }
+            fn re(&self) -> f64 {
+                self.re
+            }
 
-    fn sqrt(self) -> Self {
-        DualNum::sqrt(&self)
-    }
+            fn sqrt(self) -> Self {
+                DualNum::sqrt(&self)
+            }
 
-    fn recip(self) -> Self {
-        DualNum::recip(&self)
-    }
+            fn recip(self) -> Self {
+                DualNum::recip(&self)
+            }
 
-    fn sin_cos(self) -> (Self, Self) {
-        DualNum::sin_cos(&self)
-    }
+            fn sin_cos(self) -> (Self, Self) {
+                DualNum::sin_cos(&self)
+            }
 
-    fn atan2(self, x: Self) -> Self {
-        DualNum::atan2(&self, x)
-    }
+            fn atan2(self, x: Self) -> Self {
+                DualNum::atan2(&self, x)
+            }
 
-    fn ln(self) -> Self {
-        DualNum::ln(&self)
-    }
+            fn ln(self) -> Self {
+                DualNum::ln(&self)
+            }
 
-    fn exp(self) -> Self {
-        DualNum::exp(&self)
-    }
+            fn exp(self) -> Self {
+                DualNum::exp(&self)
+            }
 
-    fn soft_plus(self, delta: f64) -> [Self; 3] {
-        let above = self.re > 0.0;
-        let size = if above { -self } else { self };
-        let tail = if size.re < -MOST * delta {
-            Self::from_re((-MOST).exp())
-        } else {
-            DualNum::exp(&(size * delta.recip()))
-        };
-        let whole = DualNum::recip(&(tail + 1.0));
-        let slope = if above { whole } else { tail * whole };
-        let plus = DualNum::ln_1p(&tail) * delta + if above { self } else { Self::from_re(0.0) };
-        [plus, slope, slope * (-slope + 1.0) * delta.recip()]
-    }
+            fn soft_plus(self, delta: f64) -> [Self; 3] {
+                let above = self.re > 0.0;
+                let size = if above { -self } else { self };
+                let tail = if size.re < -MOST * delta {
+                    Self::from_re((-MOST).exp())
+                } else {
+                    DualNum::exp(&(size * delta.recip()))
+                };
+                let whole = DualNum::recip(&(tail + 1.0));
+                let slope = if above { whole } else { tail * whole };
+                let plus = DualNum::ln_1p(&tail) * delta + if above { self } else { Self::from_re(0.0) };
+                [plus, slope, slope * (-slope + 1.0) * delta.recip()]
+            }
 
-    fn if_positive(self, yes: Self, no: Self) -> Self {
-        if self.re > 0.0 { yes } else { no }
-    }
+            fn if_positive(self, yes: Self, no: Self) -> Self {
+                if self.re > 0.0 { yes } else { no }
+            }
 
-    fn smooth_plus(self, delta: f64) -> [Self; 3] {
-        let square = delta * delta;
-        let root = DualNum::sqrt(&(self * self + square));
-        let plus = if self.re > 0.0 {
-            (self + root) * 0.5
-        } else {
-            DualNum::recip(&(root - self)) * (0.5 * square)
-        };
-        [
-            plus,
-            plus / root,
-            DualNum::recip(&(root * root * root)) * (0.5 * square),
-        ]
-    }
+            fn smooth_plus(self, delta: f64) -> [Self; 3] {
+                let square = delta * delta;
+                let root = DualNum::sqrt(&(self * self + square));
+                let plus = if self.re > 0.0 {
+                    (self + root) * 0.5
+                } else {
+                    DualNum::recip(&(root - self)) * (0.5 * square)
+                };
+                [plus, plus / root, DualNum::recip(&(root * root * root)) * (0.5 * square)]
+            }
+        }
+    };
 }
+real_by_num_dual!([] Dual64);
+real_by_num_dual!([const N: usize] DualSVec64<N>);

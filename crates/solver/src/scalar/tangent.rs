@@ -251,24 +251,6 @@ mod tests {
     use super::*;
     use num_dual::Dual64;
 
-    /// Against finite differences in all quadrants and on the axes; on the cut the difference steps over 2π.
-    #[test]
-    fn atan2_has_exact_derivatives_in_all_quadrants() {
-        use std::f64::consts::TAU;
-        for k in 0..16 {
-            let (y, x) = (TAU * f64::from(k) / 16.0).sin_cos();
-            let (y, x) = (1.7 * y, 1.7 * x);
-            let found = Tangent::<2, f64>::seed(y, 0, 1.0).atan2(Tangent::seed(x, 1, 1.0));
-            assert_eq!(found.re, y.atan2(x), "{k}");
-            let step = 1e-6;
-            let turned = |a: f64, b: f64| (a - b + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
-            let by_y = turned((y + step).atan2(x), (y - step).atan2(x)) / (2.0 * step);
-            let by_x = turned(y.atan2(x + step), y.atan2(x - step)) / (2.0 * step);
-            assert!((found.eps[0] - by_y).abs() < 1e-9, "{k}: {} {by_y}", found.eps[0]);
-            assert!((found.eps[1] - by_x).abs() < 1e-9, "{k}: {} {by_x}", found.eps[1]);
-        }
-    }
-
     /// Every operation against num-dual.
     #[test]
     fn agrees_with_num_dual() {
