@@ -5,20 +5,7 @@ pub mod linear;
 
 use pushbelt::fmi::{fmi2 as v2, fmi3 as v3};
 
-/// The C functions of FMI 2.0.
-pub mod fmi2 {
-    pushbelt::fmi::export_fmi2!(pushbelt::unit::VariatorUnit);
-}
-
-/// The C functions of FMI 3.0.
-pub mod fmi3 {
-    pushbelt::fmi::export_fmi3!(pushbelt::unit::VariatorUnit);
-}
-
-/// The function by which another library of the FMU opens this one.
-pub mod variant {
-    pushbelt::fmi::export_variant!();
-}
+pushbelt::fmi::export!(pushbelt::unit::VariatorUnit);
 
 /// The content of `fmu-build/exports.def`.
 #[must_use]

@@ -34,14 +34,11 @@ pub fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
 
 fn describe<U: Unit>(version: Version, token: &str) -> Element {
     let (table, settings) = (U::table(), U::Settings::default());
-    let variables = table.variables().iter();
-    let variables: Vec<_> = match version {
-        Two => variables.map(|one| scalar_variable(one, &settings)).collect(),
-        Three => {
-            let described = variables.filter_map(|one| model_variable(&table, one, &settings));
-            [time()].into_iter().chain(described).collect()
-        }
-    };
+    let described = table
+        .variables()
+        .iter()
+        .filter_map(|one| variable(version, &table, one, &settings));
+    let time = (version == Three).then(time);
     let types = table.enumerations.iter().map(|one| type_definition(version, one));
     head(version, &U::IDENTITY, token)
         .child(capabilities::<U>(version))
@@ -49,7 +46,7 @@ fn describe<U: Unit>(version: Version, token: &str) -> Element {
         .list("TypeDefinitions", types)
         .child(log_categories(version))
         .child(default_experiment(&U::IDENTITY))
-        .list("ModelVariables", variables)
+        .list("ModelVariables", time.into_iter().chain(described))
         .child(model_structure(version, &table))
 }
 
@@ -168,42 +165,22 @@ fn time() -> Element {
         .with("unit", "s")
 }
 
-fn scalar_variable<S, R>(variable: &Variable<S, R>, settings: &S) -> Element {
-    let tag = match &variable.kind {
-        Kind::Real { .. } => "Real",
-        Kind::Integer { .. } => "Integer",
-        Kind::Boolean { .. } => "Boolean",
-        Kind::Enumeration { .. } => "Enumeration",
+/// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further elements of an array.
+fn variable<S, R>(version: Version, table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
+    let reference = variable.reference;
+    let array = table.array_of(reference).filter(|_| version == Three);
+    let (name, description) = match array {
+        Some(array) if array.first != reference => return None,
+        Some(array) => (&array.name, &array.description),
+        None => (&variable.name, &variable.description),
     };
-    let head = variable_head("ScalarVariable", variable, [&variable.name, &variable.description]);
-    head.child(typed(Element::new(tag), variable, settings))
-}
-
-/// The element of a variable or of the array that begins with it; `None` for further elements of an array.
-fn model_variable<S, R>(table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
-    let array = table.array_of(variable.reference);
-    let names = match array {
-        Some(array) if array.first != variable.reference => return None,
-        Some(array) => [&array.name, &array.description],
-        None => [&variable.name, &variable.description],
-    };
-    let tag = match &variable.kind {
-        Kind::Real { .. } => "Float64",
-        Kind::Integer { .. } => "Int32",
-        Kind::Boolean { .. } => "Boolean",
-        Kind::Enumeration { .. } => "Enumeration",
-    };
-    let head = variable_head(tag, variable, names);
-    let head = head.with_some("intermediateUpdate", variable.is_intermediate().then_some(true));
-    let size = array.map(|array| Element::new("Dimension").with("start", array.size));
-    Some(typed(head, variable, settings).children(size))
-}
-
-/// The element of a variable, or of the array that begins with it, whatever its type.
-fn variable_head<S, R>(tag: &'static str, variable: &Variable<S, R>, [name, description]: [&String; 2]) -> Element {
-    let changes = match variable.kind {
-        Kind::Real { .. } => "continuous",
-        _ => "discrete",
+    let (tag, changes) = match (&variable.kind, version) {
+        (Kind::Real { .. }, Two) => ("Real", "continuous"),
+        (Kind::Real { .. }, Three) => ("Float64", "continuous"),
+        (Kind::Integer { .. }, Two) => ("Integer", "discrete"),
+        (Kind::Integer { .. }, Three) => ("Int32", "discrete"),
+        (Kind::Boolean { .. }, _) => ("Boolean", "discrete"),
+        (Kind::Enumeration { .. }, _) => ("Enumeration", "discrete"),
     };
     let (causality, variability, initial) = match variable.causality {
         Causality::Parameter => ("parameter", "fixed", Some("exact")),
@@ -213,13 +190,23 @@ fn variable_head<S, R>(tag: &'static str, variable: &Variable<S, R>, [name, desc
         Causality::Output => ("output", changes, Some("calculated")),
         Causality::Local => ("local", changes, Some("calculated")),
     };
-    Element::new(tag)
-        .with("name", name)
-        .with("valueReference", variable.reference)
-        .with("description", description)
-        .with("causality", causality)
-        .with("variability", variability)
-        .with_some("initial", initial)
+    let head = |tag| {
+        Element::new(tag)
+            .with("name", name)
+            .with("valueReference", reference)
+            .with("description", description)
+            .with("causality", causality)
+            .with("variability", variability)
+            .with_some("initial", initial)
+    };
+    Some(match version {
+        Two => head("ScalarVariable").child(typed(Element::new(tag), variable, settings)),
+        Three => {
+            let head = head(tag).with_some("intermediateUpdate", variable.is_intermediate().then_some(true));
+            let size = array.map(|array| Element::new("Dimension").with("start", array.size));
+            typed(head, variable, settings).children(size)
+        }
+    })
 }
 
 /// With the attributes of a variable's type, and its start value if it is a setting.

@@ -331,7 +331,13 @@ impl<S, R> Variable<S, R> {
         if !self.causality.is_setting() {
             return Err(format!("{} is calculated and can't be set", self.name));
         }
-        match (&self.kind, self.admit(value)?) {
+        self.write(settings, self.admit(value)?);
+        Ok(())
+    }
+
+    /// Sets a setting to a value of its type, whatever its limits.
+    pub(crate) fn write(&self, settings: &mut S, value: Value) {
+        match (&self.kind, value) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
             (Kind::Integer { access, .. } | Kind::Enumeration { access, .. }, Value::Integer(value)) => {
                 access.write(settings, i32::try_from(value).unwrap_or_default());
@@ -339,7 +345,6 @@ impl<S, R> Variable<S, R> {
             (Kind::Boolean { access }, Value::Boolean(value)) => access.write(settings, value),
             _ => {}
         }
-        Ok(())
     }
 
     /// Checks a value against the limits; the value to be set.

@@ -1,6 +1,8 @@
 //! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers,
 //! several times as fast as loops over slices; for products a size of 0 stands for any.
 
+use nalgebra::{DMatrixViewMut, DVector};
+
 /// What becomes of y by a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
@@ -201,7 +203,7 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
 /// [`invert`] for any number of rows.
 #[derive(Clone, Debug)]
 pub struct Inverter {
-    pivots: Vec<f64>,
+    pivots: DVector<f64>,
     swaps: Vec<usize>,
 }
 
@@ -209,46 +211,37 @@ impl Inverter {
     /// Memory for matrices of so many rows.
     pub fn new(rows: usize) -> Self {
         Self {
-            pivots: vec![0.0; rows],
+            pivots: DVector::zeros(rows),
             swaps: vec![0; rows],
         }
     }
 
     /// [`invert`].
     pub fn invert(&mut self, a: &mut [f64]) -> bool {
-        let n = self.pivots.len();
+        let (n, pivots) = (self.swaps.len(), &mut self.pivots);
+        let mut a = DMatrixViewMut::from_slice(a, n, n);
         for k in 0..n {
-            self.pivots.copy_from_slice(&a[k * n..(k + 1) * n]);
-            let largest = self.pivots[k..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let mut row = k;
-            if self.pivots[k].abs() < PIVOT * largest {
-                row = (k..n).find(|&i| self.pivots[i].abs() == largest).unwrap_or(k);
-                a.chunks_exact_mut(n).for_each(|column| column.swap(k, row));
-                self.pivots.swap(k, row);
-            }
+            let below = a.view_range(k.., k);
+            let (row, largest) = (k + below.icamax(), below.camax());
+            let row = if a[(k, k)].abs() < PIVOT * largest { row } else { k };
+            a.swap_rows(k, row);
             self.swaps[k] = row;
-            let inverse = self.pivots[k].recip();
+            let inverse = a[(k, k)].recip();
             if !inverse.is_finite() {
                 return false;
             }
-            a[k * n..(k + 1) * n].fill(0.0);
-            for column in a.chunks_exact_mut(n) {
+            pivots.copy_from(&a.column(k));
+            a.column_mut(k).fill(0.0);
+            for mut column in a.column_iter_mut() {
                 let factor = column[k] * inverse;
-                for (entry, pivot) in column.iter_mut().zip(&self.pivots) {
-                    *entry -= pivot * factor;
-                }
+                column.axpy(-factor, pivots, 1.0);
                 column[k] = factor;
             }
-            self.pivots[k] = -1.0;
-            for (entry, pivot) in a[k * n..(k + 1) * n].iter_mut().zip(&self.pivots) {
-                *entry = -pivot * inverse;
-            }
+            pivots[k] = -1.0;
+            a.column_mut(k).axpy(-inverse, pivots, 0.0);
         }
         for (k, &column) in self.swaps.iter().enumerate().rev() {
-            if column != k {
-                let (head, tail) = a.split_at_mut(column * n);
-                head[k * n..(k + 1) * n].swap_with_slice(&mut tail[..n]);
-            }
+            a.swap_columns(k, column);
         }
         a.iter().all(|x| x.is_finite())
     }

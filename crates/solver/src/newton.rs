@@ -53,7 +53,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    fn each_mut(&mut self) -> [&mut u64; 5] {
+    pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
         let Self {
             steps,
             rejected,
@@ -63,13 +63,17 @@ impl Counts {
         } = self;
         [steps, rejected, failed, residuals, factorizations]
     }
+
+    fn with(mut self, mut other: Self, combine: fn(u64, u64) -> u64) -> Self {
+        let pairs = self.each_mut().into_iter().zip(other.each_mut());
+        pairs.for_each(|(count, other)| *count = combine(*count, *other));
+        self
+    }
 }
 
 impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, mut more: Self) {
-        for (count, more) in self.each_mut().into_iter().zip(more.each_mut()) {
-            *count += *more;
-        }
+    fn add_assign(&mut self, more: Self) {
+        *self = self.with(more, |count, more| count + more);
     }
 }
 
@@ -77,11 +81,8 @@ impl std::ops::AddAssign for Counts {
 impl std::ops::Sub for Counts {
     type Output = Self;
 
-    fn sub(mut self, mut earlier: Self) -> Self {
-        for (count, earlier) in self.each_mut().into_iter().zip(earlier.each_mut()) {
-            *count -= *earlier;
-        }
-        self
+    fn sub(self, earlier: Self) -> Self {
+        self.with(earlier, |count, earlier| count - earlier)
     }
 }
 
@@ -293,12 +294,6 @@ impl Newton {
         (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// The scaled product of the correction with the step of the search.
-    fn product_with_step(&self) -> f64 {
-        let products = self.correction.iter().zip(&self.step).zip(&self.scale);
-        products.map(|((d, step), s)| (d / s) * (step / s)).sum()
-    }
-
     /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and
     /// the residual there is at hand.
     /// `corrected`: the correction at `stage.state.y` is at hand.
@@ -411,7 +406,8 @@ impl Newton {
             self.evaluate(system, stage);
             self.correct();
             let (change, after) = self.measure();
-            let projection = self.product_with_step() / (norm * norm);
+            let products = self.correction.iter().zip(&self.step).zip(&self.scale);
+            let projection = products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm);
             let solved = after.is_finite() && change < LEFT * tolerance;
             let accepted = solved || after < norm;
             if accepted && (share >= 1.0 || solved || projection.abs() < PROJECTION) {

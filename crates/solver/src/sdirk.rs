@@ -204,7 +204,7 @@ impl Sdirk {
     fn solve<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
         self.last_step = None;
         self.newton.set_scale(system, 1.0 / (h * GAMMA));
-        let tolerance = self.tolerance();
+        let tolerance = self.newton_tolerance * (1.0 + self.newton_widening * self.error);
         for number in self.open.max(1)..=2 {
             if self.open != number {
                 self.predict(number, view, h);
@@ -269,11 +269,6 @@ impl Sdirk {
         let end = time + h;
         self.accept(system, state, Interval { end, length: h });
         Ok(())
-    }
-
-    /// What Newton's method solves the next stage to, as a fraction of the system's Newton scale.
-    fn tolerance(&self) -> f64 {
-        self.newton_tolerance * (1.0 + self.newton_widening * self.error)
     }
 
     /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.

@@ -108,7 +108,7 @@ fn start<U: Unit>(
         warnings.push(warning);
         Vec::new()
     });
-    places.extend(library::own_path().ok().and_then(|path| resources::beside(&path)));
+    places.extend(library::own_path().and_then(|path| resources::beside(&path)));
     let defaults = load::<U>(&places)?;
     let own = description::token::<U>(version, U::data(&defaults));
     let is_copy = start_file::is_of_copy(&token, &own).ok_or_else(|| {

@@ -147,7 +147,7 @@ fn open(hash: &str, is_open: bool) -> Result<Library, String> {
     if !is_open && std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
         return Err(format!("{SWITCH} is 0"));
     }
-    let own = library::own_path()?;
+    let own = library::own_path().ok_or("the path of this library is unknown")?;
     let name = own.file_stem().unwrap_or_default().display();
     let path = own.with_file_name(format!("{name}-avx2{}", std::env::consts::DLL_SUFFIX));
     let checked = if is_open { Ok(()) } else { check(&path, hash) };

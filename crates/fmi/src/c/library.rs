@@ -39,22 +39,14 @@ impl Library {
     }
 }
 
-/// The path of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
-/// working directory has an effect.
-///
-/// # Errors
-/// The operating system has no path for it.
-pub fn own_path() -> Result<PathBuf, String> {
-    own_file().ok_or_else(|| "the path of this library is unknown".to_owned())
-}
-
 /// A byte of this library, whose address identifies the library.
 static HERE: u8 = 0;
 
-/// The path of the file that the library was loaded from, without links. `dladdr` has the path that the host gave to `dlopen`,
-/// which may be relative to another working directory than that of today.
+/// The path of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
+/// working directory has an effect. `dladdr` has the path that the host gave to `dlopen`, which may be relative to another working
+/// directory than that of today.
 #[cfg(target_os = "linux")]
-fn own_file() -> Option<PathBuf> {
+pub fn own_path() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
 
     let here = (&raw const HERE).addr();
@@ -73,7 +65,7 @@ fn own_file() -> Option<PathBuf> {
 
 /// The path that the system has kept since the library was loaded, without links. A relative one is of no use.
 #[cfg(not(target_os = "linux"))]
-fn own_file() -> Option<PathBuf> {
+pub fn own_path() -> Option<PathBuf> {
     loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
 }
 

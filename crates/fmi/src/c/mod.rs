@@ -3,7 +3,7 @@
 //! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
 //! and, after `=`, the body, or after `=>` the instance and the call on its slave. Before `=` a row says what its body does with an
 //! instance: `creates`, `on c`, `free c`. A table passes its rows to another macro. `define!` makes a generic function of each row;
-//! `export_fmi2!` and `export_fmi3!` make the exported functions for one unit, which call the generic ones.
+//! `export_fmi2!` and `export!` make the exported functions for one unit, which call the generic ones.
 
 pub(super) mod creation;
 pub mod dispatch;
@@ -140,20 +140,8 @@ macro_rules! __call {
     }};
 }
 
-/// Exports the function by which a library opens its variant: `pushbeltVariant`.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! export_variant {
-    () => {
-        /// For a library of the FMU that opens this one as its variant.
-        #[cfg_attr(not(test), unsafe(no_mangle))]
-        pub extern "C" fn pushbeltVariant() {
-            $crate::dispatch::handshake();
-        }
-    };
-}
-
-/// Exports the C functions of FMI 2.0 and FMI 3.0 for the given [`Unit`](crate::Unit). To be called once in a library.
+/// Exports the C functions of FMI 2.0 and FMI 3.0 for the given [`Unit`](crate::Unit), and the function by which a library opens its
+/// variant, `pushbeltVariant`. To be called once in a library.
 #[macro_export]
 macro_rules! export {
     ($unit:ty) => {
@@ -163,9 +151,20 @@ macro_rules! export {
                 $crate::export_fmi2!($unit);
             };
             const _: () = {
-                $crate::export_fmi3!($unit);
+                use $crate::fmi3::{
+                    Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
+                };
+                use $crate::libc::{c_char, c_int, c_void};
+                use $crate::log::Status;
+
+                $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit; }
             };
-            $crate::export_variant!();
+
+            /// For a library of the FMU that opens this one as its variant.
+            #[cfg_attr(not(test), unsafe(no_mangle))]
+            pub extern "C" fn pushbeltVariant() {
+                $crate::dispatch::handshake();
+            }
         };
     };
 }

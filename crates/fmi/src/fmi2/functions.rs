@@ -10,7 +10,7 @@ use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupp
 use crate::c::{define, stored};
 use crate::log::Status;
 use crate::slave::{Slave, Type};
-use crate::state::Call;
+use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
@@ -49,9 +49,10 @@ macro_rules! fmi2_functions {
             let (tolerance, stop) = ((tolerance_defined != 0, tolerance), (stop_time_defined != 0, stop_time));
             slave.setup_experiment(Experiment::from_arguments(tolerance, start_time, stop))
         };
-        fmi2EnterInitializationMode(c: Component) -> Status => c, Slave::enter_initialization_mode;
+        fmi2EnterInitializationMode(c: Component) -> Status =>
+            c, |slave| slave.enter(State::Initialisation, Call::EnterInitializationMode);
         fmi2ExitInitializationMode(c: Component) -> Status => c, Slave::exit_initialization_mode;
-        fmi2Terminate(c: Component) -> Status => c, Slave::terminate;
+        fmi2Terminate(c: Component) -> Status => c, |slave| slave.enter(State::Terminated, Call::Terminate);
         fmi2Reset(c: Component) -> Status => c, Slave::reset;
 
         // Variables.

@@ -11,7 +11,7 @@ use crate::c::entry::{NULL_RESULT, array, array_mut, enter, set_debug_logging, u
 use crate::c::{define, stored};
 use crate::log::Status;
 use crate::slave::{Slave, Type, refused};
-use crate::state::Call;
+use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 /// Why functions are not supported.
@@ -66,7 +66,7 @@ macro_rules! fmi3_functions {
         };
         fmi3ExitInitializationMode(c: Instance) -> Status => c, Slave::exit_initialization_mode;
         fmi3EnterEventMode(c: Instance) -> Status => c, Slave::enter_event_mode;
-        fmi3Terminate(c: Instance) -> Status => c, Slave::terminate;
+        fmi3Terminate(c: Instance) -> Status => c, |slave| slave.enter(State::Terminated, Call::Terminate);
         fmi3Reset(c: Instance) -> Status => c, Slave::reset;
         fmi3GetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *mut f32, n_values: usize) -> Status =>
             c, |slave| slave.no_such_type(Call::Get, array((vr, nvr))?, "32-bit real");
@@ -213,7 +213,7 @@ macro_rules! fmi3_functions {
             c, |_| unsupported(CO_SIMULATION);
         fmi3GetNumberOfContinuousStates(c: Instance, n_continuous_states: *mut usize) -> Status =>
             c, |_| unsupported(CO_SIMULATION);
-        fmi3EnterStepMode(c: Instance) -> Status => c, Slave::enter_step_mode;
+        fmi3EnterStepMode(c: Instance) -> Status => c, |slave| slave.enter(State::StepComplete, Call::HandleEvent);
         fmi3GetOutputDerivatives(
             c: Instance, vr: *const Reference, nvr: usize, orders: *const i32, values: *mut f64, n_values: usize
         ) -> Status =>
@@ -233,21 +233,3 @@ macro_rules! fmi3_functions {
 }
 
 fmi3_functions!([define]);
-
-/// Exports the 75 C functions of FMI 3.0, for the given [`Unit`](crate::Unit).
-///
-/// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions.
-#[macro_export]
-macro_rules! export_fmi3 {
-    ($unit:ty) => {
-        use $crate::libc::{c_char, c_int, c_void};
-
-        use $crate::fmi3::{
-            Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
-        };
-        use $crate::log::Status;
-
-        $crate::fmi3_functions! { [$crate::__export_for] fmi3 $unit; }
-    };
-}

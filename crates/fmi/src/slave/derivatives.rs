@@ -3,9 +3,9 @@
 use super::error::{Outcome, refused};
 use super::instance::Slave;
 use super::snapshot::zero_rates;
-use super::values::{Type, check_count, find};
+use super::values::{Number, Type, check_count, find};
 use crate::state::Call;
-use crate::table::{Access, Causality, Kind, Variable, not_finite};
+use crate::table::{Causality, Value, Variable, not_finite};
 use crate::unit::Unit;
 
 impl<U: Unit> Slave<U> {
@@ -26,13 +26,7 @@ impl<U: Unit> Slave<U> {
         }
         let rates = self.now.rates.get_or_insert_with(|| zero_rates(&self.table));
         for (&reference, &value) in references.iter().zip(values) {
-            if let Kind::Real {
-                access: Access::Setting { set, .. },
-                ..
-            } = find(&self.table, reference, Type::Real)?.kind
-            {
-                set(rates, value);
-            }
+            find(&self.table, reference, Type::Real)?.write(rates, Value::Real(value));
         }
         Ok(())
     }
@@ -62,13 +56,10 @@ impl<U: Unit> Slave<U> {
             return refused("not supported: outputs have no derivatives (maxOutputDerivativeOrder is 0)");
         };
         for (&reference, value) in references.iter().zip(values) {
-            if let Kind::Real {
-                access: Access::Reading(get),
-                ..
-            } = find(&self.table, reference, Type::Real)?.kind
-            {
-                *value = (get(&moment.after) - get(&moment.before)) / moment.span;
-            }
+            let variable = find(&self.table, reference, Type::Real)?;
+            let read = |readings| variable.value(&self.now.settings, Some(readings));
+            let [before, after] = [&moment.before, &moment.after].map(|at| read(at).map_or(f64::NAN, f64::from_value));
+            *value = (after - before) / moment.span;
         }
         Ok(())
     }
@@ -78,11 +69,7 @@ impl<U: Unit> Slave<U> {
 fn check<S, R>(variable: &Variable<S, R>, causality: Causality, order: i32) -> Outcome {
     let name = &variable.name;
     if variable.causality != causality {
-        let what = if causality == Causality::Input {
-            "input"
-        } else {
-            "output"
-        };
+        let what = format!("{causality:?}").to_lowercase();
         return refused(format!("{name} is not an {what}"));
     }
     if order != 1 {

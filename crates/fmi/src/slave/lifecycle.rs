@@ -39,17 +39,17 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Enters initialisation mode, in FMI 2.0.
-    pub fn enter_initialization_mode(&mut self) -> Outcome {
-        self.allow(Call::EnterInitializationMode)?;
-        self.now.state = State::Initialisation;
+    /// Changes the state by a call that does nothing else.
+    pub(crate) fn enter(&mut self, state: State, by: Call) -> Outcome {
+        self.allow(by)?;
+        self.now.state = state;
         Ok(())
     }
 
     /// Sets tolerance, start and stop time, and enters initialisation mode, in FMI 3.0.
     pub fn initialize(&mut self, experiment: Experiment) -> Outcome {
         self.setup_experiment(experiment)?;
-        self.enter_initialization_mode()
+        self.enter(State::Initialisation, Call::EnterInitializationMode)
     }
 
     /// Leaves initialisation mode, for event mode if the master handles events.
@@ -71,20 +71,6 @@ impl<U: Unit> Slave<U> {
             return refused("the instance was created without event mode (eventModeUsed)");
         }
         self.now.state = State::Event;
-        Ok(())
-    }
-
-    /// Leaves event mode.
-    pub fn enter_step_mode(&mut self) -> Outcome {
-        self.allow(Call::HandleEvent)?;
-        self.now.state = State::StepComplete;
-        Ok(())
-    }
-
-    /// Ends the run.
-    pub fn terminate(&mut self) -> Outcome {
-        self.allow(Call::Terminate)?;
-        self.now.state = State::Terminated;
         Ok(())
     }
 

@@ -4,7 +4,8 @@
 //! supported), and nothing has changed; *failed* (no initial state, a panic), and only [`Slave::reset`], a stored state or the
 //! end of the instance follow; *discarded* (a value out of range, a step that was not completed): all is as before, and the master decides.
 //!
-//! Methods have the names of the C functions. [`Slave::call`] makes a call: it logs errors and contains panics.
+//! Methods have the names of the C functions; a call that only changes the state is `enter`. [`Slave::call`] makes a call: it logs
+//! errors and contains panics.
 
 mod bytes;
 mod clock;

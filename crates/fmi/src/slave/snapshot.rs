@@ -5,7 +5,7 @@ use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
 use crate::state::{Call, State};
-use crate::table::{Access, Causality, Kind, Table, Value};
+use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::{Archive, Mismatch};
 
@@ -102,11 +102,21 @@ impl<U: Unit> Snapshot<U> {
         archive.option(tolerance);
         archive.real(start);
         self.clock.serialize(archive);
-        serialize_settings(table, &mut self.settings, archive);
+        for variable in table.variables().iter().filter(|v| v.causality.is_setting()) {
+            let value = serialized(variable, &self.settings, archive);
+            if value.is_some_and(|value| variable.set(&mut self.settings, value).is_err()) {
+                archive.reject();
+            }
+        }
         let mut has_rates = self.rates.is_some();
         archive.flag(&mut has_rates);
         if has_rates {
-            serialize_rates(table, self.rates.get_or_insert_with(|| zero_rates(table)), archive);
+            let rates = self.rates.get_or_insert_with(|| zero_rates(table));
+            for input in real_inputs(table) {
+                if let Some(rate) = serialized(input, rates, archive) {
+                    input.write(rates, rate);
+                }
+            }
         }
         let mut started = self.unit.is_some();
         archive.flag(&mut started);
@@ -122,54 +132,30 @@ impl<U: Unit> Snapshot<U> {
     }
 }
 
-/// How to read and write the field of a real input.
-type Field<S> = (fn(&S) -> f64, fn(&mut S, f64));
-
-/// The fields of the real inputs.
-fn real_inputs<S, R>(table: &Table<S, R>) -> impl Iterator<Item = Field<S>> {
+/// The real inputs, which have rates.
+fn real_inputs<S, R>(table: &Table<S, R>) -> impl Iterator<Item = &Variable<S, R>> {
     let inputs = table.variables().iter().filter(|v| v.causality == Causality::Input);
-    inputs.filter_map(|variable| match &variable.kind {
-        Kind::Real {
-            access: Access::Setting { get, set },
-            ..
-        } => Some((*get, *set)),
-        _ => None,
-    })
+    inputs.filter(|variable| matches!(variable.kind, Kind::Real { .. }))
 }
 
 /// Settings whose real inputs are zero: the time derivatives of inputs that are held.
 pub(super) fn zero_rates<S: Default, R>(table: &Table<S, R>) -> S {
     let mut rates = S::default();
-    real_inputs(table).for_each(|(_, set)| set(&mut rates, 0.0));
+    real_inputs(table).for_each(|input| input.write(&mut rates, Value::Real(0.0)));
     rates
 }
 
-/// Writes the time derivatives of the real inputs to an archive, or reads them from one.
-fn serialize_rates<S, R>(table: &Table<S, R>, rates: &mut S, archive: &mut Archive<'_>) {
-    for (get, set) in real_inputs(table) {
-        let mut rate = get(rates);
-        archive.real(&mut rate);
-        set(rates, rate);
-    }
-}
-
-/// Writes all settings to an archive, or reads them from one if they are admissible.
-fn serialize_settings<S, R>(table: &Table<S, R>, settings: &mut S, archive: &mut Archive<'_>) {
-    for variable in table.variables().iter().filter(|v| v.causality.is_setting()) {
-        let Some(mut value) = variable.value(settings, None) else {
-            continue;
-        };
-        match &mut value {
-            Value::Real(value) => archive.real(value),
-            Value::Integer(value) => {
-                let mut number = i32::try_from(*value).unwrap_or_default();
-                archive.integer(&mut number);
-                *value = number.into();
-            }
-            Value::Boolean(value) => archive.flag(value),
+/// Writes the value of a setting to an archive, or reads it from one.
+fn serialized<S, R>(variable: &Variable<S, R>, settings: &S, archive: &mut Archive<'_>) -> Option<Value> {
+    let mut value = variable.value(settings, None)?;
+    match &mut value {
+        Value::Real(value) => archive.real(value),
+        Value::Integer(value) => {
+            let mut number = i32::try_from(*value).unwrap_or_default();
+            archive.integer(&mut number);
+            *value = number.into();
         }
-        if variable.set(settings, value).is_err() {
-            archive.reject();
-        }
+        Value::Boolean(value) => archive.flag(value),
     }
+    Some(value)
 }

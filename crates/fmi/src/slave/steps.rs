@@ -2,7 +2,6 @@
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
-use super::snapshot::Snapshot;
 use crate::log::{Category, Status};
 use crate::state::{Call, State};
 use crate::unit::{StepFailure, Unit};
@@ -69,31 +68,26 @@ impl<U: Unit> Slave<U> {
     /// Begins a communication step of size `step` from `current`, s.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
-        let Snapshot {
-            settings,
-            rates,
-            unit,
-            clock,
-            experiment,
-            ..
-        } = &mut self.now;
-        let end = clock.after(current, step, U::IDENTITY.longest_step, experiment.stop)?;
-        let unit = started(unit)?;
+        let now = &mut self.now;
+        let end = now
+            .clock
+            .after(current, step, U::IDENTITY.longest_step, now.experiment.stop)?;
+        let unit = started(&mut now.unit)?;
         if !end.is_after(unit.time()) {
             // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
-            (*clock, *rates, self.now.state) = (end, None, State::StepComplete);
+            (now.clock, now.rates, now.state) = (end, None, State::StepComplete);
             return Ok(Next::Ended(Ended::at(end.point)));
         }
         // A longer previous step may have ended on a coarser grid, just ahead of this time.
         let to = end.on_grid(step).max(unit.time());
-        let step = match unit.begin(to, settings, rates.as_ref()) {
+        let step = match unit.begin(to, &now.settings, now.rates.as_ref()) {
             Ok(step) => step,
             Err(failure) => return self.fail_step(failure),
         };
         let over = unit.is_over(&step);
         let step = StepInProgress {
             step,
-            rates: rates.take(),
+            rates: now.rates.take(),
             end,
             shortened: false,
         };

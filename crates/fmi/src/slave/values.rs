@@ -258,7 +258,11 @@ fn expand<'a, S, R>(table: &Table<S, R>, references: &'a [u32], count: usize) ->
     if together == references.len() {
         return Ok(Cow::Borrowed(references));
     }
-    let mut expanded = memory_for(together)?;
+    // As many as a host asks for.
+    let mut expanded = Vec::new();
+    if let Err(error) = expanded.try_reserve_exact(together) {
+        return refused(format!("memory for {together} values: {error}"));
+    }
     for &reference in references {
         match table.array_of(reference) {
             None => expanded.push(reference),
@@ -266,13 +270,4 @@ fn expand<'a, S, R>(table: &Table<S, R>, references: &'a [u32], count: usize) ->
         }
     }
     Ok(Cow::Owned(expanded))
-}
-
-/// An empty list with memory for as many items as a host asks for.
-fn memory_for<T>(count: usize) -> Result<Vec<T>, CallError> {
-    let mut list = Vec::new();
-    match list.try_reserve_exact(count) {
-        Ok(()) => Ok(list),
-        Err(error) => refused(format!("memory for {count} values: {error}")),
-    }
 }

@@ -2,7 +2,6 @@
 //! descriptions.
 
 mod creation;
-mod descriptions;
 #[cfg(target_arch = "x86_64")]
 mod environment;
 mod fmi2;

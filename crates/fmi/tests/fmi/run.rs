@@ -311,6 +311,7 @@ fn derivatives_are_those_of_the_unit() {
             "at the end of the step"
         );
         assert_eq!(importer.real(INFLOW), 2.0, "an input reads back what was set");
+        assert_eq!(importer.set_derivative(BRIM, 1, 0.0), Ok, "that of another input");
         assert_eq!(importer.step(2.0, 1.0).status, Ok);
         assert_eq!(level(&importer), 7.5, "derivatives last for one step");
         // A discarded step leaves them in force.

@@ -182,6 +182,9 @@ fn wild_numbers_in_a_stored_state_are_refused() {
     for at in places(5.0).into_iter().chain(places(6.0)) {
         assert_eq!(forged(at, 1e14), Error, "a late time at {at}");
     }
+    for at in places(1e9) {
+        assert_eq!(forged(at, -2e3), Error, "an input out of range at {at}");
+    }
     let last = *places(1.0).last().expect("the tank's time");
     for time in [1e14, 2.0, -1.0] {
         assert_eq!(forged(last, time), Error, "{time}");

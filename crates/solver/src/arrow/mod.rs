@@ -245,14 +245,7 @@ impl Arrow {
 
     fn multiply_in_order(&self, x: &[f64], out: &mut [f64]) {
         let [n, b, g] = self.shape.sizes();
-        let Parts {
-            diagonal,
-            upper,
-            lower,
-            right,
-            bottom,
-            corner,
-        } = self.parts();
+        let a = self.parts();
         let split = n * b;
         out.fill(0.0);
         for k in 0..n {
@@ -261,12 +254,12 @@ impl Arrow {
             let blocks = k * b * b..(k + 1) * b * b;
             let strip = k * b * g..(k + 1) * b * g;
             let y = &mut out[row.clone()];
-            gemv::<0, 0>(Update::Add, &diagonal[blocks.clone()], &x[row.clone()], y);
-            gemv::<0, 0>(Update::Add, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
-            gemv::<0, 0>(Update::Add, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
-            gemv::<0, 0>(Update::Add, &right[strip.clone()], &x[split..], y);
-            gemv::<0, 0>(Update::Add, &bottom[strip], &x[row], &mut out[split..]);
+            gemv::<0, 0>(Update::Add, &a.diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv::<0, 0>(Update::Add, &a.upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv::<0, 0>(Update::Add, &a.lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv::<0, 0>(Update::Add, &a.right[strip.clone()], &x[split..], y);
+            gemv::<0, 0>(Update::Add, &a.bottom[strip], &x[row], &mut out[split..]);
         }
-        gemv::<0, 0>(Update::Add, corner, &x[split..], &mut out[split..]);
+        gemv::<0, 0>(Update::Add, a.corner, &x[split..], &mut out[split..]);
     }
 }

@@ -1,6 +1,6 @@
 //! What a scalar can do, and plain numbers as scalars.
 
-use num_dual::{Dual3_64, Dual64, DualNum, DualSVec64};
+use num_dual::{Dual64, DualNum, DualSVec64};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -174,7 +174,7 @@ impl Real for f64 {
     }
 }
 
-/// num-dual's numbers are [`Real`] too: they check [`Tangent`].
+/// num-dual's numbers are [`Real`] too: they check derivatives.
 macro_rules! real_by_num_dual {
     ([$($generic:tt)*] $type:ty) => {
         impl<$($generic)*> Real for $type {
@@ -248,5 +248,4 @@ macro_rules! real_by_num_dual {
     };
 }
 real_by_num_dual!([] Dual64);
-real_by_num_dual!([] Dual3_64);
 real_by_num_dual!([const N: usize] DualSVec64<N>);

@@ -95,19 +95,6 @@ fn an_arch_stands_until_it_snaps() {
 }
 
 #[test]
-fn a_refused_step_leads_to_shorter_ones() {
-    let (far, free, none) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, f64::INFINITY);
-    let (near, held, some) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 2.0);
-    let (free, held) = (free.unwrap(), held.unwrap());
-    assert_eq!(none, 0);
-    assert!(
-        some > 0 && held.solves > free.solves + some,
-        "{some} refused, {held:?} {free:?}"
-    );
-    assert!((far[0] - 1.0).abs() < 1e-9 && (near[0] - 1.0).abs() < 1e-9);
-}
-
-#[test]
 fn who_refuses_every_step_ends_it() {
     let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 0.0);
     let report = outcome.unwrap_err();

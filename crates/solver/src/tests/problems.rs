@@ -299,19 +299,3 @@ equations! {
     VanDerPol { damping: f64 }: 1, true,
     |self, _, [y], [y_dot], [q]| [y_dot - (T::one() - q * q) * y * self.damping + q]
 }
-
-equations! {
-    /// Robertson's reaction (1966), rates 0.04, 1e4 and 3e7; the last row is that nothing is lost, without a rate. The
-    /// second unknown is in units of 1e-5.
-    Robertson {}: 3, false,
-    |self, _, [a, b, c], [a_dot, b_dot, _], _| {
-        let b = b * 1e-5;
-        let (first, back, on) = (a * 0.04, b * c * 1e4, b * b * 3e7);
-        [a_dot + first - back, b_dot * 1e-5 - first + back + on, a + b + c - 1.0]
-    }
-}
-
-impl Robertson {
-    /// Solution at 40 s: by Radau IIA of order 5 in 800 graded steps, twice as many as leave 3e-11.
-    pub const AT_40: [f64; 3] = [0.715_827_068_72, 0.918_553_476_46, 0.284_163_745_75];
-}
