@@ -34,7 +34,7 @@ pytestmark = pytest.mark.usefixtures("own_cache")
 def grid(coarse: Variator) -> LinearGrid:
     """Two ratios, two torques of which one is beyond capacity, two frictions."""
     kind = {"states": "physical", "sample_time": 0.004}
-    return coarse.linear_grid([0.7, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]}, **kind)
+    return coarse.linear_grid([0.8, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]}, **kind)
 
 
 # Models
@@ -108,7 +108,7 @@ def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: p
 def test_a_grid_has_models_and_reasons(grid: LinearGrid) -> None:
     assert grid.shape == (2, 2, 2) and list(grid.axes) == ["ratio", "torque", "friction.pulley"]
     found = list(grid.points())
-    assert [tuple(point.values()) for point, _ in found] == [(i, 40.0, friction) for i in (0.7, 1.4) for friction in (0.085, 0.095)]
+    assert [tuple(point.values()) for point, _ in found] == [(i, 40.0, friction) for i in (0.8, 1.4) for friction in (0.085, 0.095)]
     refused = list(grid.refused())
     assert len(refused) == 4 and all("900 N·m" in reason and point["torque"] == 900.0 for point, reason in refused)
     # The grid includes friction; with less friction the point is closer to capacity.
@@ -165,7 +165,7 @@ def test_mat_and_json_have_all_points(grid: LinearGrid, written: Path) -> None:
     assert file["points"].ravel()[2].ravel().tolist() == [0.085, 0.095]
     assert "900 N·m" in str(file["models"][0, 1, 0]["reason"][0, 0][0])
     document = json.loads((written / "models.json").read_text(encoding="utf-8"))
-    assert document["axes"]["ratio"] == [0.7, 1.4] and len(document["models"]) == 8
+    assert document["axes"]["ratio"] == [0.8, 1.4] and len(document["models"]) == 8
     first, refused = document["models"][0], document["models"][2]
     assert first["A"] == grid[0, 0, 0].a.tolist() and first["macroSlip"] is False
     assert first["coordinates"] == "physical" and "Cd" in first

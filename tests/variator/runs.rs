@@ -47,7 +47,7 @@ fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
 
 #[test]
 fn energy_balance_of_the_whole_manoeuvre_ale0() {
-    whole_manoeuvre(RingModel::Ale0, [0.371, 2.349], [10_131, 27_843, 405]);
+    whole_manoeuvre(RingModel::Ale0, [0.371, 2.349], [10_131, 27_843, 435]);
 }
 
 #[test]

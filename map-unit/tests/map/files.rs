@@ -41,10 +41,7 @@ fn other_than_files_and_large_files_are_refused_unread() {
     let large = fs::File::create(&file).expect("a file");
     large.set_len(1 << 40).expect("a length");
     let why = refused();
-    assert!(
-        why.contains("1099511627776 bytes") && why.contains("more than 16777216"),
-        "{why}"
-    );
+    assert!(why.contains("more than 16777216 bytes"), "{why}");
     fs::write(&file, [b"\xef\xbb\xbf", &*text()].concat()).expect("a file");
     let marked = Tables::read(&folder).expect("the same tables").hash;
     assert_eq!(marked, Tables::of_bytes(&text()).expect("the tables").hash);

@@ -7,7 +7,9 @@ use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::stepper::{Accurate, Stepper};
-use crate::variator::run::tuning::{FRICTION_RAMP, SETTLING, SETTLING_RESIDUALS, SETTLING_TOLERANCE, STANDING};
+use crate::variator::run::tuning::{
+    COLD_STEP, FRICTION_RAMP, SETTLING, SETTLING_RESIDUALS, SETTLING_TOLERANCE, STANDING,
+};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::Inputs;
 
@@ -108,7 +110,7 @@ impl Simulation {
         let solver = &mut before.system.parameters.solver;
         solver.tolerance = solver.tolerance.max(tolerance);
         change(&mut before);
-        let mut accurate = Accurate::new(&before.system);
+        let mut accurate = Accurate::new(&before.system, COLD_STEP);
         let profile = InputProfile::constant(inputs);
         let outcome = loop {
             match accurate.step(&mut before, &profile, self.time) {

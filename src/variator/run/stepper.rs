@@ -7,7 +7,7 @@ use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Sdirk, Span, Stalled};
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{FIRST_STEP, NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, USUAL_TOLERANCE};
+use crate::variator::run::tuning::{NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, USUAL_TOLERANCE};
 use crate::variator::settings::signals::Work;
 use crate::variator::system::VariatorSystem;
 
@@ -80,9 +80,9 @@ pub(super) struct Accurate {
 }
 
 impl Accurate {
-    pub fn new(system: &VariatorSystem) -> Self {
+    pub fn new(system: &VariatorSystem, first_step: f64) -> Self {
         let solver = &system.parameters.solver;
-        let mut sdirk = Sdirk::new(system, FIRST_STEP, solver.max_step);
+        let mut sdirk = Sdirk::new(system, first_step, solver.max_step);
         let share = solver.tolerance / USUAL_TOLERANCE;
         let [sharpest, widest] = NEWTON_LIMITS;
         sdirk.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(sharpest, widest);
@@ -90,7 +90,7 @@ impl Accurate {
         Self {
             sdirk,
             span: None,
-            first_step: FIRST_STEP,
+            first_step,
         }
     }
 }
@@ -149,9 +149,9 @@ impl Stepper for Accurate {
     }
 
     fn start_again(&mut self, simulation: &Simulation) {
-        let (counts, step) = (self.counts(), self.first_step);
-        *self = Self::new(&simulation.system);
-        (self.sdirk.newton.counts, self.sdirk.step) = (counts, step);
+        let counts = self.counts();
+        *self = Self::new(&simulation.system, self.first_step);
+        self.sdirk.newton.counts = counts;
     }
 
     fn change_laws(&mut self) {

@@ -16,7 +16,7 @@ use crate::variator::run::real_time::RealTime;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::start::find_start;
 use crate::variator::run::stepper::{Accurate, Stepper};
-use crate::variator::run::tuning::{CHATTER, MOMENT, QUIET};
+use crate::variator::run::tuning::{CHATTER, COLD_STEP, FIRST_STEP, MOMENT, QUIET};
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
@@ -60,9 +60,13 @@ pub struct Variator {
 }
 
 /// The stepper that the parameters choose, for the state and time of a simulation.
-fn stepper(simulation: &Simulation) -> Box<dyn Stepper> {
+fn stepper(simulation: &Simulation, start: StartState) -> Box<dyn Stepper> {
     match simulation.system.parameters.solver.mode {
-        Mode::Accurate => Box::new(Accurate::new(&simulation.system)),
+        Mode::Accurate => {
+            let is_cold = matches!(start, StartState::Unloaded | StartState::NotFound | StartState::Clamped);
+            let first_step = if is_cold { COLD_STEP } else { FIRST_STEP };
+            Box::new(Accurate::new(&simulation.system, first_step))
+        }
         Mode::RealTime => Box::new(RealTime::new(simulation)),
     }
 }
@@ -94,7 +98,7 @@ impl Variator {
         Self::check(&parameters, &*ring)?;
         let simulation = Simulation::new(&parameters, ring);
         Ok(Self {
-            stepper: stepper(&simulation),
+            stepper: stepper(&simulation, StartState::Unloaded),
             saved: Vec::new(),
             simulation,
             start_state: StartState::Unloaded,
@@ -125,7 +129,7 @@ impl Variator {
         self.start_state = find_start(&mut self.simulation, &mut self.messages, time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
-        self.stepper = stepper(simulation);
+        self.stepper = stepper(simulation, self.start_state);
         self.work = Work::default();
         self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
@@ -137,7 +141,6 @@ impl Variator {
         self.warn_of_slip();
         self.warn_of_loads(true);
         self.stale = true;
-        // The memory for it: a step allocates nothing.
         self.save();
         Ok(())
     }
@@ -255,6 +258,7 @@ impl Variator {
         if archive.is_reading() {
             energy.last.update(system, state.view());
             self.stale = true;
+            self.save();
         }
     }
 
@@ -290,7 +294,7 @@ impl Variator {
         }
     }
 
-    /// Stores all values where a communication step begins.
+    /// Stores all values where a communication step begins; before the first one, so that a step allocates nothing.
     pub(super) fn save(&mut self) {
         let mut archive = Archive::writer_in(std::mem::take(&mut self.saved));
         self.serialize_values(&mut archive);
