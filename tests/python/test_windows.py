@@ -135,9 +135,9 @@ def test_builds_agree(first, sizes: np.ndarray, one: str, other: str, bound: flo
 
 
 @pytest.mark.parametrize("system", ["windows", "linux"])
-def test_the_variant_for_avx2_runs_where_it_may(first, sizes: np.ndarray, system: str) -> None:
-    """It has other sums than the library for all processors."""
-    assert np.max(np.abs(first[f"{system}, AVX2"][0] - first[system][0]) / sizes) > SAME
+def test_the_variant_for_avx2_runs_where_it_may(first, system: str) -> None:
+    """It has other sums than the library for all processors, so other bits; without the variant both runs are the same."""
+    assert not np.array_equal(first[f"{system}, AVX2"][0], first[system][0])
 
 
 @pytest.mark.parametrize("reader", BUILDS)
