@@ -56,7 +56,7 @@ impl VariatorSystem {
 
     fn with_belt(parameters: &Parameters, belt: Belt) -> Self {
         Self {
-            loads: Loads::Constant(Boundary::HELD),
+            loads: Loads::Steady(Boundary::HELD),
             parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
             assembly: belt.ring.equations(&belt),
@@ -71,7 +71,7 @@ impl VariatorSystem {
     pub fn pulleys(&self) -> Pulleys<'_> {
         let inertia_factor = match self.loads {
             Loads::Inputs(..) => 1.0,
-            Loads::Constant(_) => PSEUDO_INERTIA,
+            Loads::Steady(_) => PSEUDO_INERTIA,
         };
         Pulleys::new(&self.parameters, &self.belt, inertia_factor)
     }

@@ -32,7 +32,7 @@ pub struct Observer {
 /// Values for outputs in addition to the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
-    /// Loads from outside as held over the last step.
+    /// Loads from outside at this time.
     pub external: PerPulley<External>,
     /// Macro-slip flag with its hysteresis.
     pub macro_slip: bool,

@@ -169,8 +169,8 @@ impl InputProfile {
 pub enum Loads {
     /// Inputs of a run. Of torques, forces and pressures a share acts, which grows in a soft start.
     Inputs(InputProfile, f64),
-    /// The same conditions at all times.
-    Constant(Boundary),
+    /// The same conditions at all times, of a steady solution: inertias of the pulleys are [`PSEUDO_INERTIA`] times as large.
+    Steady(Boundary),
 }
 
 impl Loads {
@@ -184,7 +184,7 @@ impl Loads {
     pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
         let (given, share) = match self {
             Self::Inputs(profile, share) => (profile.at(time), *share),
-            Self::Constant(boundary) => return *boundary,
+            Self::Steady(boundary) => return *boundary,
         };
         Boundary {
             sheave: PerPulley::from_fn(|pulley| {
@@ -208,7 +208,7 @@ impl Loads {
     pub(crate) fn inputs(&self, time: f64) -> Inputs {
         match self {
             Self::Inputs(given, _) => given.at(time),
-            Self::Constant(_) => Inputs::ZERO,
+            Self::Steady(_) => Inputs::ZERO,
         }
     }
 
@@ -216,7 +216,7 @@ impl Loads {
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         let (mut given, mut share) = match *self {
             Self::Inputs(given, share) => (given, share),
-            Self::Constant(_) => (InputProfile::constant(&Inputs::ZERO), 1.0),
+            Self::Steady(_) => (InputProfile::constant(&Inputs::ZERO), 1.0),
         };
         given.serialize(archive);
         archive.within(&mut share, 0.0, 1.0);
@@ -225,11 +225,11 @@ impl Loads {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A torque on the primary shaft alone, N·m.
-    fn torque(value: f64) -> Inputs {
+    pub(crate) fn torque(value: f64) -> Inputs {
         let mut inputs = Inputs::ZERO;
         inputs.primary.torque = value;
         inputs

@@ -5,8 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
-
-use crate::variator::run::outcome::StepError;
+use crate::variator::run::outcome::{Event, StepError};
 use crate::variator::run::tuning::{STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND, USUAL_TOLERANCE};
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::{Mode, Solver};
@@ -26,34 +25,6 @@ pub struct CommunicationStep {
     /// End stops that the sheaves were at in the beginning.
     stops: PerPulley<Option<Stop>>,
     is_over: bool,
-}
-
-/// What a master may want to handle when it happens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// The belt begins to slip through.
-    Slips,
-    /// The belt grips again.
-    Grips,
-    /// A movable sheave reaches an end stop.
-    Reaches(Pulley, Stop),
-}
-
-impl Event {
-    /// The belt slips through from now on, or grips.
-    pub(super) fn of_slip(slips: bool) -> Self {
-        if slips { Self::Slips } else { Self::Grips }
-    }
-
-    /// The event in words.
-    #[must_use]
-    pub fn text(self) -> String {
-        match self {
-            Self::Slips => "the belt begins to slip through (macro-slip)".into(),
-            Self::Grips => "the belt grips again".into(),
-            Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
-        }
-    }
 }
 
 /// Whole communication steps.

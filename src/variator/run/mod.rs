@@ -30,6 +30,6 @@ pub(crate) mod tuning;
 pub(crate) mod variator;
 
 pub use crate::variator::pulleys::loads::InputProfile;
-pub use communication_step::{CommunicationStep, Event};
-pub use outcome::{InitialisationError, Message, Moment, StepError};
+pub use communication_step::CommunicationStep;
+pub use outcome::{Event, InitialisationError, Message, Moment, StepError};
 pub use variator::Variator;

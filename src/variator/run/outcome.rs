@@ -1,5 +1,7 @@
-//! What a run reports: remarks, errors, outputs around a moment.
+//! What a run reports: remarks, errors, events, outputs around a moment.
 
+use crate::pulley::Pulley;
+use crate::variator::pulleys::rows::Stop;
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::signals::Outputs;
 
@@ -55,6 +57,34 @@ pub enum StepError {
         /// Residuals that it took.
         residuals: u64,
     },
+}
+
+/// What a master may want to handle when it happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The belt begins to slip through.
+    Slips,
+    /// The belt grips again.
+    Grips,
+    /// A movable sheave reaches an end stop.
+    Reaches(Pulley, Stop),
+}
+
+impl Event {
+    /// The belt slips through from now on, or grips.
+    pub(super) fn of_slip(slips: bool) -> Self {
+        if slips { Self::Slips } else { Self::Grips }
+    }
+
+    /// The event in words.
+    #[must_use]
+    pub fn text(self) -> String {
+        match self {
+            Self::Slips => "the belt begins to slip through (macro-slip)".into(),
+            Self::Grips => "the belt grips again".into(),
+            Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
+        }
+    }
 }
 
 /// Outputs a moment before and after the present, along the tangent of the state.

@@ -127,13 +127,7 @@ impl PendingInputs {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A torque on the primary shaft alone, N·m.
-    fn torque(value: f64) -> Inputs {
-        let mut inputs = Inputs::ZERO;
-        inputs.primary.torque = value;
-        inputs
-    }
+    use crate::variator::pulleys::loads::tests::torque;
 
     fn mean(pending: &PendingInputs, span: [f64; 2]) -> f64 {
         pending.mean(span).primary.torque

@@ -67,13 +67,7 @@ impl StartSearch<'_> {
     /// [`StartSearch::solve_steady`] within the work of `newton`.
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
         let parameters = &self.simulation.system.parameters;
-        let speed = self
-            .simulation
-            .system
-            .belt
-            .shaft_speeds(self.simulation.state.view())
-            .primary;
-        let at = [parameters.initial.ratio, speed];
+        let at = [parameters.initial.ratio, self.primary_speed()];
         let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
         let holds_primary = secondary == Axial::Held && primary == Axial::Force;
         let clamped = if holds_primary {
@@ -124,6 +118,12 @@ impl StartSearch<'_> {
         system.pulleys().push(Pulley::Primary, state.view())
     }
 
+    /// Speed of the primary pulley in the present state, rad/s.
+    fn primary_speed(&self) -> f64 {
+        let Simulation { system, state, .. } = &*self.simulation;
+        system.belt.shaft_speeds(state.view()).primary
+    }
+
     /// The steady state with a share of the torques. The first guess of the slip is in proportion to them, in the direction of the power.
     fn steady_task(&self, reaction: Pulley, demand: Option<Demand>, share: f64) -> SteadyTask {
         let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
@@ -134,12 +134,6 @@ impl StartSearch<'_> {
             (Drive::Torque, Drive::Speed) => (ShaftMode::Torque(own), ShaftMode::Fixed),
             (Drive::Torque, Drive::Torque) => (ShaftMode::Balanced { own, primary }, ShaftMode::Fixed),
         };
-        let speed = self
-            .simulation
-            .system
-            .belt
-            .shaft_speeds(self.simulation.state.view())
-            .primary;
         let utilisation = demand.map_or(0.0, |demand| -share * demand.share_of_capacity());
         SteadyTask {
             ratio: p.initial.ratio,
@@ -149,7 +143,7 @@ impl StartSearch<'_> {
                 secondary: of_secondary,
                 primary: of_primary,
             },
-            slip: SLIP_AT_CAPACITY * speed.signum() * utilisation.clamp(-1.0, 1.0),
+            slip: SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation.clamp(-1.0, 1.0),
             warm: false,
         }
     }

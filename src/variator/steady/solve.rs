@@ -146,7 +146,7 @@ impl SteadySolver<'_> {
             last_step: STEADY_TIME,
             max_solves: MOST_SOLVES,
         };
-        self.system.loads = Loads::Constant(boundary);
+        self.system.loads = Loads::Steady(boundary);
         settle(self.system, self.newton, state, &settings, control)
     }
 }
@@ -239,7 +239,7 @@ impl<'a> Control<'a> {
         let is_long = trial.step >= HOMOTOPY_STEP;
         let was_gripping = self.gripping;
         self.gripping |= is_long;
-        system.loads = Loads::Constant(self.boundary());
+        system.loads = Loads::Steady(self.boundary());
         let (velocity, own) = (system.friction_velocity, system.parameters.friction.velocity);
         if velocity <= own {
             return Some(STEADY_TIME);

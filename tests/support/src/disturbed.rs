@@ -45,7 +45,7 @@ pub fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State)
 /// [`disturbed`] with a ring other than that of the parameters.
 pub fn disturbed_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, speed: f64) -> (VariatorSystem, State) {
     let mut system = VariatorSystem::with_ring(parameters, ring);
-    system.loads = Loads::Constant(Boundary {
+    system.loads = Loads::Steady(Boundary {
         sheave: CLAMPING.map(SheaveMode::Force),
         shaft: PerPulley {
             secondary: ShaftMode::Torque(-40.0),

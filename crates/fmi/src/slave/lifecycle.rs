@@ -1,5 +1,6 @@
-//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end.
+//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored states.
 
+use super::bytes;
 use super::clock::Clock;
 use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
@@ -7,6 +8,7 @@ use super::snapshot::Snapshot;
 use crate::log::Category;
 use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
+use pushbelt_archive::{Archive, Mismatch};
 
 impl<U: Unit> Slave<U> {
     /// Chooses the logged categories by their names; without any, all.
@@ -80,6 +82,58 @@ impl<U: Unit> Slave<U> {
         self.now = Snapshot::starting_from(self.start.clone());
         self.log.reset();
         Ok(())
+    }
+
+    /// A copy of the state.
+    pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        Ok(self.now.clone())
+    }
+
+    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
+    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
+        self.allow(Call::Always)?;
+        let stop = self.now.experiment.stop;
+        self.now = snapshot.clone();
+        self.now.experiment.stop = stop;
+        // The state may come from an instance whose master handles events.
+        if self.now.state == State::Event && !self.master.events {
+            self.now.state = State::StepComplete;
+        }
+        Ok(())
+    }
+
+    /// A state as bytes.
+    pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
+        self.allow(Call::Always)?;
+        let mut archive = Archive::writer();
+        let written = snapshot.clone().serialize(&self.table, &mut archive);
+        let sealed = written.and_then(|()| bytes::seal(self.guid(), &archive.into_bytes()));
+        sealed.map_err(CallError::Refused)
+    }
+
+    /// The state in these bytes.
+    pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
+        let mut archive = Archive::reader(content);
+        let mut snapshot = Snapshot::<U>::starting_from(self.start.clone());
+        snapshot
+            .serialize(&self.table, &mut archive)
+            .map_err(CallError::Refused)?;
+        if archive.finish() == Err(Mismatch) {
+            return refused("the stored state does not fit this version of the model");
+        }
+        snapshot.experiment = snapshot.experiment.checked()?;
+        if let Some(unit) = &snapshot.unit
+            && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
+        {
+            return refused(format!(
+                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
+                unit.time()
+            ));
+        }
+        Ok(snapshot)
     }
 }
 

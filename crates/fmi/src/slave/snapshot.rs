@@ -1,15 +1,13 @@
 //! Stored states: the whole dynamic state of an instance, and its conversion to bytes and back.
 
-use super::bytes;
 use super::clock::Clock;
-use super::error::{CallError, Outcome, refused};
-use super::instance::Slave;
-use crate::state::{Call, State};
+use crate::state::State;
 use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::{Experiment, Unit};
-use pushbelt_archive::{Archive, Mismatch};
+use pushbelt_archive::Archive;
 
-/// The whole dynamic state of an instance: [`Slave::save`] copies it, [`Slave::restore`] goes back to it.
+/// The whole dynamic state of an instance: [`Slave::save`](super::Slave::save) copies it, [`Slave::restore`](super::Slave::restore)
+/// goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {
     pub(super) state: State,
@@ -21,60 +19,6 @@ pub struct Snapshot<U: Unit> {
     pub(super) clock: Clock,
     /// Present from the first calculated reading in initialisation mode on. A setting changed in that mode removes it.
     pub(super) unit: Option<U>,
-}
-
-impl<U: Unit> Slave<U> {
-    /// A copy of the state.
-    pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
-        self.allow(Call::Always)?;
-        Ok(self.now.clone())
-    }
-
-    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
-    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
-        self.allow(Call::Always)?;
-        let stop = self.now.experiment.stop;
-        self.now = snapshot.clone();
-        self.now.experiment.stop = stop;
-        // The state may come from an instance whose master handles events.
-        if self.now.state == State::Event && !self.master.events {
-            self.now.state = State::StepComplete;
-        }
-        Ok(())
-    }
-
-    /// A state as bytes.
-    pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
-        self.allow(Call::Always)?;
-        let mut archive = Archive::writer();
-        let written = snapshot.clone().serialize(&self.table, &mut archive);
-        let sealed = written.and_then(|()| bytes::seal(self.guid(), &archive.into_bytes()));
-        sealed.map_err(CallError::Refused)
-    }
-
-    /// The state in these bytes.
-    pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
-        self.allow(Call::Always)?;
-        let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
-        let mut archive = Archive::reader(content);
-        let mut snapshot = Snapshot::<U>::starting_from(self.start.clone());
-        snapshot
-            .serialize(&self.table, &mut archive)
-            .map_err(CallError::Refused)?;
-        if archive.finish() == Err(Mismatch) {
-            return refused("the stored state does not fit this version of the model");
-        }
-        snapshot.experiment = snapshot.experiment.checked()?;
-        if let Some(unit) = &snapshot.unit
-            && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
-        {
-            return refused(format!(
-                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
-                unit.time()
-            ));
-        }
-        Ok(snapshot)
-    }
 }
 
 impl<U: Unit> Snapshot<U> {
@@ -90,7 +34,11 @@ impl<U: Unit> Snapshot<U> {
     }
 
     /// Writes everything to an archive, or reads it from one into a new snapshot.
-    fn serialize(&mut self, table: &Table<U::Settings, U::Readings>, archive: &mut Archive<'_>) -> Result<(), String> {
+    pub(super) fn serialize(
+        &mut self,
+        table: &Table<U::Settings, U::Readings>,
+        archive: &mut Archive<'_>,
+    ) -> Result<(), String> {
         let mut state = self.state as i32;
         archive.integer(&mut state);
         match State::STORED.into_iter().find(|known| *known as i32 == state) {
