@@ -169,7 +169,7 @@ impl InputProfile {
 pub enum Loads {
     /// Inputs of a run. Of torques, forces and pressures a share acts, which grows in a soft start.
     Inputs(InputProfile, f64),
-    /// The same conditions at all times, of a steady solution: inertias of the pulleys are [`PSEUDO_INERTIA`] times as large.
+    /// The same conditions at all times, of a steady solution: inertias of the pulleys are `PSEUDO_INERTIA` times as large.
     Steady(Boundary),
 }
 
