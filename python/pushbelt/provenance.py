@@ -57,12 +57,12 @@ def _inputs(words: Sequence[str]) -> list[Input]:
     found: dict[str, Input] = {}
     output = re.search(rf"(?:^|\0){OUTPUT}[=\0]([^\0]+)", "\0".join(words))
     written = Path(output[1]).resolve() if output else None
-    for word in words:
+    for word in filter(None, words):
         # `--fmu=FILE`, `name=FILE` and lists.
         for part in filter(None, (word, *re.split(r"[=,]", word))):
             if _is(path := Path(part), Path.is_file):
                 found[part] = Input(path.name, hashlib.sha256(path.read_bytes()).hexdigest())
-        if word and not word.startswith("-") and _is(path := Path(word), Path.is_dir) and path.resolve() != written:
+        if not word.startswith("-") and _is(path := Path(word), Path.is_dir) and path.resolve() != written:
             found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, written))
     return list({one.sha256: one for one in found.values()}.values())
 

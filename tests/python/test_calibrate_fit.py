@@ -17,8 +17,8 @@ from conftest import MESH
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
-from pushbelt.calibrate.figures import chart as figures
-from pushbelt.calibrate.figures import reach
+from pushbelt.calibrate.report import chart as figures
+from pushbelt.calibrate.report import reach
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job

@@ -27,8 +27,7 @@ from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, stops
 from pushbelt.study import run
 from pushbelt.study.run import Store
-from pushbelt.study.tasks import variator
-from pushbelt.study.worker import Solver
+from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 GRID = Grid(

@@ -29,6 +29,9 @@ RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
 in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
 
 Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
+_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
+RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
+"""Inputs of a recorded shift."""
 
 
 class Found(NamedTuple):
@@ -38,9 +41,6 @@ class Found(NamedTuple):
     reason: str | None = None  # Reason why there is no steady state
     missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
     solves: int = 1  # Number of steady states that were solved
-
-
-_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -129,10 +129,6 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
         logs.append(math.log(unit.get("ratio.geometric")))
     found = (logs[1] - logs[0]) / (WINDOW * revolution)
     return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio})
-
-
-RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
-"""Inputs of a recorded shift."""
 
 
 def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:

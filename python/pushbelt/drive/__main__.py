@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
@@ -38,7 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     parser.add_argument("--maps", type=Path, metavar="FILE", help=text)
     options = parser.parse_args(arguments)
-    provenance.begin("drive", arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
@@ -29,7 +29,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
     add_material(parser, "--safety")
     options = parser.parse_args(arguments)
-    provenance.begin("durability", arguments)
     # Imported here, so that the help needs no packages of the extras.
     from . import report
     from .damage import damage

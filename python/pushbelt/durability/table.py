@@ -22,12 +22,6 @@ AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
 FIELD = "profile.ringStress"
 BACK = 1.0  # Largest decrease of the distance in a step, m: a car that rolls back at a standstill.
 GAP = 10.0  # A step longer than this multiple of the median step is a gap.
-
-
-class DurabilityError(PushbeltError, ValueError):
-    """The table cannot be used. The message has line, column and value."""
-
-
 STRESS = Column("stress", -1e11, 1e11, "stress along the ring", (), "Pa")
 STRESSES: Mapping[str, Column] = {
     **{AMPLITUDE.format(p): Column("stress", 0.0, 1e11, f"stress amplitude on the {p} pulley", (), "Pa") for p in PULLEYS},
@@ -44,6 +38,10 @@ COLUMNS: Mapping[str, Column] = {
     **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
 }
 """Columns that are read. Those without a unit are in SI units."""
+
+
+class DurabilityError(PushbeltError, ValueError):
+    """The table cannot be used. The message has line, column and value."""
 
 
 class Table:

@@ -7,6 +7,7 @@ Enumerations are plain numbers, for workers that do not have this package.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 
 from .enumerations import Axial, Drive
 from .unit import Archive, Instance, UnitError
@@ -18,16 +19,10 @@ def _steady(
     parameters: Mapping[str, float], ratio: float, speed: float, force: float, drives: tuple[Drive, Drive], axial: Axial
 ) -> StartValues:
     return {
-        **parameters,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "primary.drive": drives[0].value,
-        "primary.axial": axial.value,
-        "secondary.drive": drives[1].value,
-        "secondary.axial": Axial.FORCE.value,
-        "secondary.clampingForce": force,
-    }
+        **parameters, "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
+        "primary.drive": drives[0].value, "primary.axial": axial.value,
+        "secondary.drive": drives[1].value, "secondary.axial": Axial.FORCE.value, "secondary.clampingForce": force,
+    }  # fmt: skip
 
 
 def driven_by_torque(
@@ -51,12 +46,11 @@ def driven_at_speed(
 ) -> StartValues:
     """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces specified.
     The run starts with the primary force that holds the ratio. With `held` the primary sheave is held instead."""
-    axial = Axial.HELD if held else Axial.FORCE
-    values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.TORQUE), axial)
+    values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.TORQUE), Axial.HELD if held else Axial.FORCE)
     return values | {"primary.speedSetpoint": speed, "secondary.torque": load}
 
 
-class SteadyStates:
+class SteadyStates(AbstractContextManager["SteadyStates"]):
     """An instance of the FMU that is started at one steady state after another. It is replaced after a failed call. It
     is a context manager, which frees its instance at its end."""
 
@@ -64,9 +58,6 @@ class SteadyStates:
         """`parameters` are start values of all states. The FMU is loaded at the first state."""
         self.archive, self.parameters = archive, dict(parameters or {})
         self._unit: Instance | None = None
-
-    def __enter__(self) -> SteadyStates:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

@@ -80,10 +80,8 @@ class LinearGrid:
         """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
         rows = []
         for place, model in np.ndenumerate(self.models):
-            row: dict[str, Any] = dict(self.point(place))
-            if model is not None:
-                row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
-            rows.append(row | {"reason": self.reasons[place]})
+            found = {} if model is None else {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
+            rows.append({**self.point(place), **found, "reason": self.reasons[place]})
         return dataframe(rows)
 
     def to_control(self) -> NDArray[np.object_]:
@@ -145,25 +143,18 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
     """Matrices and values of a model by their names in the files."""
+    named = {"held": model.inputs, "given": model.inputs, "values": model.outputs}
     return {
-        **model._matrices(),
-        "poles": model.poles,
-        "held": np.array([model.held[name] for name in model.inputs]),
-        "given": np.array([model.given[name] for name in model.inputs]),
-        "values": np.array([model.values[name] for name in model.outputs]),
-        "states": np.array(model.states),
-        "slip": np.array(model.slip),
-        "macroSlip": np.array(float(model.macro_slip)),
-    }
+        **model._matrices(), "poles": model.poles,
+        **{kind: np.array([getattr(model, kind)[name] for name in names]) for kind, names in named.items()},
+        "states": np.array(model.states), "slip": np.array(model.slip), "macroSlip": np.array(float(model.macro_slip)),
+    }  # fmt: skip
 
 
 def _npz(grid: LinearGrid, path: Path) -> None:
     """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    rows = {
-        place: _arrays(model) | {"order": np.array(len(model.a)), "remarks": np.array("\n".join(model.remarks))}
-        for place, model in np.ndenumerate(grid.models)
-        if model is not None
-    }
+    there = {place: model for place, model in np.ndenumerate(grid.models) if model is not None}
+    rows = {k: _arrays(one) | {"order": np.array(len(one.a)), "remarks": np.array("\n".join(one.remarks))} for k, one in there.items()}
 
     def full(name: str) -> Array:
         values = [row[name] for row in rows.values()]
@@ -173,7 +164,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
             found[(*place, *map(slice, value.shape))] = value
         return found
 
-    first = next(model for _, model in grid.points())
+    first = next(iter(there.values()))
     np.savez_compressed(
         path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
         **{name: full(name) for name in next(iter(rows.values()))},
@@ -206,9 +197,7 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 
 
 def _json(grid: LinearGrid, path: Path) -> None:
-    models = [
-        grid.point(place) | ({"reason": grid.reasons[place]} if model is None else model.document())
-        for place, model in np.ndenumerate(grid.models)
-    ]
+    rows = np.ndenumerate(grid.models)
+    models = [grid.point(k) | ({"reason": grid.reasons[k]} if model is None else model.document()) for k, model in rows]
     axes = {name: values.tolist() for name, values in grid.axes.items()}
     path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

@@ -25,8 +25,7 @@ Weighted = Sequence[tuple[LinearModel, float]]
 
 def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple[tuple[int, ...], float]]:
     """Points of the grid around a point, with their weights."""
-    unknown = [name for name in point if name not in axes]
-    if unknown:
+    if unknown := [name for name in point if name not in axes]:
         raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
     found: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
     for name, values in axes.items():
@@ -102,8 +101,4 @@ def _matrices(pole: Array, left: Array, right: Array, inputs: Array, outputs: Ar
     a, b, c = rest
     right = right / (left @ right)
     slow = np.eye(len(right)) - np.outer(right, left)
-    return (
-        slow @ a @ slow + pole * np.outer(right, left),
-        slow @ b + np.outer(right, inputs),
-        c @ slow + np.outer(outputs, left),
-    )
+    return slow @ a @ slow + pole * np.outer(right, left), slow @ b + np.outer(right, inputs), c @ slow + np.outer(outputs, left)

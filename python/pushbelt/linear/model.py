@@ -84,35 +84,25 @@ class LinearModel:
             **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
             inputs=tuple(one["name"] for one in loads),
             outputs=tuple(one["name"] for one in readings),
-            states=tuple(states),
-            poles=poles[:, 0] + 1j * poles[:, 1],
-            held={one["name"]: one["held"] for one in loads},
+            states=tuple(states), poles=poles[:, 0] + 1j * poles[:, 1],
+            held={one["name"]: one["held"] for one in loads}, given={one["name"]: one["given"] for one in loads},
             values={one["name"]: one["value"] for one in readings},
             units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
-            frequency=document["frequency"]["value"],
-            slip=document["slip"],
-            macro_slip=bool(document["macroSlip"]),
-            given={one["name"]: one["given"] for one in loads},
+            frequency=document["frequency"]["value"], slip=document["slip"], macro_slip=bool(document["macroSlip"]),
             remarks=tuple(document["remarks"]),
-            coordinates=document.get("coordinates", "modal"),
-            sample_time=document.get("sampleTime"),
-        )
+            coordinates=document.get("coordinates", "modal"), sample_time=document.get("sampleTime"),
+        )  # fmt: skip
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
         return {
-            "coordinates": self.coordinates,
-            "sampleTime": self.sample_time,
-            "frequency": {"unit": "Hz", "value": self.frequency},
+            "coordinates": self.coordinates, "sampleTime": self.sample_time, "frequency": {"unit": "Hz", "value": self.frequency},
             "inputs": [{"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]} for name in self.inputs],
             "outputs": [{"name": name, "unit": self.units[name], "value": self.values[name]} for name in self.outputs],
-            "states": list(self.states),
-            "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
-            "slip": self.slip,
-            "macroSlip": self.macro_slip,
-            "remarks": list(self.remarks),
+            "states": list(self.states), "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
+            "slip": self.slip, "macroSlip": self.macro_slip, "remarks": list(self.remarks),
             **{name: matrix.tolist() for name, matrix in self._matrices().items()},
-        }
+        }  # fmt: skip
 
     def _matrices(self) -> dict[str, Array]:
         """The matrices by their names in files; with a sample time also those in discrete time."""
@@ -151,8 +141,7 @@ class LinearModel:
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""
-        outputs = self.outputs if outputs is None else tuple(outputs)
-        inputs = self.inputs if inputs is None else tuple(inputs)
+        outputs, inputs = (own if some is None else tuple(some) for some, own in ((outputs, self.outputs), (inputs, self.inputs)))
         rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
         d = self.d[np.ix_(rows, columns)]
         return replace(self, b=self.b[:, columns], c=self.c[rows], d=d, inputs=inputs, outputs=outputs)

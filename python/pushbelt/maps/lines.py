@@ -25,8 +25,7 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     """The maps of all lines. Lines without results have those of the nearest line."""
     found = {index: row for index, row in rows.items() if "points" in row}
     if not found:
-        reasons = {row.get("reason", "") for row in rows.values()}
-        raise ArgumentError(f"no line has a steady state: {'; '.join(sorted(reasons))}")
+        raise ArgumentError(f"no line has a steady state: {'; '.join(sorted({row.get('reason', '') for row in rows.values()}))}")
     grid = plan.grid
     values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
     axes = dict(zip(AXES, map(np.array, values), strict=True))
@@ -113,9 +112,5 @@ def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tabl
     power_in, power_out = into * turning["primary"], out * turning["secondary"]
     driving, driven = np.where(power_in > 0.0, (power_in, power_out), (-power_out, -power_in))
     efficiency = np.divide(driven, driving, out=np.zeros_like(driven), where=(driving > 0.0) & (driven > 0.0))
-    return {
-        "primaryTorque": torque,
-        "lossShafts": sum(drag[pulley] * turning[pulley] for pulley in turning),
-        "torqueLoss": into - out / ratio,
-        "efficiency": efficiency,
-    }
+    shafts = sum(drag[pulley] * turning[pulley] for pulley in turning)
+    return {"primaryTorque": torque, "lossShafts": shafts, "torqueLoss": into - out / ratio, "efficiency": efficiency}

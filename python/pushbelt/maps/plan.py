@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property, partial
-from types import ModuleType
 from typing import Any
 
 from pushbelt.errors import ArgumentError
@@ -87,11 +86,8 @@ class Plan(Tasks):
     @cached_property
     def full(self) -> dict[str, float]:
         """All parameters of the FMU: those that are given, and the defaults of the others."""
-        defaults = {
-            name: variable.start
-            for name, variable in self.variables.items()
-            if variable.causality == "parameter" and not name.startswith(("initial.", "solver."))
-        }
+        parameters = {name: one.start for name, one in self.variables.items() if one.causality == "parameter"}
+        defaults = {name: start for name, start in parameters.items() if not name.startswith(("initial.", "solver."))}
         return {**checked(self.variables, defaults, {"parameter"}), **self.parameters}
 
     @cached_property
@@ -102,9 +98,7 @@ class Plan(Tasks):
         low, high = stops(self.full)
         return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
-    @property
-    def procedure(self) -> tuple[ModuleType, ...]:
-        return working_points, steady
+    procedure = (working_points, steady)
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:

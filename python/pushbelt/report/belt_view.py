@@ -23,6 +23,11 @@ LONGEST = 60.0  # Longest duration of the animation, s
 STEADY_TIME = 20.0  # Duration of the animation of a steady state, s
 STEPS = 1000  # Number of steps of the slider
 ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Magnifications to choose from
+ELEMENT_THICKNESS = 1.5e-3
+"""The FMU's default of `belt.elementThickness`, m. Parameter sets contain only values that differ."""
+SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
+OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
+"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +53,6 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     return offset
 
 
-ELEMENT_THICKNESS = 1.5e-3
-"""The FMU's default of `belt.elementThickness`, m. Parameter sets contain only values that differ."""
-
-
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
     """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
     times, shown = zip(*sorted(states.items(), key=lambda one: one[0]), strict=True)
@@ -69,19 +70,12 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
     )
 
 
-SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
-
-
 def over_time(
     time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]
 ) -> Motion:
     """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
     moments = np.array(sorted(states))
     return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
-
-
-OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
-"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
 
 
 def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:

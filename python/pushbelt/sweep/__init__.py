@@ -23,14 +23,9 @@ __all__ = ["Design", "DesignError", "Grid", "Progress", "Study", "sweep"]
 
 
 def sweep(
-    study: Study,
-    folder: Path,
-    *,
-    scheduler: Any = None,
-    workers: int | None = None,
-    chunk: int | None = None,
+    study: Study, folder: Path, *, scheduler: Any = None, workers: int | None = None, chunk: int | None = None,
     progress: Callable[[Progress], object] = lambda _: None,
-) -> pyarrow.Table:
+) -> pyarrow.Table:  # fmt: skip
     """Solves the points of a study and returns one row a point; the other arguments are those of `pushbelt.study.run.solve`."""
     # Only what solves needs the packages of the extra.
     from .results import table

@@ -9,6 +9,33 @@ from dataclasses import dataclass
 from . import units
 from .names import Column
 
+NAME, SERIES, TIME = "name", "series", "time"
+SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
+SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
+ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
+"""What follows a letter such as n in the name of a quantity of a pulley; the first two also follow a word."""
+HIGHEST = 1.0
+"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
+REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
+POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
+PARTS = {
+    "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
+    "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),
+    "efficiency": ("primary.speed", "secondary.speed", "primary.torque", "secondary.torque"),
+}
+"""Columns from which a quantity is computed, as products and quotients."""
+RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
+"""Columns of recorded shifts besides series and time."""
+EXAMPLES = """\
+name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
+thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
+underdrive,2,1500,60,14,,1.05,0.8,,,
+ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
+overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
+upshift,1,1000,0,20,26,,,,,0.45
+"""
+"""Header and lines of the template."""
+
 
 @dataclass(frozen=True)
 class Quantity(Column):
@@ -20,13 +47,6 @@ class Quantity(Column):
     def assumed(self, value: float) -> float:
         """Default standard deviation, SI."""
         return math.hypot(self.absolute, self.relative * value)
-
-
-NAME, SERIES, TIME = "name", "series", "time"
-SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
-SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
-ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
-"""What follows a letter such as n in the name of a quantity of a pulley; the first two also follow a word."""
 
 
 def _of_both(dimension: str, low: float, high: float, name: str, letters: str, words: str, meanings: Mapping[str, str]) -> dict[str, Column]:
@@ -69,8 +89,6 @@ CONDITIONS: Mapping[str, Column] = {
         "primary": "oil pressure in place of the primary force; needs primary.cylinder.area",
     }),
 }  # fmt: skip
-HIGHEST = 1.0
-"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
 QUANTITIES: Mapping[str, Quantity] = {
     "thrustRatio": Quantity(
         "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio",
@@ -102,26 +120,6 @@ COLUMNS: Mapping[str, Column] = {
         ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit"), "s",
     ),
 }  # fmt: skip
-REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
-POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
-PARTS = {
-    "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
-    "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),
-    "efficiency": ("primary.speed", "secondary.speed", "primary.torque", "secondary.torque"),
-}
-"""Columns from which a quantity is computed, as products and quotients."""
-RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
-"""Columns of recorded shifts besides series and time."""
-
-EXAMPLES = """\
-name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
-thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
-underdrive,2,1500,60,14,,1.05,0.8,,,
-ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
-overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
-upshift,1,1000,0,20,26,,,,,0.45
-"""
-"""Header and lines of the template."""
 
 
 def template() -> str:
