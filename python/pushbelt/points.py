@@ -98,6 +98,92 @@ class WorkingPoints:
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
+    def linearize(
+        self,
+        ratio: float,
+        torque: float,
+        *,
+        speed: float = SPEED,
+        force: float | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
+    ) -> LinearModel:
+        """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
+
+        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
+        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
+        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
+        clamping forces (N). The run over time is not affected.
+
+        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
+        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
+
+        Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
+        linear model or requires other loads than the specified ones.
+        """
+        return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
+
+    def linear_grid(
+        self,
+        ratios: Iterable[float],
+        torques: Iterable[float],
+        *,
+        speed: float | Iterable[float] = SPEED,
+        force: float | Iterable[float] | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
+        changes: Mapping[str, Iterable[Any]] | None = None,
+        after_each: Callable[[], object] = lambda: None,
+    ) -> LinearGrid:
+        """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
+
+        `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
+        `after_each` is called after each point. A point without a model has None and a reason.
+        """
+        several = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
+        lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
+        for name, values in (changes or {}).items():
+            lists[name] = [checked(self._declared, {name: value})[name] for value in values]
+        if empty := [name for name, values in lists.items() if not values]:
+            raise ArgumentError(f"the grid has no {empty[0]}")
+        axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
+
+        def model(**at: Any) -> LinearModel:
+            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, {**several, **at}
+            try:
+                return self._linearize(values, *(point[name] for name in several), safety, (frequency, states, sample_time))
+            finally:
+                after_each()
+
+        return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
+
+    def _linearize(
+        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[float, str, float | None]
+    ) -> LinearModel:
+        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are the arguments of
+        `model_of`."""
+        force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
+        point = Point(ratio, torque, speed, force)
+        state = self._steady(values, point)
+        start = {
+            "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
+            "primary.torque": torque, "secondary.torque": state.load_torque,
+            "primary.clampingForce": state["primary.axialForce"], "secondary.clampingForce": force,
+            "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
+        }  # fmt: skip
+        unit = self._solved({**values, **start}, point)
+        try:
+            model = model_of(unit, *how)
+        except (UnitError, NotPhysicalError) as error:
+            raise LinearPointError(f"no linear model {point}: {error}") from error
+        if model.remarks:
+            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
+        return model
+
     def close(self) -> None:
         """Frees the instance."""
         self._states.close()
@@ -215,89 +301,3 @@ class WorkingPoints:
             {name: (name, axis, about[name]) for name, axis in axes.items()},
             {"primary speed": speed, "units of it": "rad/s"},
         )
-
-    def linearize(
-        self,
-        ratio: float,
-        torque: float,
-        *,
-        speed: float = SPEED,
-        force: float | None = None,
-        safety: float = SAFETY,
-        frequency: float = FREQUENCY,
-        states: str = "modal",
-        sample_time: float | None = None,
-    ) -> LinearModel:
-        """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
-
-        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
-        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
-        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
-        clamping forces (N). The run over time is not affected.
-
-        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
-        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
-
-        Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
-        linear model or requires other loads than the specified ones.
-        """
-        return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
-
-    def linear_grid(
-        self,
-        ratios: Iterable[float],
-        torques: Iterable[float],
-        *,
-        speed: float | Iterable[float] = SPEED,
-        force: float | Iterable[float] | None = None,
-        safety: float = SAFETY,
-        frequency: float = FREQUENCY,
-        states: str = "modal",
-        sample_time: float | None = None,
-        changes: Mapping[str, Iterable[Any]] | None = None,
-        after_each: Callable[[], object] = lambda: None,
-    ) -> LinearGrid:
-        """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
-
-        `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
-        `after_each` is called after each point. A point without a model has None and a reason.
-        """
-        several = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
-        lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
-        for name, values in (changes or {}).items():
-            lists[name] = [checked(self._declared, {name: value})[name] for value in values]
-        if empty := [name for name, values in lists.items() if not values]:
-            raise ArgumentError(f"the grid has no {empty[0]}")
-        axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
-
-        def model(**at: Any) -> LinearModel:
-            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, {**several, **at}
-            try:
-                return self._linearize(values, *(point[name] for name in several), safety, (frequency, states, sample_time))
-            finally:
-                after_each()
-
-        return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
-
-    def _linearize(
-        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[float, str, float | None]
-    ) -> LinearModel:
-        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are the arguments of
-        `model_of`."""
-        force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
-        point = Point(ratio, torque, speed, force)
-        state = self._steady(values, point)
-        start = {
-            "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
-            "primary.torque": torque, "secondary.torque": state.load_torque,
-            "primary.clampingForce": state["primary.axialForce"], "secondary.clampingForce": force,
-            "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
-        }  # fmt: skip
-        unit = self._solved({**values, **start}, point)
-        try:
-            model = model_of(unit, *how)
-        except (UnitError, NotPhysicalError) as error:
-            raise LinearPointError(f"no linear model {point}: {error}") from error
-        if model.remarks:
-            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
-        return model

@@ -17,8 +17,7 @@ from pushbelt import tables
 from pushbelt.calibrate import __main__
 from pushbelt.tables import columns as known
 from pushbelt.tables import names, numerals, points, units
-from pushbelt.tables.faults import TableError
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.sheet import Reading, TableError
 from pushbelt_validation.outcome import SPELLED as SHOWN
 from pushbelt_validation.outcome import UNSCALED
 

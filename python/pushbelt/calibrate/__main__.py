@@ -37,7 +37,7 @@ from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables import columns, points
-from pushbelt.tables.faults import TableError
+from pushbelt.tables.sheet import TableError
 
 from . import parameters
 

@@ -143,9 +143,8 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
         misfit = f"the root mean square of the residuals is {last:.3g} standard deviations, above {MISFIT:g}"
     elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
-    return Fit(
-        estimates, spread, (first, last), before, search.states, search.evaluations, search.converged, tuple(kept.tolist()), of_all, misfit
-    )
+    solved = before, search.states, search.evaluations, search.converged
+    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit)
 
 
 def _rms(relative: Array) -> float:

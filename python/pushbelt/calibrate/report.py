@@ -52,7 +52,8 @@ def reach(rows: pd.DataFrame) -> float:
 
 
 def chart(quantity: str, sets: Sets) -> Chart:
-    """The figures of a quantity. The first set leads; it must have values."""
+    """The figures of a quantity. The first set leads; it must have values. The axes fit the bulk of its values; its outliers are at the border,
+    with their values."""
     sets = {name: rows.assign(at=rows["ratio"].fillna(rows["speed_ratio"])) for name, rows in sets.items()}
     leading = next(iter(sets.values()))
     most = reach(leading)
@@ -149,11 +150,8 @@ def outliers(results: Results) -> str:
         place = f"line {row.line}" + (f" at {row.time:g} s" if row.time == row.time else "")
         model = f" ({abs(row.relative):.3g} standard deviations from {row.found:.5g})" if row.found == row.found else ""
         found.append(f"{place}, {row.quantity} {row.measured:.5g}{model}")
-    text = (
-        f"left out as outliers: {'; '.join(found)}. The root mean square of the residuals is "
-        f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
-    )
-    return text if found else ""
+    scatter = f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
+    return f"left out as outliers: {'; '.join(found)}. The root mean square of the residuals is {scatter}" if found else ""
 
 
 def write_parameters(results: Results, path: Path) -> None:
@@ -168,12 +166,9 @@ def write_parameters(results: Results, path: Path) -> None:
             kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
             entries[name] = entry if estimate.undetermined is None else kept
     document = {
-        "id": path.stem,
-        "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
-        "fits": results.fit.misfit is None,
-        "note": "SI units. Start values of the FMU by variable name.",
-        "parameters": entries,
-    }
+        "id": path.stem, "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
+        "fits": results.fit.misfit is None, "note": "SI units. Start values of the FMU by variable name.", "parameters": entries,
+    }  # fmt: skip
     path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
 
 
@@ -199,9 +194,7 @@ def write_html(results: Results, path: Path) -> None:
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
     context = {
-        "results": results, "fit": found, "used": len(used),
-        "outliers": outliers(results),
-        "rms": found.rms,
+        "results": results, "fit": found, "used": len(used), "outliers": outliers(results), "rms": found.rms,
         "lost_values": int(rows["reason"].notna().sum()),
         "quantities": [_quantity(results, q) for q in quantities(rows) if len(of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
@@ -222,12 +215,10 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     after, before = of(results.rows, quantity), of(results.before, quantity)
     kept = after[after["kept"]] if after["kept"].any() else after
     return {
-        "meaning": MEASURED[quantity].meaning,
-        "unit": _unit(quantity),
-        "score": score(kept, quantity),
+        "meaning": MEASURED[quantity].meaning, "unit": _unit(quantity), "score": score(kept, quantity),
         "before": score(before[before.index.isin(kept.index)], quantity).rms,
         "picture": chart(quantity, {"fitted": after, "start values": before}),
-    }
+    }  # fmt: skip
 
 
 # Hold-out
@@ -249,17 +240,13 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> 
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
     context = {
-        "rig": rig,
-        "version": described(fmu).version or "",
-        "scores": scores,
-        "variators": list(sets),
-        "notes": points.understood(rig)[1:],
+        "rig": rig, "version": described(fmu).version or "", "scores": scores, "variators": list(sets), "notes": points.understood(rig)[1:],
         "figures": [
             (q, MEASURED[q].meaning, chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
             for q in dict.fromkeys(one.quantity for one in scores if one.count)
         ],
         "lost": [(name, row) for name, rows in sets.items() for row in _lost(rows).itertuples()],
-    }
+    }  # fmt: skip
     page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=short)
     return scores
 

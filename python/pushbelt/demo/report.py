@@ -22,20 +22,13 @@ from .events import Event, energy_bound
 from .simulate import START_VALUES, STEP, DemoResults
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
-
 LOSSES = (
-    ("loss.sheaves", "sheave friction", BLUE),
-    ("loss.ring", "ring friction", ORANGE),
-    ("loss.layers", "ring layers", GREEN),
-    ("loss.joints", "joints of the chain", GREEN),
-    ("loss.spin", "turning elements", RED),
-    ("loss.shafts", "shafts", VIOLET),
+    ("loss.sheaves", "sheave friction", BLUE), ("loss.ring", "ring friction", ORANGE), ("loss.layers", "ring layers", GREEN),
+    ("loss.joints", "joints of the chain", GREEN), ("loss.spin", "turning elements", RED), ("loss.shafts", "shafts", VIOLET),
     ("loss.other", "rest", MUTED),
-)
+)  # fmt: skip
 """Output, name and colour of each loss. Those that a belt does not have are not shown."""
-
 STANDSTILL = 1.0  # Least secondary speed for quotients of speeds, rad/s
-
 TIME = "time (s)"
 GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 CHOSEN_CASE = "overdrive-100"  # The load case whose fields along the belt are shown
@@ -50,12 +43,8 @@ def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
         marked = {"colour": colour, "marker": "circle"}
         thrust.append(Series(name, torques, [r.steady["thrustRatio"] for r in line], **marked))
         efficiency.append(Series(name, torques, [100 * r.steady["efficiency"] for r in line], **marked))
-    x_label = "primary torque (N·m)"
-    panels = [
-        Panel("Thrust ratio", thrust, x_label),
-        Panel("Efficiency of the shafts (%)", efficiency, x_label),
-        _loss_shares(results, torques),
-    ]
+    lines = {"Thrust ratio": thrust, "Efficiency of the shafts (%)": efficiency}
+    panels = [*(Panel(title, series, "primary torque (N·m)") for title, series in lines.items()), _loss_shares(results, torques)]
     return Chart(panels, "Thrust ratio, efficiency and losses of the load cases", columns=3)
 
 
@@ -80,8 +69,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
     def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
         return Series(name, trace.time, values, colour, dash=dash)
 
-    of_speeds = np.where(moving, trace["ratio.speed"], np.nan)
-    slip = np.where(moving, 100 * trace["slip"], np.nan)
+    of_speeds, slip = np.where(moving, trace["ratio.speed"], np.nan), np.where(moving, 100 * trace["slip"], np.nan)
     bound = energy_bound(trace)
     kilowatts = {"scale": "symlog", "linear_to": 1.0, "y_ticks": tuple((k, f"{k:g}") for k in (0, 0.5, 1, 10, 100))}
     torques = [
@@ -94,15 +82,9 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
         for what, name, dash in (("of the belt", "axialForce", ""), ("clamping", "clampingForce", "dash"))
     ]
-    ratios = [
-        line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN),
-        line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash"),
-    ]
-    residual = [
-        line("residual", trace["energy.residual"], VIOLET),
-        line("bound", bound, MUTED, "dash"),
-        line("−bound", -bound, MUTED, "dash"),
-    ]
+    ratios = [line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN), line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash")]
+    bounds = [line("bound", bound, MUTED, "dash"), line("−bound", -bound, MUTED, "dash")]
+    residual = [line("residual", trace["energy.residual"], VIOLET), *bounds]
     losses = [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])]
     marks = [Mark(event.start, str(k)) for k, event in enumerate((e for e in events if e.occurred), start=1)]
     rows = [
@@ -143,10 +125,8 @@ def overload(trace: Trace, start: float, end: float) -> Chart:
     def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
         return Series(name, time, values[inside], colour, dash=dash)
 
-    torques = [
-        line("external", trace["primary.externalTorque"], MUTED, "dash"),
-        line("carried by the belt", -trace["primary.shaftTorque"], BLUE),
-    ]
+    carried = line("carried by the belt", -trace["primary.shaftTorque"], BLUE)
+    torques = [line("external", trace["primary.externalTorque"], MUTED, "dash"), carried]
     losses = [line("all", 1e-3 * trace["loss.total"], RED)]
     shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
     rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
@@ -203,11 +183,8 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "cases": load_cases(results.cases),
         "manoeuvre": manoeuvre(trace, found),
         "moving_belt": belt_view(
-            of_run(trace, results.manoeuvre.snapshots, results.parameters),
-            results.parameters,
-            "The belt on its pulleys during the manoeuvre",
-            group=GROUP,
-            start=min(SHOWN_TIME, float(trace.time[-1])),
+            of_run(trace, results.manoeuvre.snapshots, results.parameters), results.parameters,
+            "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])),
         ),
         "fields": fields(chosen.steady.profile, curve),
         "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
@@ -215,29 +192,18 @@ def _context(results: DemoResults) -> dict[str, Any]:
     if slipping is not None:
         pictures["overload"] = overload(trace, slipping.start - 0.1, slipping.end + 0.2)
     if slips_through is not None:
-        moment = int(np.argmin(np.abs(trace.time - 8.6)))
-        theta = float(trace["reference.theta"][moment])
+        theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
         pictures["overload_fields"] = fields(slips_through, curve_of(results.parameters, theta))
     return {
-        "version": results.fmu_version,
+        "version": results.fmu_version, "variator": results.variator, "parameters": results.parameters, "chain": is_chain(results.parameters),
         "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
-        "events": found,
-        "checks": events.evaluate(results),
-        "manoeuvre": results.manoeuvre,
-        "step": STEP,
-        "duration": float(trace.time[-1]),
-        "standstill": STANDSTILL,
-        "start_values": START_VALUES,
+        "events": found, "checks": events.evaluate(results), "manoeuvre": results.manoeuvre,
+        "step": STEP, "duration": float(trace.time[-1]), "standstill": STANDSTILL, "start_values": START_VALUES,
         "residual": float(np.abs(trace["energy.residual"]).max()),
         "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * STEP),
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
-        "chosen": chosen,
-        "speed": load_case_speed(),
-        "parameters": results.parameters,
-        "variator": results.variator,
-        "chain": is_chain(results.parameters),
-        "pictures": pictures,
-    }
+        "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
+    }  # fmt: skip
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

@@ -46,9 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from . import report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
-    plan = dataclasses.replace((runs.SHORT if options.short else runs.FULL)[options.cycle], **given)
-    if options.until is not None:
-        plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
+    plan = (runs.SHORT if options.short else runs.FULL)[options.cycle]
+    end = plan.cycle[1] if options.until is None else plan.cycle[0] + options.until
+    plan = dataclasses.replace(plan, cycle=(plan.cycle[0], end), **given)
     begin = time.perf_counter()
     results = runs.run_all(options.fmu, plan, options.output)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -82,8 +82,5 @@ def nedc() -> Cycle:
     return Cycle(np.array(list(places)), np.array(list(places.values()), dtype=float) / 3.6)
 
 
-CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {
-    "wltc": ("WLTC class 3b", wltc_class_3b),
-    "nedc": ("NEDC", nedc),
-}
+CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {"wltc": ("WLTC class 3b", wltc_class_3b), "nedc": ("NEDC", nedc)}
 """Title and table by the name on the command line."""

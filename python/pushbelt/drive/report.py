@@ -123,19 +123,15 @@ def savings(fixed: Run, slip: Run) -> Chart:
         Panel("Variator loss, added up (kJ)", loss, TIME, height=270),
         Panel("Time (s) at a torque utilisation, above 1 kW", share, "torque utilisation", height=270),
     ]
-    label = "Variator loss of both strategies added up over time, and torque utilisation"
-    return Chart(panels, label, columns=2, common_legend=True)
+    return Chart(panels, "Variator loss of both strategies added up over time, and torque utilisation", columns=2, common_legend=True)
 
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
     losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
     colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
     energies = [run.energies() for run in (slip, fixed)]
-    series = [
-        Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
-        for part, colour in colours.items()
-        if any(e[part] for e in energies)
-    ]
+    shown = {part: colour for part, colour in colours.items() if any(e[part] for e in energies)}
+    series = [Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows") for part, colour in shown.items()]
     ticks = ((0.0, slip.setup.name), (1.0, fixed.setup.name))
     return Chart([Panel("Energy (kJ)", series, y_ticks=ticks, stacked=True, height=170)], "Shares of energy")
 
@@ -148,9 +144,7 @@ def low_friction(fixed: Run, slip: Run) -> Chart:
         "Secondary clamping force (kN)": lambda run: 1e-3 * run["secondary.clampingForceTotal"],
         "Variator loss, added up (kJ)": lambda run: 1e-3 * STEP * np.cumsum(run.loss),
     }
-    panels = [
-        Panel(title, [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs], TIME) for title, of in rows.items()
-    ]
+    panels = [Panel(title, [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs], TIME) for title, of in rows.items()]
     return Chart(panels, "Slip, secondary force and loss of both strategies with low friction", columns=3, linked=True)
 
 
@@ -186,9 +180,8 @@ def speed_error(run: Run) -> tuple[float, float]:
 def ratio_error(run: Run) -> float:
     """Root mean square of ln(ratio/target) while the primary pulley turns fast enough to shift."""
     turning = run["primary.speed"] > 60.0
-    if not turning.any():
-        return 0.0
-    return float(np.sqrt(np.mean(np.log(run["ratio.geometric"] / run["ratio.target"])[turning] ** 2)))
+    squares = np.log(run["ratio.geometric"] / run["ratio.target"])[turning] ** 2
+    return float(np.sqrt(np.mean(squares))) if squares.size else 0.0
 
 
 def balance_gap(run: Run) -> float:
@@ -220,9 +213,7 @@ def write_html(results: Results, path: Path) -> None:
     motion, title = belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
     belt = belt_view(motion, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
-        "version": results.version,
-        "plan": results.plan,
-        "car": demo_car(),
+        "version": results.version, "plan": results.plan, "car": demo_car(),
         "rows": [
             {
                 "run": run, "energies": run.energies(), "speed": speed_error(run), "ratio": ratio_error(run),
@@ -233,11 +224,8 @@ def write_html(results: Results, path: Path) -> None:
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "losses": [part for part in LOSSES if any(run[f"loss.{part}"].any() for run in results.runs)],
-        "pump": Pump(),
-        "map_force": FORCE,
+        "pump": Pump(), "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
-        "step": STEP,
-        "low_friction": LOW_FRICTION,
         "pictures": {
             "belt": belt,
             "drive": drive(slip, GROUP),

@@ -82,12 +82,9 @@ class ThrustMap:
         """
         low, high = excess - NEARBY, excess + NEARBY
         points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
-        steepest = max(
-            # F_P = κ F_S exp ε
-            (rate - rate_before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high))
-            for (start, rate_before), (end, rate) in pairwise(points)
-            if end > low and start < high
-        )
+        near = (pair for pair in pairwise(points) if pair[1][0] > low and pair[0][0] < high)
+        # F_P = κ F_S exp ε
+        steepest = max((rate - before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high)) for (start, before), (end, rate) in near)
         return steepest / self.thrust_ratio(ratio, utilisation) * self.acting_force(secondary) / secondary
 
     def _rates(self, ratio: float, utilisation: float) -> list[float]:

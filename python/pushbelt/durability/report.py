@@ -100,24 +100,18 @@ def of_clamping(found: list[tuple[float, float, float, float]]) -> Chart:
         ("Damage without fatigue limit, relative to the run", without / base, BLUE),
         ("Utilisation of the fatigue limit (%)", 100.0 * utilisation, ORANGE),
     ]
-    bars = [Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05) for title, values, colour in rows]
-    panels = [
-        Panel(title, [one], "factor on the clamping forces", height=220) for (title, *_), one in zip(rows, bars, strict=True)
-    ]
+    bars = [(title, Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)) for title, values, colour in rows]
+    panels = [Panel(title, [one], "factor on the clamping forces", height=220) for title, one in bars]
     return Chart(panels, "Effect of the clamping forces", columns=3)
 
 
 def write(results: Sequence[Damage], folder: Path) -> Path:
     """Writes report.html, durability.json and durability.csv; returns the path of the report."""
     document = {
-        "version": __version__,
-        "rainflow": importlib.metadata.version("rainflow"),
-        "units": UNITS,
-        "material": dataclasses.asdict(results[0].material),
-        "runs": [_entry(result) for result in results],
-    }
-    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    (folder / "durability.json").write_text(text + "\n", encoding="utf-8")
+        "version": __version__, "rainflow": importlib.metadata.version("rainflow"), "units": UNITS,
+        "material": dataclasses.asdict(results[0].material), "runs": [_entry(result) for result in results],
+    }  # fmt: skip
+    (folder / "durability.json").write_text(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     names = list(dict.fromkeys(name for result in results for name in result.parts))
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
@@ -164,11 +158,10 @@ def _entry(result: Damage) -> dict[str, Any]:
         "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
         "lifeHours": hours, "lifeKilometres": kilometres,
         "sharesWithLimit": result.limited,
-        "shares": {name: result.share(part=name) for name in parts}
-        | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
-        "clampingEstimate": [
-            dict(zip(("factor", "damage", "damageWithoutLimit", "utilisation"), one, strict=True)) for one in clamping(result)
-        ],
+        "shares": {
+            **{name: result.share(part=name) for name in parts}, **{f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
+        },
+        "clampingEstimate": [dict(zip(("factor", "damage", "damageWithoutLimit", "utilisation"), one, strict=True)) for one in clamping(result)],
     }  # fmt: skip
 
 

@@ -13,9 +13,8 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
-from pushbelt.tables.faults import TableError
 from pushbelt.tables.names import Column
-from pushbelt.tables.sheet import Sheet
+from pushbelt.tables.sheet import Sheet, TableError
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
@@ -95,9 +94,8 @@ def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
 def _complete(sheet: Sheet, places: list[str], counted: bool, kilometres: bool) -> None:
     """Checks that the required columns are there, and that each row has all values."""
     required = ["time", "ring.speed", *((places or [f"{FIELD}[1]"]) if counted else STRESSES), *["distance"] * kilometres]
-    missing = [name for name in required if name not in sheet.taken]
     text = ""
-    if missing:
+    if missing := [name for name in required if name not in sheet.taken]:
         known = [(name, COLUMNS.get(name, STRESS)) for name in missing]
         text = ", line 1: no column " + ", ".join(f"{name} ({one.meaning}, {one.default or '1'})" for name, one in known)
         text += "; a life in kilometres needs it, --hours gives the life in hours" * (missing == ["distance"])
@@ -120,11 +118,10 @@ def _check_course(table: Table) -> None:
     table.refuse(steps <= 0.0, "time", lambda row: f"{time[row]:g} s is not after {time[row - 1]:g} s")
     longest = GAP * float(np.median(steps[1:]))
     text = f"a gap is longer than {longest:g} s, {GAP:g} times the median step"
-    gap = np.append(False, steps[1:] > longest)
-    table.refuse(gap, "time", lambda row: f"{time[row]:g} s is {steps[row]:g} s after the row before; {text}")
+    table.refuse(np.append(False, steps[1:] > longest), "time", lambda row: f"{time[row]:g} s is {steps[row]:g} s after the row before; {text}")
     if table.distance is not None:
         driven = table["distance"]
         back = np.diff(driven, prepend=driven[0]) < -BACK
         table.refuse(back, "distance", lambda row: f"{driven[row]:g} m is below the {driven[row - 1]:g} m of the row before")
-        nowhere = np.arange(len(time)) == len(time) - 1 if table.distance <= 0.0 else np.zeros(1, dtype=bool)
+        nowhere = (np.arange(len(time)) == len(time) - 1) & (table.distance <= 0.0)
         table.refuse(nowhere, "distance", lambda _: "no distance is driven, so there is no life in kilometres")

@@ -19,8 +19,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.study.tasks import variator
 
 from .data import AXES, Maps
-from .lines import collect
-from .plan import COARSE, SHORT, Plan
+from .plan import COARSE, SHORT, Plan, collect
 
 GIVEN = ("force", "speed", "ratio", "utilisation")  # Axes with an option
 

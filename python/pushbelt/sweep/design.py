@@ -19,9 +19,8 @@ from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import units
 from pushbelt.tables.columns import CONDITIONS
-from pushbelt.tables.faults import Fault, TableError
 from pushbelt.tables.names import Column
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.sheet import Fault, Reading, TableError
 
 from .point import Point
 

@@ -17,8 +17,7 @@ from ..fmu.capacity import BELT_SPEED, BEYOND
 from ..fmu.data import parameter_set, pitch_radius, torque_capacity
 from . import units
 from .columns import POWER, SHIFTS
-from .faults import MOST, Fault, TableError
-from .sheet import Sheet, Taken
+from .sheet import MOST, Fault, Sheet, TableError, Taken
 
 Array = np.ndarray
 Values = Mapping[str, Array]

@@ -15,9 +15,8 @@ from . import sheet as sheets
 from .columns import (
     COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
 )  # fmt: skip
-from .faults import MOST, Fault, TableError, grouped, of_the_column
 from .names import DEVIATION
-from .sheet import Reading, Sheet
+from .sheet import MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
