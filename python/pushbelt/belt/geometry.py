@@ -210,9 +210,7 @@ class Belt:
 
     def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:
         """The parameter set. `values` are the parameters of the set `base`, used where nothing follows from the dimensions.
-
-        `changes` are values of the user. They come first.
-        """
+        `changes` are values of the user. They come first."""
         taken = {key: Entry(value, "typical", f"as {base}") for key, value in values.items()}
         entries = {**taken, **self.entries, **{key: Entry(value) for key, value in changes.items()}}
         d = self.dimensions

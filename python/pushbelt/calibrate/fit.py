@@ -87,9 +87,7 @@ class Fit(NamedTuple):
 
 def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
-
-    First a fit with a robust loss finds the outliers, which are then left out.
-    """
+    First a fit with a robust loss finds the outliers, which are then left out."""
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")

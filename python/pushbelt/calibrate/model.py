@@ -90,12 +90,10 @@ class Model:
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
     def slopes(self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool) -> Array:
-        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if not
-        `central`, one-sided ones, with steps to the other side only for outstanding points.
-
-        A steady state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two
-        one-sided slopes contradict each other, the smallest of both and their mean is used. A lost point has no slope.
-        """
+        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if
+        not `central`, one-sided ones, with steps to the other side only for outstanding points. A steady state may jump to
+        another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes contradict
+        each other, the smallest of both and their mean is used. A lost point has no slope."""
         carried, middle = [place for place, found in enumerate(base) if found.reason is None], self.column(base)
 
         def differences(side: int, places: Sequence[Sequence[int]]) -> Array:

@@ -58,10 +58,8 @@ def choose(
     wanted: Mapping[str, float | None], limits: Mapping[str, Pair], variables: Mapping[str, Any], values: Mapping[str, float],
     priors: Mapping[str, Pair] | None = None,
 ) -> list[Parameter]:  # fmt: skip
-    """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`, else the FMU's.
-
-    A name without its pulley, such as `tiltStiffness`, means both pulleys.
-    """
+    """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`,
+    else the FMU's. A name without its pulley, such as `tiltStiffness`, means both pulleys."""
     priors = priors or {}
     for given, what in ((limits, "bounds are"), (priors, "a prior is")):
         if unknown := given.keys() - wanted.keys():

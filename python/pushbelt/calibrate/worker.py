@@ -110,10 +110,8 @@ def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point
 
 
 def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """The shift rate at the ratio of the point.
-
-    The run starts at a ratio from which it reaches the point's ratio in the middle of the window if it shifts as measured.
-    """
+    """The shift rate at the ratio of the point. The run starts at a ratio from which it reaches the point's ratio in the middle
+    of the window if it shifts as measured."""
     assert point.ratio is not None and point.primary_force is not None
     (measured,) = point.measured
     revolution = 2.0 * math.pi / point.speed
@@ -132,11 +130,9 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
 
 
 def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
-    """The ratio at each sample of a recorded shift.
-
-    The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
-    and the secondary pulley turns as recorded, at the primary speed over the ratio.
-    """
+    """The ratio at each sample of a recorded shift. The run starts in the steady state at the first ratio. Torque and forces
+    are the recorded ones, linear between the samples, and the secondary pulley turns as recorded, at the primary speed over the
+    ratio."""
     inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
     unit = _started(states, parameters, record, ratio, ratio, primary_force)

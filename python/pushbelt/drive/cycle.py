@@ -40,10 +40,8 @@ class Cycle:
         return interpolate(time, *self._points)
 
     def section(self, start: float, stop: float) -> Cycle:
-        """A section of the trace, with time starting at 0.
-
-        Raises ValueError if the section does not start at standstill: the simulated belt starts at rest.
-        """
+        """A section of the trace, with time starting at 0. Raises ValueError if the section does not start at standstill: the
+        simulated belt starts at rest."""
         if not self.time[0] <= start < stop <= self.time[-1]:
             raise ArgumentError(f"{start:g} to {stop:g} s is not within the cycle of {self.duration:g} s")
         if self.at(start) > 0.0:
@@ -58,10 +56,7 @@ class CycleMissingError(PushbeltError, ValueError):
 
 
 def wltc_class_3b() -> Cycle:
-    """The whole cycle, 1800 s in steps of 1 s.
-
-    Raises CycleMissingError if its table is not installed.
-    """
+    """The whole cycle, 1800 s in steps of 1 s. Raises CycleMissingError if its table is not installed."""
     # Only the table is loaded. The package requires a version of `jsonschema` that is too old for other packages, hence --no-deps.
     try:
         from wltp.cycles import class3

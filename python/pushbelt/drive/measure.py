@@ -26,9 +26,7 @@ LEAST = 3  # Least number of steady states at a ratio
 
 def measure(fmu: Path, parameters: Mapping[str, float], folder: Path) -> Maps:
     """The maps of an FMU with these start values. Finished lines are stored in the folder, so a repeated call solves nothing.
-
-    Raises ValueError if a ratio has too few steady states.
-    """
+    Raises ValueError if a ratio has too few steady states."""
     plan = Plan(fmu, parameters, GRID)
     maps = collect(plan, solve_in_processes(plan, folder, "thrust-ratio map"))
     for ratio, count in zip(plan.ratios, maps.valid[-1, 0].sum(axis=-1), strict=True):

@@ -185,11 +185,8 @@ def ratio_error(run: Run) -> float:
 
 
 def balance_gap(run: Run) -> float:
-    """Net work of the engine minus all losses and the change of stored energy, J.
-
-    The FMU's stored energy includes the car; the engine's flywheel is added. The work of the clamping forces is small and not
-    subtracted.
-    """
+    """Net work of the engine minus all losses and the change of stored energy, J. The FMU's stored energy includes the car; the
+    engine's flywheel is added. The work of the clamping forces is small and not subtracted."""
     energies, inertia = run.energies(), demo_car().engine_inertia
     stored = run["stored.energy"] + 0.5 * inertia * run["engine.speed"] ** 2
     spent = sum(energies[part] for part in ("variator", "launch clutch", "road load", "brakes"))
@@ -198,9 +195,7 @@ def balance_gap(run: Run) -> float:
 
 def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables.
-
-    Energies are those since the start of the run.
-    """
+    Energies are those since the start of the run."""
     every = round(CSV_STEP / STEP)
     energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
     table = np.column_stack([run.time, *{**run.columns, **energies}.values()])[::every]

@@ -119,9 +119,7 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
 
 def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
-
-    Raises UnitError with the time if the FMU rejects a step.
-    """
+    Raises UnitError with the time if the FMU rejects a step."""
     parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
     control = TransmissionControl(car, setup.strategy, friction, thrust_map, setup.clamping)

@@ -59,10 +59,8 @@ class Car:
         return air + self.mass * GRAVITY * self.rolling_resistance * math.tanh(speed / 0.1)
 
     def brake_force(self, demand: float, speed: float, step: float) -> float:
-        """Force of the brakes, N, for a demand in N. Near standstill it is proportional to speed, so that it holds the car.
-
-        The slope is at most half of the limit at which the communication step would cause oscillation.
-        """
+        """Force of the brakes, N, for a demand in N. Near standstill it is proportional to speed, so that it holds the car. The
+        slope is at most half of the limit at which the communication step would cause oscillation."""
         width = max(0.05, 2.0 * demand * step / self.mass)
         return min(demand, self.max_brake) * clip(speed / width, -1.0, 1.0)
 
@@ -115,10 +113,8 @@ class Powertrain:
         self._acceleration = 0.0
 
     def advance(self, demand: float, pulley: float, step: float) -> float:
-        """Advances by a communication step; returns the mean clutch torque, N·m.
-
-        `demand` is the demanded engine torque, N·m; `pulley` is the primary speed, rad/s, held constant over the step.
-        """
+        """Advances by a communication step; returns the mean clutch torque, N·m. `demand` is the demanded engine torque, N·m;
+        `pulley` is the primary speed, rad/s, held constant over the step."""
         car = self.car
         self._follow(pulley, step)
         count = max(round(step / self.SUBSTEP), 1)

@@ -45,10 +45,8 @@ def count_loop(stress: Array) -> list[tuple[float, float, float]]:
 
 
 def cycles(table: Table) -> dict[str, Cycles]:
-    """The cycles of a revolution at each row, by name of the part: from the outputs of each pulley, or counted on the stress along the ring.
-
-    No cycle spans several revolutions.
-    """
+    """The cycles of a revolution at each row, by name of the part: from the outputs of each pulley, or counted on the stress
+    along the ring. No cycle spans several revolutions."""
     if table.field is None:
         columns = {p: (AMPLITUDE.format(p), MEAN.format(p)) for p in PULLEYS}
         once = np.ones((len(table.lines), 1))
@@ -111,10 +109,9 @@ class Damage:
         return found
 
     def clamped(self, factor: float) -> Damage | None:
-        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the strength.
-
-        The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not change.
-        """
+        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the
+        strength. The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not
+        change."""
         table, values = self.table, self.parameters
         if table.field is not None or any(f"{pulley}.radius" not in table.columns for pulley in PULLEYS):
             return None

@@ -68,11 +68,8 @@ class Table:
 
 
 def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
-    """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles, the
-    stress along the ring is read.
-
-    Raises DurabilityError for faults of the file, and OSError if the file cannot be read.
-    """
+    """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles,
+    the stress along the ring is read. Raises DurabilityError for faults of the file, and OSError if the file cannot be read."""
     try:
         sheet = sheets.read(path, COLUMNS, misspelled=False)
         field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]

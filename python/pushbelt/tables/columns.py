@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from . import units
@@ -54,9 +54,8 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
     found = {}
     for pulley, meaning in meanings.items():
         ends = ENDS[pulley].split()
-        symbols = (f"{letter}{end}" for letter in letters.split() for end in ends)
-        spelled = (f"{word} {end}" for word in words.split(", ") for end in ends[:2])
-        found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, (*symbols, *spelled))
+        spelled = [f"{letter}{end}" for letter in letters.split() for end in ends] + [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
+        found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, tuple(spelled))
     return found
 
 
@@ -124,18 +123,12 @@ COLUMNS: Mapping[str, Column] = {
 
 def template() -> str:
     """Text of the template: every column with its meaning, and example lines."""
-    lines = (
+    lines = [
         "# Table for `cargo fmu calibrate`: one steady point per line. Replace the lines below the header.",
         "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
-        *_described("Conditions", CONDITIONS),
-        *_described("Measured quantities, any of", QUANTITIES),
-        f"# {' ' * 4}….sd: standard deviation of a measured column; the default is an assumed one",
-        "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED),
-    )
-    return "\n".join([*lines, EXAMPLES])
-
-
-def _described(title: str, columns: Mapping[str, Column]) -> Iterable[str]:
-    yield f"# {title}:"
-    for name, column in columns.items():
-        yield f"# {' ' * 4}{name} [{' or '.join(units.usual(column.dimension))}]: {column.meaning}".replace(",", ";")
+    ]
+    for title, columns in (("Conditions", CONDITIONS), ("Measured quantities, any of", QUANTITIES)):
+        found = (f"{name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";") for name, one in columns.items())
+        lines += [f"# {title}:", *(f"#     {text}" for text in found)]
+    lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
+    return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES])

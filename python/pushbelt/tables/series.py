@@ -58,8 +58,7 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     ]
     if not spans:
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
-        text = f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"
-        reduced.faults.append(Fault(text))
+        reduced.faults.append(Fault(f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"))
     return reduced
 
 

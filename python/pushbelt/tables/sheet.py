@@ -51,12 +51,10 @@ class TableError(PushbeltError, ValueError):
         self.faults = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
         self.found = found  # The sheet as it was understood in spite of the faults
         start = f"{path}: " if path is not None else ""
-        if len(self.faults) == 1:
-            super().__init__(f"{start}{self.faults[0]}")
-            return
         more = len(self.faults) - SHOWN
         lines = [f"  {fault}" for fault in self.faults[:SHOWN]] + [f"  and {more} more of the same kinds"] * (more > 0)
-        super().__init__("\n".join([f"{start}{len(self.faults)} faults", *lines]))
+        text = str(self.faults[0]) if len(self.faults) == 1 else "\n".join([f"{len(self.faults)} faults", *lines])
+        super().__init__(start + text)
 
 
 def of_the_column(faults: Sequence[Fault], good: int, hint: str = "") -> list[Fault]:
@@ -159,10 +157,8 @@ class Sheet:
 
 
 def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
-    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one.
-
-    Raises TableError if the file is not a table at all, OSError if it cannot be read.
-    """
+    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
+    TableError if the file is not a table at all, OSError if it cannot be read."""
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
@@ -195,11 +191,9 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     first = max(at, -1 if found is None else found) + 1
     while first in below and _is_row_of_words(head[first]):
         first += 1
-    remarks = [f"{at} rows above the header are not read"] * (at > 0) + [
-        f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}"
-        for row in range(at + 1, first)
-        if row != found
-    ]
+    remarks = [f"{at} rows above the header are not read"] * (at > 0)
+    for row in (row for row in range(at + 1, first) if row != found):
+        remarks.append(f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
 
 
@@ -216,9 +210,9 @@ def _is_row_of_words(row: Sequence[str]) -> bool:
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
-    known = {cell for cell in filled if units.is_unit(cell)}
+    known = [cell for cell in filled if units.is_unit(cell)]
     numbers = any(cell != "1" and _is_number(cell) for cell in filled)
-    return not numbers and bool(known - {"1", "-"}) and 2 * sum(cell in known for cell in filled) >= len(filled)
+    return not numbers and bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled)
 
 
 # Columns and values
@@ -360,14 +354,13 @@ class _Reader:
         return "" if other_name else found
 
     def _unknown(self, title: str) -> None:
-        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if not title or title.startswith("#"):
             return
-        if near is None:
-            self.sheet.ignored.append(title)
-        else:
+        if self.misspelled and key(title) not in INDEX and (near := self.names.close(title)):
             self.sheet.failed.add(near)
             self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
+        else:
+            self.sheet.ignored.append(title)
 
     # Numbers
 
