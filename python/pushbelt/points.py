@@ -99,17 +99,9 @@ class WorkingPoints:
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
     def linearize(
-        self,
-        ratio: float,
-        torque: float,
-        *,
-        speed: float = SPEED,
-        force: float | None = None,
-        safety: float = SAFETY,
-        frequency: float = FREQUENCY,
-        states: str = "modal",
-        sample_time: float | None = None,
-    ) -> LinearModel:
+        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY,
+        frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
+    ) -> LinearModel:  # fmt: skip
         """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
 
         The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
@@ -126,19 +118,11 @@ class WorkingPoints:
         return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
 
     def linear_grid(
-        self,
-        ratios: Iterable[float],
-        torques: Iterable[float],
-        *,
-        speed: float | Iterable[float] = SPEED,
-        force: float | Iterable[float] | None = None,
-        safety: float = SAFETY,
-        frequency: float = FREQUENCY,
-        states: str = "modal",
-        sample_time: float | None = None,
-        changes: Mapping[str, Iterable[Any]] | None = None,
-        after_each: Callable[[], object] = lambda: None,
-    ) -> LinearGrid:
+        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float | Iterable[float] = SPEED,
+        force: float | Iterable[float] | None = None, safety: float = SAFETY,
+        frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
+        changes: Mapping[str, Iterable[Any]] | None = None, after_each: Callable[[], object] = lambda: None,
+    ) -> LinearGrid:  # fmt: skip
         """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
 
         `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
@@ -294,7 +278,8 @@ class WorkingPoints:
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
-        texts |= {"clampingForce": ("N", "Secondary clamping force"), "ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
+        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
+        texts["clampingForce"] = ("N", "Secondary clamping force")
         about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},

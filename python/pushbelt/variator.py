@@ -63,13 +63,9 @@ class Variator(WorkingPoints):
     """
 
     def __init__(
-        self,
-        parameters: Parameters = "bench168",
-        changes: Values | None = None,
-        *,
-        fmu: Path | None = None,
-        record: Record | Sequence[str] | None = None,
-    ) -> None:
+        self, parameters: Parameters = "bench168", changes: Values | None = None, *,
+        fmu: Path | None = None, record: Record | Sequence[str] | None = None,
+    ) -> None:  # fmt: skip
         """Creates a variator.
 
         `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start
@@ -178,9 +174,7 @@ class Variator(WorkingPoints):
         """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
         return self._running("the profile").profile()
 
-    def linearize_here(
-        self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None
-    ) -> LinearModel:
+    def linearize_here(self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
         If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
@@ -218,9 +212,7 @@ class Variator(WorkingPoints):
 
     # Over time
 
-    def simulate(
-        self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None
-    ) -> pandas.DataFrame:
+    def simulate(self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:
         """Runs the variator with a table of inputs over time and returns a table of the outputs. Needs `pushbelt[maps]`.
 
         The index of `inputs`, or its column `time`, is time in s; the other columns are inputs and tunable parameters by name, linear

@@ -56,13 +56,9 @@ def solve(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Po
     """Results of the model at a point. An error of the FMU becomes the reason."""
     if directory not in _open:
         _open[directory] = SteadyStates(Archive(directory, fmpy.read_model_description(str(fmu))))
-    states = _open[directory]
+    kind = _record if point.samples else _shift if point.shifting else _at_speed_ratio if point.ratio is None else _steady
     try:
-        if point.samples:
-            return _record(states, parameters, point)
-        if point.shifting:
-            return _shift(states, parameters, point)
-        return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
+        return kind(_open[directory], parameters, point)
     except UnitError as error:
         _open.pop(directory).close()
         return Found({}, str(error), 2.0)
@@ -87,7 +83,8 @@ def _started(
     return Found({}, unit.not_steady, 2.0 - carried)
 
 
-def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
+def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float | None = None) -> Found:
+    ratio = point.ratio if ratio is None else ratio
     unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
     return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 

@@ -180,15 +180,14 @@ def _context(results: DemoResults) -> dict[str, Any]:
     slips_through = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": load_cases(results.cases),
-        "manoeuvre": manoeuvre(trace, found),
+        "cases": load_cases(results.cases), "manoeuvre": manoeuvre(trace, found),
         "moving_belt": belt_view(
             of_run(trace, results.manoeuvre.snapshots, results.parameters), results.parameters,
             "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])),
         ),
         "fields": fields(chosen.steady.profile, curve),
         "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
-    }
+    }  # fmt: skip
     if slipping is not None:
         pictures["overload"] = overload(trace, slipping.start - 0.1, slipping.end + 0.2)
     if slips_through is not None:

@@ -87,13 +87,10 @@ def drive(run: Run, group: str = "") -> Chart:
         return Series(name, run.time, values, colour, width=width)
 
     losses = [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()]
+    ratios = [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)]
     rows = [
         ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
-        (
-            "Ratio r_S/r_P",
-            [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)],
-            {"scale": "log", "y_ticks": RATIO_TICKS},
-        ),
+        ("Ratio r_S/r_P", ratios, {"scale": "log", "y_ticks": RATIO_TICKS}),
         ("Speeds (rpm)", [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)], {}),
         ("Pressures (bar)", [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))], {}),
         ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], {"y_range": (-3.0, 4.0)}),
@@ -157,17 +154,13 @@ def operating_points(table: ThrustMap, run: Run) -> Chart:
     ends = [float(table.thrust.min()), float(table.thrust.max())]
     points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": [f"{time:.1f} s" for time in run.time[some]]}
     lines = Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)
+    worked, same = Series("worked at", ratio, utilisation, **points), Series("as in the map", ends, ends, INK, width=0.9)
+    axes = {"x_label": "ratio", "y_label": "torque utilisation", "x_scale": "log", "x_ticks": RATIO_TICKS, "height": 350}
+    compared = {"x_label": "of the map (steady)", "y_label": "of the belt", "y_range": (ends[0] - 0.5, ends[1] + 0.5), "height": 350}
     panels = [
-        Panel(
-            "Thrust ratio of the map, and operating points", [Series("worked at", ratio, utilisation, **points)], "ratio",
-            "torque utilisation", fields=[lines], x_scale="log", x_ticks=RATIO_TICKS, height=350,
-        ),
-        Panel(
-            "Thrust ratio while driving",
-            [Series("belt", expected, thrust, **points), Series("as in the map", ends, ends, INK, width=0.9)],
-            "of the map (steady)", "of the belt", y_range=(ends[0] - 0.5, ends[1] + 0.5), height=350,
-        ),
-    ]  # fmt: skip
+        Panel("Thrust ratio of the map, and operating points", [worked], fields=[lines], **axes),
+        Panel("Thrust ratio while driving", [Series("belt", expected, thrust, **points), same], **compared),
+    ]
     return Chart(panels, "Contours of the thrust ratio with operating points", columns=2)
 
 
@@ -222,13 +215,8 @@ def write_html(results: Results, path: Path) -> None:
         "pump": Pump(), "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "pictures": {
-            "belt": belt,
-            "drive": drive(slip, GROUP),
-            "close_up": drive(close_up),
-            "savings": savings(fixed, slip),
-            "energy": energy_shares(fixed, slip),
-            "low_friction": low_friction(*slippery),
-            "map": operating_points(results.thrust_map, slip),
+            "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up), "savings": savings(fixed, slip),
+            "energy": energy_shares(fixed, slip), "low_friction": low_friction(*slippery), "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
     page.write_html("drive/drive.html.j2", context, path)

@@ -86,13 +86,12 @@ class Run:
         step, speed, engine = self.setup.step, self["speed.car"], self["work.engine"]
         losses = {part: step * float(self[f"loss.{part}"].sum()) for part in LOSSES}
         return {
-            "engine, driving": float(engine[engine > 0.0].sum()),
-            "engine, braking": float(-engine[engine < 0.0].sum()),
+            "engine, driving": float(engine[engine > 0.0].sum()), "engine, braking": float(-engine[engine < 0.0].sum()),
             "variator": sum(losses.values()),
             **{f"variator, {part}": loss for part, loss in losses.items()},
             "launch clutch": float(self["loss.clutch"].sum()),
             **{name: step * float((self[f"force.{force}"] * speed).sum()) for name, force in (("road load", "road"), ("brakes", "brake"))},
-        }
+        }  # fmt: skip
 
     @property
     def loss(self) -> Array:

@@ -51,12 +51,10 @@ class Variable:
         items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
             **{name: getattr(declared, name) for name in ("name", "type", "causality", "variability")},
-            unit=declared.unit or "1",
-            description=declared.description or "",
-            start=None if declared.start is None else read(declared.start),
+            unit=declared.unit or "1", description=declared.description or "", start=None if declared.start is None else read(declared.start),
             **{key: None if (text := getattr(declared, key)) is None else float(text) for key in ("min", "max", "nominal")},
             items={one.name: int(one.value) for one in items},
-        )
+        )  # fmt: skip
 
     @property
     def facts(self) -> list[str]:
@@ -100,9 +98,7 @@ class StartValueError(PushbeltError, ValueError):
     """A value that the FMU does not accept. The message contains the variable and the reason."""
 
 
-def checked(
-    variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
-) -> dict[str, float]:
+def checked(variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE) -> dict[str, float]:
     """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an
     enumeration's item. Raises StartValueError for an unknown name, a wrong type, or a number out of range."""
     return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}

@@ -25,17 +25,13 @@ def _steady(
     }  # fmt: skip
 
 
-def driven_by_torque(
-    parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
-) -> StartValues:
+def driven_by_torque(parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float) -> StartValues:
     """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force specified."""
     values = _steady(parameters, ratio, speed, force, (Drive.TORQUE, Drive.SPEED), Axial.HELD)
     return values | {"primary.torque": torque, "secondary.speedSetpoint": speed / ratio}
 
 
-def driven_by_slip(
-    parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float
-) -> StartValues:
+def driven_by_slip(parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float) -> StartValues:
     """Both shafts held at speeds with a slip between them; primary sheave held, secondary force specified."""
     values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.SPEED), Axial.HELD)
     return values | {"primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / ratio * (1.0 - slip)}

@@ -272,17 +272,13 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     refuse_others(description.modelName, description)
     identifier = description.coSimulation.modelIdentifier
     binaries = binaries_of(archive.directory)
+    # Without it fmpy knows the older names of folders only.
+    library = binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension
+    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": name}
     with _LOADING.lock:
         here = os.getcwd()
         try:
-            return fmi2.FMU2Slave(
-                guid=description.guid,
-                unzipDirectory=str(archive.directory),
-                modelIdentifier=identifier,
-                instanceName=name,
-                # Without it fmpy knows the older names of folders only.
-                libraryPath=binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension,
-            )
+            return fmi2.FMU2Slave(unzipDirectory=str(archive.directory), libraryPath=library, **given)
         except Exception as error:
             why = _not_executable(archive) or str(error).strip()
             raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error

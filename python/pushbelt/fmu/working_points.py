@@ -117,12 +117,10 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     known = {-1.0: least, 1.0: most}
     return {
         "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
-        "capacity": [least, most],
-        "capacitySlip": [low, high],
+        "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
         "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
         "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
-        "reasons": reasons,
-    }
+    }  # fmt: skip
 
 
 def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:

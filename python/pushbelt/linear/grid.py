@@ -1,5 +1,4 @@
-"""Linear models over a grid of working points, their interpolation in physical coordinates, and their files: `.npz` for numpy, `.mat` for MATLAB,
-`.json` for other tools.
+"""Linear models over a grid of working points, between them in physical coordinates, and in files: `.npz` for numpy, `.mat` for MATLAB, `.json`.
 
 The mode of the slip is some hundred times as fast as the others: A = A_s + λ r ℓ with its pole λ, its eigenvectors ℓ and r (ℓ r = 1), and
 A_s of the slow modes (ℓ A_s = 0, A_s r = 0). ℓ x is nearly the slip, ω_P − i ω_S. The elements of λ r ℓ are much larger than the slow poles,
@@ -84,8 +83,7 @@ def interpolated(models: Weighted) -> LinearModel:
     return replace(
         first, a=a, b=b, c=c, d=mean(attrgetter("d")), poles=sorted_poles(a),
         **{name: named(attrgetter(name)) for name in ("held", "given", "values")},
-        slip=float(mean(attrgetter("slip"))),
-        macro_slip=any(one.macro_slip for one, _ in models),
+        slip=float(mean(attrgetter("slip"))), macro_slip=any(one.macro_slip for one, _ in models),
         remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
     )  # fmt: skip
 

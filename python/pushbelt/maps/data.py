@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -158,21 +158,17 @@ class Maps:
 
     def write(self, path: Path) -> None:
         """Writes `.json`, `.npz` or `.nc`."""
-        writers = {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf}
-        if path.suffix not in writers:
-            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        write = _of_suffix(path, {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf})
         path.parent.mkdir(parents=True, exist_ok=True)
-        writers[path.suffix](path)
+        write(path)
 
     @classmethod
     def read(cls, path: Path) -> Maps:
         """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
-        readers = {".json": lambda path: json.loads(path.read_text(encoding="utf-8")), ".npz": _read_npz, ".nc": _read_netcdf}
-        if path.suffix not in readers:
-            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        read = _of_suffix(path, {".json": lambda path: json.loads(path.read_text(encoding="utf-8")), ".npz": _read_npz, ".nc": _read_netcdf})
         path.open("rb").close()
         try:
-            return cls.of_document(readers[path.suffix](path))
+            return cls.of_document(read(path))
         except MapError as why:
             raise MapError(f"{path}: {why}") from why
         # Readers of damaged files raise any of these.
@@ -209,6 +205,12 @@ class Maps:
                 if name == "state":
                     variable.flag_values = np.arange(len(STATES), dtype=float)
                     variable.flag_meanings = " ".join(STATES).encode()
+
+
+def _of_suffix(path: Path, functions: Mapping[str, Callable[[Path], Any]]) -> Callable[[Path], Any]:
+    if path.suffix not in functions:
+        raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+    return functions[path.suffix]
 
 
 def arrays_of(document: Mapping[str, Any]) -> tuple[dict[str, Array], ...]:

@@ -1,4 +1,4 @@
-"""What is solved: an FMU, parameters and axes, with an identity of everything that determines the results; and solved lines, collected to maps."""
+"""What is solved: an FMU, parameters and axes, with an identity of all that determines the results; and maps of the solved lines."""
 
 from __future__ import annotations
 

@@ -75,18 +75,14 @@ def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) 
     named = [("", maps)] if beside is None else [("A", maps), ("B", beside)]
     others = beside.parameters if beside else maps.parameters
     context = {
-        "maps": maps,
-        "effort": effort,
-        "beside": beside,
+        "maps": maps, "effort": effort, "beside": beside, "tables": TABLES, "files": (*files.OWN, *files.WRITERS),
         "contours": [(shown.heading, contours(named, shown)) for shown in SHOWN],
         "lines": lines(maps),
         # Without the numbers after the first comma.
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
         "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
-        "tables": TABLES,
-        "files": (*files.OWN, *files.WRITERS),
         "differing": [(name, value, others.get(name)) for name, value in maps.parameters.items() if others.get(name) != value],
-    }
+    }  # fmt: skip
     path = folder / "report.html"
     write_html("maps/maps.html.j2", context, path)
     return path

@@ -68,9 +68,7 @@ class _Table:
 class MapVariator:
     """`count` variators from maps. States are arrays of this length."""
 
-    def __init__(
-        self, maps: Maps | Path | str | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1
-    ) -> None:
+    def __init__(self, maps: Maps | Path | str | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1) -> None:
         """From maps, a file of maps (`maps.nc`) or a map FMU; by default from the tables of `bench168`.
 
         `parameters` are changes of the parameters that the FMU has as variables, such as `secondary.inertia`.

@@ -64,9 +64,8 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
         offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
         gap=np.array([state.profile.gap for state in shown]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
-        angles=np.stack([secondary, primary], axis=1),
-        way=np.asarray(way),
-    )
+        angles=np.stack([secondary, primary], axis=1), way=np.asarray(way),
+    )  # fmt: skip
 
 
 def over_time(time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]) -> Motion:

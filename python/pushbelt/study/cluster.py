@@ -77,9 +77,7 @@ class UnitPlugin(WorkerPlugin):
 
 
 @contextmanager
-def shipped(
-    client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
-) -> Iterator[Callable[[Chunk], Rows]]:
+def shipped(client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType) -> Iterator[Callable[[Chunk], Rows]]:
     """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there. `load`
     makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which
     are sent with those of `pushbelt.fmu`. Raises ClusterError if a worker cannot load them."""

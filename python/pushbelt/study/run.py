@@ -133,7 +133,9 @@ def _solve_chunk(store: Store, chunk: Sequence[tuple[int, Any]], *solver: Any) -
     side_by_side.tick(len(chunk))
 
 
-def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
+def from_command_line(
+    tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None
+) -> tuple[dict[int, Row], Effort]:
     """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
     begin, reports = time.perf_counter(), list[Progress]()
     with progress_bar(len(tasks.tasks()), what) as bar:

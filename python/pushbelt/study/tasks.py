@@ -72,9 +72,7 @@ class Tasks(ABC):
 class Solver:
     """The loaded FMU. Tasks can be solved in several threads: each has an instance that no other uses."""
 
-    def __init__(
-        self, archive: Archive, parameters: Mapping[str, float], measure: Callable[[SteadyStates, Any], dict[str, Any]]
-    ) -> None:
+    def __init__(self, archive: Archive, parameters: Mapping[str, float], measure: Callable[[SteadyStates, Any], Row]) -> None:
         """The FMU is loaded, so that its errors are raised here."""
         self._archive, self._parameters, self._measure = archive, parameters, measure
         self._idle = [SteadyStates(archive, parameters)]

@@ -1,8 +1,6 @@
 """Parameter studies with the pushbelt FMU: steady states over a grid of five axes, or a design of any parameters and inputs (`design`).
 
     study (points) → `pushbelt.study` (cluster, store) → results.parquet → maps, checks → report
-
-The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
 from __future__ import annotations

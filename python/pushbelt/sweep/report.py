@@ -101,12 +101,9 @@ def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int
 
 def contours(results: xarray.Dataset) -> dict[str, Chart]:
     """Charts of all quantities by heading: one chart per clamping force, with one map per friction and speed."""
-    several = results.sizes["force"] > 1
-    return {
-        quantity.heading + (f" at {1e-3 * force:.1f} kN" if several else ""): _contours(results.sel(force=force), quantity)
-        for force in results.force.values
-        for quantity in QUANTITIES
-    }
+    end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
+    places = itertools.product(results.force.values, QUANTITIES)
+    return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
 
 
 def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:

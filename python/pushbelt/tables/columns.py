@@ -54,8 +54,9 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
     found = {}
     for pulley, meaning in meanings.items():
         ends = ENDS[pulley].split()
-        spelled = [f"{letter}{end}" for letter in letters.split() for end in ends] + [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
-        found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, tuple(spelled))
+        symbols = [f"{letter}{end}" for letter in letters.split() for end in ends]
+        spelled = [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
+        found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, (*symbols, *spelled))
     return found
 
 
