@@ -28,8 +28,8 @@ def run(main: Callable[[], int | None]) -> int:
 
 
 def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
-    """The main function of a program, with the words of its command line, which its reports name. Its errors are one line each; packages that
-    are missing are those of an extra."""
+    """The main function of a program, with the words of its command line, which its reports name. Its errors are one line
+    each; packages that are missing are those of an extra."""
 
     def made(main: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
         @functools.wraps(main)

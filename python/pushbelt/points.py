@@ -87,7 +87,7 @@ def model_of(solver: calls.Instance, frequency: float, states: str, sample_time:
 
 
 class WorkingPoints:
-    """Steady states of the variator of given start values, and linear models about them. They are solved on an instance of their own."""
+    """Steady states of the variator of given start values, and linear models about them, on an instance of their own."""
 
     def __init__(self, archive: Archive, values: Values) -> None:
         """`values` are start values, of which all that are needed are checked."""
@@ -146,10 +146,10 @@ class WorkingPoints:
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
     def _linearize(
-        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[float, str, float | None]
+        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[Any, ...]
     ) -> LinearModel:
-        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are the arguments of
-        `model_of`."""
+        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are
+        the arguments of `model_of`."""
         force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
         point = Point(ratio, torque, speed, force)
         state = self._steady(values, point)

@@ -22,7 +22,9 @@ def write_whole(path: Path, contents: bytes) -> None:
         passing.unlink(missing_ok=True)
 
 
-def copy_archive(archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes | None]) -> None:
+def copy_archive(
+    archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes | None]
+) -> None:
     """Writes a copy of an archive with changed files, and with others added or replaced; None removes one. `copy` may be the archive."""
     draft = copy.with_name(f"{copy.name}.part")
     try:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
@@ -24,6 +25,7 @@ from pushbelt.fmu.working_points import Line
 from pushbelt.maps import __main__, files
 from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
+from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
 from pushbelt.study.run import Store
 from pushbelt.study.tasks import Solver, variator
@@ -158,6 +160,21 @@ def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Pl
     assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
     loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
+
+
+def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So an interrupt loses no finished line, also without dask."""
+
+    def interrupted(calls: Sequence[Call], *_: object) -> None:
+        function, arguments = calls[0]
+        function(*arguments)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run.side_by_side, "run_all", interrupted)
+    monkeypatch.setattr(run.side_by_side, "tick", lambda _: None)
+    with pytest.raises(KeyboardInterrupt):
+        run.solve_in_processes(plan, tmp_path, "lines")
+    assert [bool(row["points"]) for row in Store(tmp_path, plan).rows().values()] == [True]
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:

@@ -126,8 +126,8 @@ class Belt:
     def _check(self) -> None:
         d = self.dimensions
         low, high = 1e3 * d.min_radius, 1e3 * self.max_radius
-        stacked = f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm on a pitch line of {1e3 * self.pitch_length:.2f} mm"
-        text = f"{stacked} leave an end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm"
+        stacked, line = f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm", f"{1e3 * self.pitch_length:.2f} mm"
+        text = f"{stacked} on a pitch line of {line} leave an end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm"
         _require(0.0 <= self.play <= MOST_PLAY, f"{text}: specify two of number, thickness and play")
         text = f"two layers of {1e3 * self.layer_width:g} mm are not narrower than the elements, {1e3 * d.width:g} mm"
         _require(SETS * self.layer_width < d.width, text)
@@ -219,5 +219,5 @@ class Belt:
         return {
             "id": name, "about": f"{about}, on axes {1e3 * d.center_distance:g} mm apart",
             "note": note + "typical ones are or contain engineering values.",
-            "parameters": {key: {word: part for word, part in entry._asdict().items() if part != ""} for key, entry in entries.items()},
+            "parameters": {name: {key: part for key, part in one._asdict().items() if part != ""} for name, one in entries.items()},
         }  # fmt: skip

@@ -89,7 +89,9 @@ class Model:
         found, missing = np.abs(self.relative(states)), np.array([states[place].missing for place in self.values["point"]])
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
-    def slopes(self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool) -> Array:
+    def slopes(
+        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
+    ) -> Array:
         """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if
         not `central`, one-sided ones, with steps to the other side only for outstanding points. A steady state may jump to
         another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes contradict

@@ -52,8 +52,8 @@ def reach(rows: pd.DataFrame) -> float:
 
 
 def chart(quantity: str, sets: Sets) -> Chart:
-    """The figures of a quantity. The first set leads; it must have values. The axes fit the bulk of its values; its outliers are at the border,
-    with their values."""
+    """The figures of a quantity. The first set leads; it must have values. The axes fit their bulk; its outliers are at the
+    border, with their values."""
     sets = {name: rows.assign(at=rows["ratio"].fillna(rows["speed_ratio"])) for name, rows in sets.items()}
     leading = next(iter(sets.values()))
     most = reach(leading)
@@ -240,7 +240,8 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> 
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
     context = {
-        "rig": rig, "version": described(fmu).version or "", "scores": scores, "variators": list(sets), "notes": points.understood(rig)[1:],
+        "rig": rig, "version": described(fmu).version or "", "scores": scores, "variators": list(sets),
+        "notes": points.understood(rig)[1:],
         "figures": [
             (q, MEASURED[q].meaning, chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
             for q in dict.fromkeys(one.quantity for one in scores if one.count)

@@ -194,7 +194,8 @@ def _context(results: DemoResults) -> dict[str, Any]:
         theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
         pictures["overload_fields"] = fields(slips_through, curve_of(results.parameters, theta))
     return {
-        "version": results.fmu_version, "variator": results.variator, "parameters": results.parameters, "chain": is_chain(results.parameters),
+        "version": results.fmu_version, "variator": results.variator,
+        "parameters": results.parameters, "chain": is_chain(results.parameters),
         "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
         "events": found, "checks": events.evaluate(results), "manoeuvre": results.manoeuvre,
         "step": STEP, "duration": float(trace.time[-1]), "standstill": STANDSTILL, "start_values": START_VALUES,

@@ -93,7 +93,9 @@ class SlipControl:
     HOLD = 0.3  # Least duration of an intervention, s
     LEAST_SPEED = 60.0  # Least speed of the primary pulley for slip control, rad/s
 
-    def __init__(self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3) -> None:
+    def __init__(
+        self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3
+    ) -> None:
         """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
         self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation
         self.fallback, self.interventions = SafetyFactor(friction, safety), 0

@@ -141,7 +141,8 @@ def low_friction(fixed: Run, slip: Run) -> Chart:
         "Secondary clamping force (kN)": lambda run: 1e-3 * run["secondary.clampingForceTotal"],
         "Variator loss, added up (kJ)": lambda run: 1e-3 * STEP * np.cumsum(run.loss),
     }
-    panels = [Panel(title, [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs], TIME) for title, of in rows.items()]
+    lines = {title: [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs] for title, of in rows.items()}
+    panels = [Panel(title, series, TIME) for title, series in lines.items()]
     return Chart(panels, "Slip, secondary force and loss of both strategies with low friction", columns=3, linked=True)
 
 
@@ -216,7 +217,8 @@ def write_html(results: Results, path: Path) -> None:
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "pictures": {
             "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up), "savings": savings(fixed, slip),
-            "energy": energy_shares(fixed, slip), "low_friction": low_friction(*slippery), "map": operating_points(results.thrust_map, slip),
+            "energy": energy_shares(fixed, slip), "low_friction": low_friction(*slippery),
+            "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
     page.write_html("drive/drive.html.j2", context, path)

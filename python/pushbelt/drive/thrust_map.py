@@ -82,7 +82,8 @@ class ThrustMap:
         points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
         near = (pair for pair in pairwise(points) if pair[1][0] > low and pair[0][0] < high)
         # F_P = κ F_S exp ε
-        steepest = max((rate - before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high)) for (start, before), (end, rate) in near)
+        slopes = ((0.5 * (start + end), (rate - before) / (end - start)) for (start, before), (end, rate) in near)
+        steepest = max(slope / math.exp(clip(middle, low, high)) for middle, slope in slopes)
         return steepest / self.thrust_ratio(ratio, utilisation) * self.acting_force(secondary) / secondary
 
     def _rates(self, ratio: float, utilisation: float) -> list[float]:

@@ -23,6 +23,7 @@ from .damage import CLAMPING, Damage
 
 COLOURS = (BLUE, ORANGE)
 MEGA = 1e-6
+ESTIMATED = ("factor", "damage", "damageWithoutLimit", "utilisation")  # Names of what `clamping` estimates
 MOST_POINTS = 1500  # Largest number of points of a cloud. The largest amplitudes are among them
 UNITS = {
     "duration": "s", "distance": "m", "revolutions": "1", "damage": "1", "damageWithoutLimit": "1", "utilisation": "1",
@@ -100,8 +101,10 @@ def of_clamping(found: list[tuple[float, float, float, float]]) -> Chart:
         ("Damage without fatigue limit, relative to the run", without / base, BLUE),
         ("Utilisation of the fatigue limit (%)", 100.0 * utilisation, ORANGE),
     ]
-    bars = [(title, Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)) for title, values, colour in rows]
-    panels = [Panel(title, [one], "factor on the clamping forces", height=220) for title, one in bars]
+    panels = []
+    for title, values, colour in rows:
+        bars = Series(title.split(" ")[0].lower(), factors, values, colour, "bars", bar_width=0.05)
+        panels.append(Panel(title, [bars], "factor on the clamping forces", height=220))
     return Chart(panels, "Effect of the clamping forces", columns=3)
 
 
@@ -111,14 +114,15 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
         "version": __version__, "rainflow": importlib.metadata.version("rainflow"), "units": UNITS,
         "material": dataclasses.asdict(results[0].material), "runs": [_entry(result) for result in results],
     }  # fmt: skip
-    (folder / "durability.json").write_text(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    (folder / "durability.json").write_text(text + "\n", encoding="utf-8")
     names = list(dict.fromkeys(name for result in results for name in result.parts))
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
     tables.write(folder / "durability.csv", header, _rows(results, names), digits=7)
     context = {
-        "runs": [(result, clamping(result)) for result in results], "material": results[0].material, "document": document, "life": _life,
-        "over_time": over_time, "haigh": haigh, "ratio_torque": ratio_torque, "clamping": of_clamping,
+        "runs": [(result, clamping(result)) for result in results], "material": results[0].material, "document": document,
+        "life": _life, "over_time": over_time, "haigh": haigh, "ratio_torque": ratio_torque, "clamping": of_clamping,
     }  # fmt: skip
     page.write_html("durability/durability.html.j2", context, folder / "report.html", short=short)
     return folder / "report.html"
@@ -158,10 +162,9 @@ def _entry(result: Damage) -> dict[str, Any]:
         "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
         "lifeHours": hours, "lifeKilometres": kilometres,
         "sharesWithLimit": result.limited,
-        "shares": {
-            **{name: result.share(part=name) for name in parts}, **{f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
-        },
-        "clampingEstimate": [dict(zip(("factor", "damage", "damageWithoutLimit", "utilisation"), one, strict=True)) for one in clamping(result)],
+        "shares": {name: result.share(part=name) for name in parts}
+        | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
+        "clampingEstimate": [dict(zip(ESTIMATED, one, strict=True)) for one in clamping(result)],
     }  # fmt: skip
 
 

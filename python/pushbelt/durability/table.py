@@ -115,7 +115,8 @@ def _check_course(table: Table) -> None:
     table.refuse(steps <= 0.0, "time", lambda row: f"{time[row]:g} s is not after {time[row - 1]:g} s")
     longest = GAP * float(np.median(steps[1:]))
     text = f"a gap is longer than {longest:g} s, {GAP:g} times the median step"
-    table.refuse(np.append(False, steps[1:] > longest), "time", lambda row: f"{time[row]:g} s is {steps[row]:g} s after the row before; {text}")
+    gap = np.append(False, steps[1:] > longest)
+    table.refuse(gap, "time", lambda row: f"{time[row]:g} s is {steps[row]:g} s after the row before; {text}")
     if table.distance is not None:
         driven = table["distance"]
         back = np.diff(driven, prepend=driven[0]) < -BACK

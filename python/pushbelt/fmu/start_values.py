@@ -1,4 +1,4 @@
-"""The FMU's variables, start values of a user that are checked against them, also from an SSV file, and a copy of the FMU with them."""
+"""The FMU's variables, a user's start values that are checked against them, also from SSV, and copies of the FMU."""
 
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class Variable:
         items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
             **{name: getattr(declared, name) for name in ("name", "type", "causality", "variability")},
-            unit=declared.unit or "1", description=declared.description or "", start=None if declared.start is None else read(declared.start),
+            unit=declared.unit or "1", description=declared.description or "",
+            start=None if declared.start is None else read(declared.start),
             **{key: None if (text := getattr(declared, key)) is None else float(text) for key in ("min", "max", "nominal")},
             items={one.name: int(one.value) for one in items},
         )  # fmt: skip

@@ -1,1 +1,1 @@
-"""Linear models about steady states: one (`model`), over a grid and between its points (`grid`), in physical coordinates (`physical`)."""
+"""Linear models about steady states: one (`model`), in physical coordinates (`physical`), over a grid (`grid`)."""

@@ -1,4 +1,4 @@
-"""Linear models over a grid of working points, between them in physical coordinates, and in files: `.npz` for numpy, `.mat` for MATLAB, `.json`.
+"""Linear models over a grid of working points, between its points, and in files: `.npz`, `.mat` for MATLAB, `.json`.
 
 The mode of the slip is some hundred times as fast as the others: A = A_s + λ r ℓ with its pole λ, its eigenvectors ℓ and r (ℓ r = 1), and
 A_s of the slow modes (ℓ A_s = 0, A_s r = 0). ℓ x is nearly the slip, ω_P − i ω_S. The elements of λ r ℓ are much larger than the slow poles,
@@ -119,10 +119,8 @@ class LinearGrid:
 
     axes: Mapping[str, Array]
     """Values along each axis: `ratio` (1), `torque` (N·m), `speed` (rad/s), `force` (N), or names of parameters."""
-    models: NDArray[np.object_]
-    """One `LinearModel` per point, or None."""
-    reasons: NDArray[np.object_]
-    """Reason for each missing model; empty where there is a model."""
+    models: NDArray[np.object_]  # One `LinearModel` per point, or None
+    reasons: NDArray[np.object_]  # Reason for each missing model; empty where there is a model
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -31,41 +31,28 @@ class LinearPointError(PushbeltError, RuntimeError):
 class LinearModel:
     """A linear model about a working point."""
 
-    a: Array
-    """(states, states), 1/s."""
-    b: Array
-    """(states, inputs)."""
-    c: Array
-    """(outputs, states)."""
+    a: Array  # (states, states), 1/s
+    b: Array  # (states, inputs)
+    c: Array  # (outputs, states)
     d: Array
     """Shape (outputs, inputs): direct feedthrough, including the quasi-static response of modes that are not in A."""
     inputs: tuple[str, ...]
     """Inputs, by names of FMU variables: clamping forces (N), torques (N·m), or set points of speeds (rad/s)."""
-    outputs: tuple[str, ...]
-    """Outputs, by names of FMU variables."""
+    outputs: tuple[str, ...]  # Outputs, by names of FMU variables
     states: tuple[str, ...]
     """Names of the states; `mode1` is the slowest. An oscillatory mode has two states, such as `mode2.re` and `mode2.im`."""
-    poles: NDArray[np.complex128]
-    """Eigenvalues of A in the order of the states, 1/s."""
-    held: Mapping[str, float]
-    """Values of the inputs that hold the point."""
-    values: Mapping[str, float]
-    """Outputs at the point."""
-    units: Mapping[str, str]
-    """Units of inputs and outputs, and of ln i."""
-    frequency: float
-    """Frequency, Hz, below which modes are states."""
+    poles: NDArray[np.complex128]  # Eigenvalues of A in the order of the states, 1/s
+    held: Mapping[str, float]  # Values of the inputs that hold the point
+    values: Mapping[str, float]  # Outputs at the point
+    units: Mapping[str, str]  # Units of inputs and outputs, and of ln i
+    frequency: float  # Frequency, Hz, below which modes are states
     slip: float
-    macro_slip: bool
-    """Whether the belt slips through at the point."""
-    given: Mapping[str, float]
-    """Values of the inputs that were set at the instance."""
-    remarks: tuple[str, ...]
-    """Differences of the point from the specified one."""
+    macro_slip: bool  # Whether the belt slips through at the point
+    given: Mapping[str, float]  # Values of the inputs that were set at the instance
+    remarks: tuple[str, ...]  # Differences of the point from the specified one
     coordinates: str = "modal"
     """`modal`, or `physical`: the states are speeds (rad/s) and the logarithm of the ratio, as deviations from the point."""
-    sample_time: float | None = None
-    """Sample time of `ad`, `bd`, `cd`, `dd`, s."""
+    sample_time: float | None = None  # Sample time of `ad`, `bd`, `cd`, `dd`, s
 
     def __repr__(self) -> str:
         at = f"ratio {self.values['ratio.geometric']:.4g}, " if "ratio.geometric" in self.values else ""

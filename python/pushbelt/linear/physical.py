@@ -52,7 +52,8 @@ def physical(model: LinearModel) -> LinearModel:
         raise NotPhysicalError("no physical coordinate is free: both speeds and the ratio are held")
     n, taken = len(names), modes_needed(model)
     if len(model.poles) < taken:
-        raise NotPhysicalError(f"{len(model.poles)} modes are below {model.frequency:g} Hz, but {taken} are needed for {', '.join(names)}")
+        there = f"{len(model.poles)} modes are below {model.frequency:g} Hz"
+        raise NotPhysicalError(f"{there}, but {taken} are needed for {', '.join(names)}")
     # Between groups of modes A is zero.
     a, b, c, d = _quasi_static(model.a, model.b, model.c, model.d, taken)
     rows, scale = _rows(model, c, names)

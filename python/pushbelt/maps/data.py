@@ -91,11 +91,9 @@ LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lo
 class Maps:
     """A data set of maps."""
 
-    axes: Mapping[str, Array]
-    """Ascending values of each axis."""
+    axes: Mapping[str, Array]  # Ascending values of each axis
     tables: Mapping[str, Array]
-    parameters: Mapping[str, float]
-    """Parameters of the variator, by names of FMU variables."""
+    parameters: Mapping[str, float]  # Parameters of the variator, by names of FMU variables
     source: Mapping[str, str] = field(default_factory=dict)
     """What the maps are from: model, version and GUID of the FMU."""
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -165,7 +163,7 @@ class Maps:
     @classmethod
     def read(cls, path: Path) -> Maps:
         """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
-        read = _of_suffix(path, {".json": lambda path: json.loads(path.read_text(encoding="utf-8")), ".npz": _read_npz, ".nc": _read_netcdf})
+        read = _of_suffix(path, {".json": lambda one: json.loads(one.read_bytes()), ".npz": _read_npz, ".nc": _read_netcdf})
         path.open("rb").close()
         try:
             return cls.of_document(read(path))

@@ -81,8 +81,9 @@ class Border:
 
 
 def panel(
-    title: str, quantity: Quantity, axes: tuple[Array, Array], values: Array, levels: Array, kinds: Mapping[str, np.ndarray], border: Border
-) -> Panel:
+    title: str, quantity: Quantity, axes: tuple[Array, Array], values: Array, levels: Array, kinds: Mapping[str, np.ndarray],
+    border: Border,
+) -> Panel:  # fmt: skip
     """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation."""
     unit = quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)

@@ -34,19 +34,15 @@ MARGIN = 1.06
 class Grid:
     """Axes of the maps, each ascending."""
 
-    force: tuple[float, ...] = (2500.0, 6000.0, 15000.0, 40000.0)
-    """Secondary clamping force, N."""
-    speed: tuple[float, ...] = (60.0, 200.0, 450.0)
-    """Primary speed, rad/s."""
-    ratio: tuple[float, ...] = ()
-    """Geometric ratio; empty for `ratios` values between the end stops."""
+    force: tuple[float, ...] = (2500.0, 6000.0, 15000.0, 40000.0)  # Secondary clamping force, N
+    speed: tuple[float, ...] = (60.0, 200.0, 450.0)  # Primary speed, rad/s
+    ratio: tuple[float, ...] = ()  # Geometric ratio; empty for `ratios` values between the end stops
     ratios: int = 7
     utilisation: tuple[float, ...] = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
     """Torque utilisation; negative where the secondary pulley drives."""
     slip_share: tuple[float, ...] = (-1.0, -0.6, -0.35, -0.15, -0.05, 0.0, 0.05, 0.15, 0.35, 0.6, 1.0)
     """Slips of the traction, divided by the slip at capacity."""
-    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)
-    """Torque utilisations at which shifts are measured."""
+    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)  # Torque utilisations at which shifts are measured
     excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.25, 0.5, 0.9)
     """ln(F_P/(κ F_S)) of the shifts, with 0."""
 

@@ -63,7 +63,8 @@ def tables_of(maps: Maps) -> bytes:
         "startValues": {name: maps.parameters[name] for name in VARIABLES},
         "axes": {name: {"unit": axis.unit, "values": maps.axes[name].tolist()} for name, axis in AXES.items()},
         "tables": {
-            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()} for name, values in tables.items()
+            name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()}
+            for name, values in tables.items()
         },
     }  # fmt: skip
     # Only the numbers of tables are nested lists, so the file is compact without being one line.

@@ -68,7 +68,9 @@ class _Table:
 class MapVariator:
     """`count` variators from maps. States are arrays of this length."""
 
-    def __init__(self, maps: Maps | Path | str | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1) -> None:
+    def __init__(
+        self, maps: Maps | Path | str | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1
+    ) -> None:
         """From maps, a file of maps (`maps.nc`) or a map FMU; by default from the tables of `bench168`.
 
         `parameters` are changes of the parameters that the FMU has as variables, such as `secondary.inertia`.
@@ -101,8 +103,9 @@ class MapVariator:
         self.secondary_speed = self.primary_speed * (1.0 - np.broadcast_to(slip, self.count)) / self.ratio
 
     def step(
-        self, duration: float, primary_torque: ArrayLike, secondary_torque: ArrayLike, primary_force: ArrayLike, secondary_force: ArrayLike
-    ) -> None:
+        self, duration: float, primary_torque: ArrayLike, secondary_torque: ArrayLike, primary_force: ArrayLike,
+        secondary_force: ArrayLike,
+    ) -> None:  # fmt: skip
         """Advances by a duration (s) under torques (N·m) and clamping forces (N), which are numbers or arrays."""
         loads = (primary_torque, secondary_torque, primary_force, secondary_force)
         into, out, closing, force = (np.broadcast_to(np.asarray(load, dtype=float), self.count) for load in loads)

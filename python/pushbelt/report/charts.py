@@ -277,7 +277,8 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         return trace
     # The points have the values; between them the colours are interpolated.
     share = None if one.middle is None or one.levels is None else (one.middle - one.levels[0]) / (one.levels[1] - one.levels[0])
-    trace |= {"hoverinfo": "skip", "colorscale": [list(stop) for stop in colour_stops(share)], "colorbar": {"title": {"text": one.unit}}}
+    trace |= {"hoverinfo": "skip", "colorscale": [list(stop) for stop in colour_stops(share)]}
+    trace["colorbar"] = {"title": {"text": one.unit}}
     if one.ticks:
         places, texts = zip(*one.ticks, strict=True)
         trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}

@@ -121,7 +121,8 @@ def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0
     sampled: Sequence[tuple[float, ...]] = [()] if samples is None else _hypercube(ranges, samples, seed)
     if len(sampled) * math.prod(len(column.values) for column in lists) > MOST_POINTS:
         raise DesignError(f"the design has more than {MOST_POINTS} points")
-    rows = tuple((*combination, *sample) for combination in itertools.product(*(column.values for column in lists)) for sample in sampled)
+    combinations = itertools.product(*(column.values for column in lists))
+    rows = tuple((*combination, *sample) for combination in combinations for sample in sampled)
     return Design("grid" if samples is None else "Latin hypercube", tuple(column.name for column in [*lists, *ranges]), rows)
 
 

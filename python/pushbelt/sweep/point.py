@@ -55,4 +55,5 @@ def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
     if not all(math.isfinite(value) for value in outputs.values()):
         raise UnitError("an output is not finite")
     drift = outputs["thrustRatio"] / before - 1.0 if before else 0.0
-    return outputs | {"macroSlip": bool(outputs["macroSlip"]), "drift": drift, "remarks": "; ".join(unit.warnings) or None, "reason": None}
+    slips, remarks = bool(outputs["macroSlip"]), "; ".join(unit.warnings) or None
+    return outputs | {"macroSlip": slips, "drift": drift, "remarks": remarks, "reason": None}

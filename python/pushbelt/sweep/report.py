@@ -177,7 +177,8 @@ def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
         "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "macroSlip")},
         "failed": names_of(results, ~steady)[:FEW],
-        "cut": {"picture": cuts(middle), "friction": float(middle.friction), "rpm": RPM * float(middle.speed), "force": float(middle.force)},
+        "cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed)}
+        | {name: float(middle[name]) for name in ("friction", "force")},
         "maps": contours(results),
     }
 
@@ -201,7 +202,9 @@ def _of_design(study: Study, table: pa.Table) -> dict[str, Any]:
     units = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
     return {
         "design": study.grid,
-        "failed": [{"point": row.point, "values": row[names].tolist(), "reason": row.reason} for _, row in failed.head(FEW).iterrows()],
+        "failed": [
+            {"point": one.point, "values": one[names].tolist(), "reason": one.reason} for _, one in failed.head(FEW).iterrows()
+        ],
         "quantities": [(quantity, _range(quantity.scale * numbers[quantity.column])) for quantity in SHOWN],
         "ranges": [(name, units[name], _range(numbers[name])) for name in names],
         "correlations": [(name, correlations.loc[name].tolist()) for name in strongest],

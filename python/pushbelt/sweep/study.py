@@ -52,14 +52,10 @@ def rpm(*speeds: float) -> tuple[float, ...]:
 class Grid(Points):
     """All combinations of the values of the axes, the utilisation fastest. Each axis is ascending."""
 
-    force: tuple[float, ...] = (12e3,)
-    """Secondary clamping force, N, above 0."""
-    friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)
-    """Friction coefficient between element and sheave, above 0."""
-    speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)
-    """Primary speed, rad/s, above 0."""
-    ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)
-    """Geometric ratio r_S/r_P, above 0."""
+    force: tuple[float, ...] = (12e3,)  # Secondary clamping force, N, above 0
+    friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)  # Friction coefficient between element and sheave, above 0
+    speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)  # Primary speed, rad/s, above 0
+    ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)  # Geometric ratio r_S/r_P, above 0
     utilisation: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
     """Torque utilisation; negative where the secondary pulley drives."""
 
@@ -84,7 +80,9 @@ class Grid(Points):
 
 
 DEFAULT = Grid()  # 2288 points
-SHORT = Grid(friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0))  # 60 points
+SHORT = Grid(  # 60 points
+    friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
+)
 MEASURED = Grid(friction=(0.07, 0.09), speed=rpm(1000, 2000), ratio=spread(0.5, 2.0, 5), utilisation=(0.2, 0.4, 0.5, 0.6, 0.8, 0.9))
 """120 points, for measurements of time."""
 

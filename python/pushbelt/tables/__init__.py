@@ -69,9 +69,3 @@ def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = [*csv.reader(line for line in file if not line.startswith("#"))] or [[]]
     return dict(map(split, header)), rows
-
-
-def by_name(path: Path) -> list[dict[str, str]]:
-    """Rows by the names of the columns without their units."""
-    units, rows = read(path)
-    return [dict(zip(units, row, strict=True)) for row in rows]

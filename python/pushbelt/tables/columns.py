@@ -129,7 +129,8 @@ def template() -> str:
         "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
     ]
     for title, columns in (("Conditions", CONDITIONS), ("Measured quantities, any of", QUANTITIES)):
-        found = (f"{name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";") for name, one in columns.items())
-        lines += [f"# {title}:", *(f"#     {text}" for text in found)]
+        lines.append(f"# {title}:")
+        for name, one in columns.items():
+            lines.append(f"#     {name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";"))
     lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
     return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES])

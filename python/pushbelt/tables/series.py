@@ -58,7 +58,8 @@ def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
     ]
     if not spans:
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
-        reduced.faults.append(Fault(f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"))
+        text = f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"
+        reduced.faults.append(Fault(text))
     return reduced
 
 
