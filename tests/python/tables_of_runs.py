@@ -6,8 +6,14 @@ import csv
 from pathlib import Path
 
 from pushbelt.fmu.untrusted import described
-from pushbelt.tables import sheet, split, units
+from pushbelt.tables import read, sheet, split, units
 from pushbelt.tables.names import Column
+
+
+def by_name(path: Path) -> list[dict[str, str]]:
+    """Rows by the names of the columns without their units."""
+    names, rows = read(path)
+    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def units_are_those_of(fmu: Path, *paths: Path) -> None:
@@ -21,5 +27,5 @@ def units_are_those_of(fmu: Path, *paths: Path) -> None:
         assert all(unit is not None for name, unit in found if name not in texts), titles
         assert {name: unit for name, unit in found if name in known} == {name: known[name] for name, _ in found if name in known}
         columns = {name: Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None}
-        read = sheet.read(path, columns, misspelled=False)
-        assert set(read.taken) == set(columns), path
+        found = sheet.read(path, columns, misspelled=False)
+        assert set(found.taken) == set(columns), path

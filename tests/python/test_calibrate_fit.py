@@ -14,17 +14,16 @@ import pandas as pd
 import pytest
 import reports
 from conftest import MESH
+from tables_of_runs import by_name
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
-from pushbelt.calibrate.figures import chart as figures
-from pushbelt.calibrate.figures import reach
+from pushbelt.calibrate.report import chart as figures, reach
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
 from pushbelt.report import charts
 from pushbelt.report.charts import Panel
-from pushbelt.tables import by_name
 from pushbelt.tables import points as tables
 from pushbelt.tables.points import Measured, Point
 

@@ -24,7 +24,7 @@ from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, wltc_class_3b
 from pushbelt.drive.measure import measure
-from pushbelt.drive.merit import Merit, merit
+from pushbelt.drive.report import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit

@@ -21,7 +21,6 @@ from pushbelt import cli
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linearize import __main__ as linearize
-from pushbelt.linearize import points
 from pushbelt.variator import Variator
 
 RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
@@ -203,7 +202,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
 
 
 def test_lists_and_ranges_are_read() -> None:
-    asked = points.read(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
+    asked = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
     assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
     assert asked.changes == {"ring.model": ["ALE0", "ALE"]} and asked.parameters == {"belt.play": "1e-4"}
 

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
@@ -22,13 +23,12 @@ from pushbelt.fmu.steady import driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.fmu.working_points import Line
 from pushbelt.maps import __main__, files
-from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
-from pushbelt.maps.plan import COARSE, Grid, Plan, stops
+from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
+from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
 from pushbelt.study.run import Store
-from pushbelt.study.tasks import variator
-from pushbelt.study.worker import Solver
+from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 GRID = Grid(
@@ -54,7 +54,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def maps(plan: Plan, folder: Path) -> Maps:
     """The maps of all lines, after a run that was interrupted by losing half of the finished lines."""
-    return map_lines.collect(plan, run.solve(plan, folder, workers=2))
+    return collect(plan, run.solve(plan, folder, workers=2))
 
 
 @pytest.fixture(scope="module")
@@ -78,11 +78,11 @@ def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
 
 def test_shift_rates_are_made_monotone() -> None:
     excesses = np.array([-0.4, -0.1, 0.0, 0.1, 0.4])
-    rates = map_lines.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
+    rates = monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
     # The second rate is not above the first one, and the last is missing.
     assert rates[0].tolist() == pytest.approx([-3.0, -3.0, 0.0, 1.0, 1.0])
     assert rates[0, 2] == 0.0
-    assert map_lines.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
+    assert monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
 
 
 @pytest.mark.parametrize(
@@ -162,16 +162,31 @@ def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Pl
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
 
 
+def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So an interrupt loses no finished line, also without dask."""
+
+    def interrupted(calls: Sequence[Call], *_: object) -> None:
+        function, arguments = calls[0]
+        function(*arguments)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run.side_by_side, "run_all", interrupted)
+    monkeypatch.setattr(run.side_by_side, "tick", lambda _: None)
+    with pytest.raises(KeyboardInterrupt):
+        run.solve_in_processes(plan, tmp_path, "lines")
+    assert [bool(row["points"]) for row in Store(tmp_path, plan).rows().values()] == [True]
+
+
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
     rows = Store(folder, plan).rows()
     rows[4] = {"reason": "no belt", "time": 0.1}
-    found = map_lines.collect(plan, rows)
+    found = collect(plan, rows)
     f, s, r = np.unravel_index(4, (2, 2, 3))
     assert found["thrustRatio"][f, s, r].tolist() in [maps["thrustRatio"][f, s, k].tolist() for k in (r - 1, r + 1)]
     assert set(found["state"][f, s, r]) == {3.0}
     assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
     with pytest.raises(ValueError, match="no belt"):
-        map_lines.collect(plan, {4: rows[4]})
+        collect(plan, {4: rows[4]})
 
 
 # Files

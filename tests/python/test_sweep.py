@@ -22,8 +22,8 @@ from distributed import LocalCluster
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
-from pushbelt.study.worker import Solver
-from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
+from pushbelt.study.tasks import Solver
+from pushbelt.sweep import Grid, Progress, Study, maps, report, sweep
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, rpm, variator
@@ -178,7 +178,7 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
     rows[index] |= {name: value for name, value in values.items() if name != "reason"}
     if "reason" in values:
         rows[index - 1] = values
-    failed = [check for check in checks.evaluate(maps.data_set(study.grid, table(study, rows))) if not check.passed]
+    failed = [check for check in report.evaluate(maps.data_set(study.grid, table(study, rows))) if not check.passed]
     assert [check.statement.startswith(statement or "") for check in failed] == [True] * (statement is not None)
     assert all("ratio 1.25, utilisation 0." in check.found and "μ 0.09" in check.found for check in failed)
 
@@ -226,7 +226,7 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
     assert {k for k, row in solved.items() if row["reason"]} == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
     results = table(study, solved)
-    failed = [check.statement for check in checks.evaluate(maps.data_set(study.grid, results)) if not check.passed]
+    failed = [check.statement for check in report.evaluate(maps.data_set(study.grid, results)) if not check.passed]
     assert all(statement.startswith("Losses of the belt sum") for statement in failed)
     path = report.write(study, results, tmp_path, Effort(len(solved), 1.0, 2.0))
     text = reports.stands_alone(path)
