@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from collections.abc import Callable
 from math import atan2, cos, exp, log, pi, radians, sin, tan
 
 import numpy as np
@@ -13,7 +13,6 @@ from pushbelt_validation.sections.default_belt import _spiral_checks, spiral_run
 from pushbelt_validation.theory import cmm
 from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
 from pushbelt_validation.tilt import tilt_under
-from scipy.integrate import solve_ivp
 
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import theta_of
@@ -53,24 +52,29 @@ def test_groove_of_sattler() -> None:
         assert deeper / radius == pytest.approx(cmm.deformation_factor(BETA) * delta * cos(phase), rel=1e-4, abs=1e-12)
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("traction", (-0.4, -0.1, 0.0, 0.2, 0.45))
-def test_fields_close_the_balances(wrap: float, traction: float) -> None:
-    """Equations (4) to (7) checked on the fields by another quadrature, from first principles in Cartesian axes."""
-    arc = cmm.arc_at_traction(wrap, BETA, MU, traction, points=20_001)
+SHIFTING = ((-1.3, 0.3), (-0.9, 0.3), (0.4, 0.0), (-1e7, 0.0), (1e7, 0.0))
+"""Creep and speed of ratio change; the last two slip through."""
+
+
+@pytest.mark.parametrize(
+    ("solve", "wrap", "state"),
+    [*((cmm.arc_at_traction, wrap, (r,)) for wrap in WRAPS[::2] for r in (-0.4, 0.0, 0.45)), *((cmm.arc_at_creep, 2.9, one) for one in SHIFTING)],
+)
+def test_fields_close_the_balances(solve: Callable[..., cmm.Arc], wrap: float, state: tuple[float, ...]) -> None:
+    """Equations (1) to (7) checked on the fields by another quadrature, from first principles in Cartesian axes."""
+    arc = solve(wrap, BETA, MU, *state, points=20_001)
     theta, p = arc.theta, arc.pressure
-    beta_s = np.arctan(tan(BETA) * np.cos(arc.psi))
+    psi = np.arctan2(arc.creep + np.cos(theta - arc.centre) - arc.shift * theta, arc.shift + np.sin(theta - arc.centre))
+    beta_s = np.arctan(tan(BETA) * np.cos(psi))
     # Force of both flanks on the belt, per angle: normal and friction against the sliding.
-    radial = 2.0 * p * (sin(BETA) - MU * np.cos(beta_s) * np.cos(arc.psi))
-    tangential = -2.0 * p * MU * np.cos(beta_s) * np.sin(arc.psi)
+    radial = 2.0 * p * (sin(BETA) - MU * np.cos(beta_s) * np.cos(psi))
+    tangential = -2.0 * p * MU * np.cos(beta_s) * np.sin(psi)
     # The arc as a free body: pulled backwards at the entry, forwards at the exit. Direction of motion at theta is
-    # (-sin theta, cos theta), outward (cos theta, sin theta).
-    entry, exit_ = arc.tension[0], arc.tension[-1]
-    x = np.trapezoid(radial * np.cos(theta) - tangential * np.sin(theta), theta) - exit_ * sin(wrap)
-    y = np.trapezoid(radial * np.sin(theta) + tangential * np.cos(theta), theta) + exit_ * cos(wrap) - entry
-    assert (x, y) == pytest.approx((0.0, 0.0), abs=2e-4)
-    # Moment about the axis.
-    assert np.trapezoid(tangential, theta) + exit_ - entry == pytest.approx(0.0, abs=2e-4)
+    # (-sin theta, cos theta), outward (cos theta, sin theta). Then the moment about the axis.
+    entry, end = arc.tension[[0, -1]]
+    x = np.trapezoid(radial * np.cos(theta) - tangential * np.sin(theta), theta) - end * sin(wrap)
+    y = np.trapezoid(radial * np.sin(theta) + tangential * np.cos(theta), theta) + end * cos(wrap) - entry
+    assert (x, y, np.trapezoid(tangential, theta) + end - entry) == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
     # Thrust and centre.
     p_ax = p * (cos(BETA) + MU * np.sin(beta_s))
     assert np.trapezoid(p_ax, theta) == pytest.approx(arc.thrust, rel=1e-4)
@@ -78,38 +82,16 @@ def test_fields_close_the_balances(wrap: float, traction: float) -> None:
     s, c = np.trapezoid(p_ax * np.sin(theta), theta), np.trapezoid(p_ax * np.cos(theta), theta)
     assert atan2(s, c) % (2.0 * pi) == pytest.approx(arc.centre, abs=1e-4)
     assert np.hypot(s, c) / arc.thrust == pytest.approx(arc.moment, rel=1e-4)
-    assert arc.tension[0] + arc.tension[-1] == pytest.approx(2.0, rel=1e-8)
+    assert entry + end == pytest.approx(2.0, rel=1e-8)
+    assert arc.log_ratio == pytest.approx(log(end / entry), rel=1e-7, abs=1e-9)
+    assert abs(arc.creep) < 1e6 or arc.log_ratio == pytest.approx(math.copysign(MU * wrap / sin(BETA), arc.creep), rel=1e-6), "Eytelwein's"
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
-@pytest.mark.parametrize("traction", (-0.35, -0.1, 0.0, 0.3))
+@pytest.mark.parametrize("ratio", (0.45, 1.0, 1.5))
+@pytest.mark.parametrize("traction", (-0.35, 0.0, 0.3))
 def test_mirror_symmetry(ratio: float, traction: float) -> None:
     """With the roles of the pulleys swapped the strands swap too: i_F(i; r) i_F(1/i; -r) = 1."""
     assert bench(ratio, traction).thrust_ratio * bench(1.0 / ratio, -traction).thrust_ratio == pytest.approx(1.0, rel=1e-9)
-
-
-@pytest.mark.parametrize(("creep", "shift"), [*product((-1.3, -0.9, 0.4), (0.0, 0.3)), (-1e7, 0.0), (1e7, 0.0)])
-def test_against_an_ordinary_differential_equation(creep: float, shift: float) -> None:
-    """The same equations marched along the arc by a general integrator, also where the belt slips through."""
-    wrap = 2.9
-    arc = cmm.arc_at_creep(wrap, BETA, MU, creep, shift)
-
-    def slope(theta: float, y: np.ndarray) -> list[float]:
-        v_r = shift + sin(theta - arc.centre)
-        v_t = creep + cos(theta - arc.centre) - shift * theta
-        psi = atan2(v_t, v_r)
-        beta_s = np.arctan(tan(BETA) * cos(psi))
-        p = y[0] / (2.0 * (sin(BETA) - MU * cos(beta_s) * cos(psi)))
-        p_ax = p * (cos(BETA) + MU * sin(beta_s))
-        return [2.0 * p * MU * cos(beta_s) * sin(psi), p_ax, p_ax * sin(theta), p_ax * cos(theta)]
-
-    end = solve_ivp(slope, (0.0, wrap), [arc.tension[0], 0.0, 0.0, 0.0], rtol=1e-10, atol=1e-12, max_step=0.01)
-    force, thrust, sine, cosine = end.y[:, -1]
-    assert arc.log_ratio == pytest.approx(log(force / arc.tension[0]), rel=1e-7)
-    assert abs(creep) < 1e6 or arc.log_ratio == pytest.approx(math.copysign(MU * wrap / sin(BETA), creep), rel=1e-6), "Eytelwein's"
-    assert force == pytest.approx(arc.tension[-1], rel=1e-7)
-    assert thrust == pytest.approx(arc.thrust, rel=1e-7)
-    assert atan2(sine, cosine) == pytest.approx(arc.centre, abs=1e-7)
 
 
 def test_beyond_capacity_is_refused() -> None:
