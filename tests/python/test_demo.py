@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import reports
-import tables_of_runs
 
 from pushbelt.demo import __main__, events
 from pushbelt.errors import ArgumentError
@@ -153,7 +152,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert report.count('<div class="belt"') == 2
     run, cases = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("results", "cases"))
     assert run["time [s]"].to_numpy() == pytest.approx(np.arange(1001) * 1e-3)
-    tables_of_runs.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
+    reports.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
     assert list(cases["case"]) == ["overdrive-100", "medium-100", "underdrive-100"]
     assert cases["primary.shaftTorque [N.m]"].to_numpy() == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 import reports
-import tables_of_runs
 from sample_maps import default_maps
 
 import pushbelt
@@ -525,7 +524,7 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
         (pair,) = compared(*[drive_folder / f"{name}.csv"] * 2)
         assert pair.runs[0].time == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
         assert all(np.isfinite(column).all() for column in pair.runs[0].columns.values())
-        tables_of_runs.units_are_those_of(fmu, drive_folder / f"{name}.csv")
+        reports.units_are_those_of(fmu, drive_folder / f"{name}.csv")
         assert pair.runs[0].columns["work.engine"][0] == 0.0
         # Positive: the engine drives in these seconds.
         assert pair.runs[0].columns["work.engine"][-1] > 1e3
