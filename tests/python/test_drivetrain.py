@@ -5,10 +5,6 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +13,6 @@ import pytest
 import reports
 from sample_maps import default_maps
 
-import pushbelt
 from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
@@ -35,9 +30,6 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
 
-ROOT = Path(__file__).parents[2]
-PATIENCE = 600.0
-"""Timeout for a program, s. It only ends tests that hang."""
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
 MAP = ThrustMap(
@@ -310,55 +302,7 @@ def test_an_unknown_strategy_is_named() -> None:
         transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
-def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "examples" / "drivetrain")
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    import stability
-
-    coarse = {**stability.PARAMETERS, "ring.model": "ALE0"}
-    with pushbelt.Variator(coarse) as variator:
-        assert stability.linear_model(variator, 1.0, 500.0, 200.0) is None
-        model = stability.linear_model(variator, 1.0, 40.0, 200.0)
-        belt = stability.Belt(model)
-        assert belt.at[0] == pytest.approx(1.0)
-        for _ in range(20):
-            belt.advance(np.array([10.0, 0.0, 0.0]))
-        # A ramp over one step, then ten newtons more on P: half a step late.
-        time = 19.5 * stability.STEP
-        expected = 10.0 * model.select(["ratio.geometric"], ["primary.clampingForce"]).step(time).item()
-        assert belt.read()[0] == pytest.approx(expected, rel=2e-3)
-        with pytest.raises(pushbelt.StartValueError):
-            stability.linear_model(variator, -1.0, 40.0, 200.0)
-
-
 # With the FMU
-
-
-def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
-    """Lines that a program of `examples/drivetrain` prints."""
-    (tmp_path / "target").mkdir()
-    shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
-    command, environment = [sys.executable, ROOT / "examples" / "drivetrain" / f"{program}.py"], {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout.splitlines()
-
-
-@pytest.mark.parametrize(
-    ("program", "last"),
-    [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`"), pytest.param("friction_velocity", "5e-05 m/s", marks=pytest.mark.slow)],
-)
-def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
-    assert last in printed(fmu, tmp_path, program)[-1]
-
-
-def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
-    *states, end = printed(fmu, tmp_path, "controller")
-    ratios = [float(line.split("ratio.geometric ")[1].split()[0]) for line in states]
-    ratios.append(float(end.split()[1].rstrip(",")))
-    assert end.endswith("target 0.8")
-    assert ratios[0] == pytest.approx(1.6, rel=1e-3)
-    assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
 
 
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")

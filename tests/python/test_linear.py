@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reports
-from conftest import COARSE, ROOT, WORDS, module_of
+from conftest import COARSE, ROOT, WORDS
 from scipy.io import loadmat
 
 import pushbelt
@@ -257,26 +257,3 @@ def test_the_header_is_c_plus_plus_too(tmp_path: Path) -> None:
     source.write_text('#include "pushbelt.h"\npushbeltLinearizeTYPE *f = pushbeltLinearize;\n', encoding="utf-8")
     command = [compiler, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{ROOT / 'resources'}", source]
     subprocess.run(command, check=True)
-
-
-# The page
-
-def test_the_page_shows_the_controller_that_runs() -> None:
-    code = (ROOT / "examples" / "drivetrain" / "linear_control.py").read_text(encoding="utf-8")
-    shown = code.split("# The controller\n")[1].split("# The end of the controller")[0].rstrip()
-    assert f"```python\n{shown}\n```" in (ROOT / "docs" / "linear.md").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-def test_the_shift_follows_and_steps_are_those_of_the_linear_loop(
-    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.setenv("MPLBACKEND", "Agg")
-    monkeypatch.chdir(tmp_path)
-    found, wanted = module_of(ROOT / "examples" / "drivetrain" / "linear_control.py").main()
-    assert np.abs(found - wanted).max() < 0.12
-    assert abs(found[-1] - wanted[-1]) < 2e-3
-    assert (tmp_path / "linear-control.png").stat().st_size > 10_000
-    apart = [int(share) for share in re.findall(r"at most (\d+) % of the step apart", capsys.readouterr().out)]
-    assert len(apart) == 6 and max(apart) <= 10
