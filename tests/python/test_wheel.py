@@ -199,8 +199,9 @@ def test_nothing_is_left_after_its_removal(place: Path) -> None:
 
     run(place, "pushbelt", "fmu", "own.fmu")
     assert left(place / "home") and left(place / "venv")
-    done = run(place, "pushbelt", "cache", "--clear")
-    assert done.returncode == 0 and "removed" in done.stdout
-    assert not left(place / "home")
+    assert run(place, "pushbelt", "cache").stdout.startswith(str(place / "home"))
+    for _ in range(2):
+        assert run(place, "pushbelt", "cache", "--clear").returncode == 0
+        assert not left(place / "home")
     pip(place, "uninstall", "--yes", "pushbelt")
     assert not left(place / "venv")

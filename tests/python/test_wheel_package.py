@@ -14,6 +14,7 @@ import pytest
 from conftest import COARSE
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
+from test_docs_commands import reference
 
 import pushbelt
 from pushbelt import cli, variator
@@ -174,33 +175,17 @@ def test_what_the_fmu_does_not_take_is_not_written(
 
 
 @pytest.mark.parametrize("name", cli.PROGRAMS)
-def test_programs_have_the_fmu_and_a_folder_unless_they_are_named(
-    name: str, monkeypatch: pytest.MonkeyPatch, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_programs_have_the_fmu_and_a_folder_unless_they_are_named(name: str, monkeypatch: pytest.MonkeyPatch, fmu: Path, tmp_path: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.setattr("sys.argv", ["pushbelt"])
-    parsers = []
-    with monkeypatch.context() as patch, pytest.raises(SystemExit):
-        for method in ("parse_args", "parse_intermixed_args"):
-            patch.setattr(f"argparse.ArgumentParser.{method}", lambda self, words: parsers.append(self) or exit(0))
-        cli.main([name])
+    parser = reference.parser_of(cli.main, [name])
     needed = {"belt": "--width 30 --layers 12 --length 0.7 --center-distance 0.17", "compare": "a b", "durability": "a"}
     words = needed.get(name, "").split()
-    options = parsers[0].parse_args(words)
-    assert (options.fmu, options.output, parsers[0].prog) == (fmu, Path(f"pushbelt-{name}"), f"pushbelt {name}")
+    options = parser.parse_args(words)
+    assert (options.fmu, options.output, parser.prog) == (fmu, Path(f"pushbelt-{name}"), f"pushbelt {name}")
     monkeypatch.setenv("PUSHBELT_FMU", str(tmp_path / "none.fmu"))
     if name in ("compare", "durability", "calibrate"):
-        assert parsers[0].parse_args(words).fmu is None
+        assert parser.parse_args(words).fmu is None
     else:
         with pytest.raises(FileNotFoundError):
-            parsers[0].parse_args(words)
-
-
-def test_the_cache_is_shown_and_cleared(belt: variator.Variator, own_cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    belt.start()
-    belt.close()
-    assert cli.main(["cache"]) == 0
-    assert capsys.readouterr().out.startswith(str(own_cache)) and own_cache.is_dir()
-    for _ in range(2):
-        assert cli.main(["cache", "--clear"]) == 0
-        assert not own_cache.exists()
+            parser.parse_args(words)
