@@ -15,12 +15,13 @@ import pytest
 from conftest import MESH
 import reports
 import xarray
+from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
 
 from pushbelt.fmu.data import pitch_radius, torque_capacity
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import Line
+from pushbelt.fmu.working_points import SHAFTS, Line
 from pushbelt.maps import __main__, files
 from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
@@ -142,24 +143,36 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
     assert np.max(np.abs(by_torque - by_law)[maps.valid] / power[maps.valid]) < 2e-3
 
 
-def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps) -> None:
+@pytest.mark.parametrize("place", [(1, 0, 2, 3), (0, 1, 0, 4)])
+def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps, place: tuple[int, ...]) -> None:
     """Lines are measured without the drag of the shafts, which the maps add: at the torque of a point."""
-    place = (1, 1, 2, 3)
     torque = maps["primaryTorque"][place]
-    with Instance(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+    force, speed, ratio, utilisation = (getattr(GRID, name)[k] for name, k in zip(("force", "speed", "ratio", "utilisation"), place, strict=True))
+    with Instance(archive, driven_by_torque(plan.full, ratio, speed, torque, force)) as unit:
         unit.initialise()
         drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
-        unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))
+        unit.restart(driven_by_torque(plan.full, ratio, speed, torque + drag, force))
         unit.initialise()
         found = unit.outputs()
     assert -found["primary.shaftTorque"] == pytest.approx(torque, rel=1e-3)
-    assert torque == pytest.approx(0.3 * torque_capacity(plan.full, 1.8, 12e3))
+    assert torque == pytest.approx(utilisation * torque_capacity(plan.full, ratio, force))
     for name in ("slip", "thrustRatio"):
         assert maps[name][place] == pytest.approx(found[name], rel=2e-3)
     assert maps["lossShafts"][place] == pytest.approx(found["loss.shafts"], rel=2e-3)
     assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
-    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
+    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / ratio
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
+
+
+def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, maps: Maps) -> None:
+    """Which step on their own and take their mean slope of 1/i."""
+    with Bench(archive, changed={**MESH, **SHAFTS}) as bench:
+        for f, s, r, excess in ((0, 1, 1, 1), (1, 0, 2, 3)):
+            force, speed, ratio = GRID.force[f], GRID.speed[s], GRID.ratio[r]
+            torque = 0.3 * bench.capacity(ratio, force)
+            load = bench.steady(driven_by_torque(bench.parameters, ratio, speed, torque, force))["secondary.externalTorque"]
+            run = bench.shift(driven_at_speed(bench.parameters, ratio, speed, load, force), GRID.excess[excess])
+            assert maps["shiftRate"][f, s, r, 1, excess] == pytest.approx(run.rate / run.speed_ratio[-4] / speed, rel=5e-3)
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
