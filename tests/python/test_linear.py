@@ -83,22 +83,9 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: V
 # Points that are not the ones asked for
 
 
-def test_a_torque_beyond_capacity_is_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Regression test: at this point an earlier version returned a model at a slip of 0.81 without a warning, with the default ring and mesh."""
-    output = tmp_path / "out"
-    command = ["initial.ratio=1", "primary.torque=400", "--fmu", str(fmu), "--output", str(output)]
-    assert linearize.main(command) == 1
-    said = capsys.readouterr()
-    assert "no steady state at ratio 1, 400 N·m, 209.44 rad/s and 10000 N" in said.err
-    assert "no linear model at this point" in said.err
-    assert said.out == "" and not output.exists()
-
-
-def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    common = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
-    assert linearize.main(["primary.clampingForce=20000", *common]) == 1
-    assert re.search(r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err)
-    assert linearize.main(["secondary.torque=-59", *common]) == 0
+def test_a_load_near_the_one_that_follows_is_taken(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["secondary.torque=-59", *WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
+    assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
