@@ -322,8 +322,6 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3
 
 
-# Figures: an outlier does not squeeze the other points
-
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
 
 

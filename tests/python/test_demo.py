@@ -145,8 +145,6 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     reports.look_at(tmp_path / "report.html")
 
 
-# The pull chain
-
 ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
 
 

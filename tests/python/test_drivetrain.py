@@ -52,9 +52,6 @@ def changed(**values: float) -> Measured:
     return dataclasses.replace(MEASURED, **values)
 
 
-# Numbers
-
-
 def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
     random = np.random.default_rng(1)
     places = np.sort(random.choice(np.linspace(-1.0, 1.0, 9), 12))  # some of them twice
@@ -63,9 +60,6 @@ def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
     found = [interpolate(x, places.tolist(), values.tolist()) for x in asked.tolist()]
     assert found == np.interp(asked, places, values).tolist()
     assert [clip(x, -0.5, 0.7) for x in asked.tolist()] == np.clip(asked, -0.5, 0.7).tolist()
-
-
-# Figures of merit
 
 
 def test_figures_of_merit_are_sums_over_the_steps() -> None:
@@ -82,9 +76,6 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
     assert found(values) == pytest.approx((1e4, 200.0, pump, 20.0, 20e5, 0.98, 1.0 - (200.0 + pump) / (1e4 + pump), 50.0 * (200.0 + pump)))
     rest = found({**values, "engine.speed": 0.0, "speed.car": 0.0})
     assert rest.pump == 0.0 and math.isnan(rest.lost_per_km)
-
-
-# Cycle
 
 
 def test_cycles_are_those_of_the_regulations() -> None:
@@ -106,9 +97,6 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     for ends, named in (((1578.0, 1700.0), "1578"), ((0.0, 2000.0), "2000")):
         with pytest.raises(ValueError, match=named):
             cycle.section(*ends)
-
-
-# Car and driver
 
 
 def test_engine_keeps_its_limits() -> None:
@@ -148,9 +136,6 @@ def test_driver_follows_a_ramp() -> None:
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
 
 
-# Hydraulics
-
-
 def test_pressure_is_a_first_order_lag_within_limits() -> None:
     circuit = PressureCircuit(1e6)
     for _ in range(5):
@@ -163,9 +148,6 @@ def test_pressure_is_a_first_order_lag_within_limits() -> None:
         for _ in range(200):
             circuit.advance(demand, 0.01)
         assert circuit.pressure == pytest.approx(limit)
-
-
-# Controllers
 
 
 def test_clamping_force_carries_the_torque() -> None:

@@ -39,9 +39,6 @@ def grid(coarse: Variator) -> LinearGrid:
     return coarse.linear_grid([0.8, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]}, **kind)
 
 
-# Models
-
-
 def test_a_model_is_about_the_requested_point(coarse: Variator) -> None:
     model = coarse.linearize(0.7, 60.0, speed=150.0, force=9e3)
     assert model.values[RATIO] == pytest.approx(0.7, abs=1e-7)
@@ -80,18 +77,12 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: V
         variator.step(0.01)
 
 
-# Points that are not the ones asked for
-
-
 def test_a_load_near_the_one_that_follows_is_taken(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["secondary.torque=-59", *WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
-
-
-# Grids and files
 
 
 def test_a_grid_has_models_and_reasons(grid: LinearGrid) -> None:
@@ -188,9 +179,6 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         model.select(["sleep"])
 
 
-# The command line
-
-
 def test_lists_and_ranges_are_read() -> None:
     asked = points.read(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
     assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
@@ -218,8 +206,6 @@ def test_a_grid_is_written_with_its_report(
     reports.look_at(folder / "report.html")
 
 
-# From C
-
 @pytest.mark.skipif(sys.platform != "linux", reason="the program uses dlopen")
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
 def test_a_c_program_gets_it_by_the_header_in_the_fmu(fmu: Path, tmp_path: Path) -> None:
@@ -246,9 +232,6 @@ def test_the_header_is_c_plus_plus_too(tmp_path: Path) -> None:
     source.write_text('#include "pushbelt.h"\npushbeltLinearizeTYPE *f = pushbeltLinearize;\n', encoding="utf-8")
     command = [compiler, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{ROOT / 'resources'}", source]
     subprocess.run(command, check=True)
-
-
-# The figures: phases on one branch, colours and dashes of the points
 
 
 def response(*ends: float) -> Any:

@@ -137,9 +137,6 @@ def test_the_wltc(span: tuple[float, float], archive: Archive, maps_archive: Arc
     assert found[0] < 0.02 and abs(found[1]) < 0.003 and abs(found[2]) < 0.05
 
 
-# MapVariator
-
-
 @pytest.mark.parametrize(
     ("ratio", "speed", "torque", "force", "thrust"),
     [(1.0, 200.0, 60.0, 1e4, 1.5), (2.0, 100.0, 30.0, 6e3, 1.1), (0.5, 300.0, -20.0, 8e3, 1.9), (1.0, 0.0, 20.0, 6e3, 1.3), (1.0, 200.0, 150.0, 1e4, 1.2)],
@@ -173,9 +170,6 @@ def test_map_variator_refuses_what_it_does_not_know(tmp_path: Path, map_fmu: Pat
     with pytest.raises(MapError, match=r"no\.fmu"):
         MapVariator(path)
     assert MapVariator(map_fmu).parameters["friction.pulley"] == 0.09
-
-
-# The command
 
 
 def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

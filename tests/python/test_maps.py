@@ -64,9 +64,6 @@ def written(maps: Maps, folder: Path) -> Path:
     return folder
 
 
-# Parts
-
-
 def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
     low, high = stops(plan.full)
     radii = {ratio: (pitch_radius(PARAMETERS, ratio), ratio * pitch_radius(PARAMETERS, ratio)) for ratio in (low, high)}
@@ -92,9 +89,6 @@ def test_shift_rates_are_made_monotone() -> None:
 def test_grid_refuses(values: dict) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Grid(**values)
-
-
-# The FMU
 
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
@@ -187,9 +181,6 @@ def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps,
         map_lines.collect(plan, {4: rows[4]})
 
 
-# Files
-
-
 @pytest.mark.parametrize("name", files.OWN)
 def test_files_are_read_back_and_damaged_ones_refused(maps: Maps, written: Path, tmp_path: Path, name: str) -> None:
     found, content = Maps.read(written / name), (written / name).read_bytes()
@@ -266,9 +257,6 @@ def test_csv_files_are_read_by_pandas(maps: Maps, written: Path) -> None:
     assert np.allclose(loss.torque_loss_Nm, maps["torqueLoss"][maps.valid], rtol=1e-8)
     assert loss.speed_rpm.max() == pytest.approx(300.0 * 30.0 / math.pi)
     assert list(table)[:4] == ["force", "speed", "ratio", "utilisation"]
-
-
-# Program and report
 
 
 def test_the_program_writes_what_it_names(
