@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
-from test_wheel import EXTRA_OF, declared, imported  # noqa: F401
+from test_wheel import declared  # noqa: F401
 
 import pushbelt
 from pushbelt import cli, console
