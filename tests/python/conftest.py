@@ -129,8 +129,11 @@ def description(fmu: Path) -> Any:
 
 @pytest.fixture(scope="session")
 def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder for the thrust-ratio map of the drives, so that it is solved once."""
-    return tmp_path_factory.mktemp("drive")
+    """Folder for the thrust-ratio map of the drives, so that it is solved once: that of all processes of a run of the tests."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "drive"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

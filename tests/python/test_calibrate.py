@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import reports
 from conftest import MESH
-from tables_of_runs import by_name
+from reports import by_name
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__, model, parameters, worker

@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 import reports
 from conftest import MESH
-from tables_of_runs import by_name
+from reports import by_name
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
@@ -320,8 +320,6 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     other = worker.solve(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3
 
-
-# Figures: an outlier does not squeeze the other points
 
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
 

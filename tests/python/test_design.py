@@ -30,9 +30,6 @@ from pushbelt.sweep.study import variator, warnings_of
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
 
 
-# Designs
-
-
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -143,9 +140,6 @@ def test_a_point_follows_from_its_own_parameters() -> None:
     assert torque["primary.torque"] == 33.0
 
 
-# The command
-
-
 def run(fmu: Path, folder: Path, *options: str) -> int:
     return main(["--fmu", str(fmu), "--output", str(folder), "--workers", "1", *COARSE_OPTIONS, *options])
 
@@ -211,9 +205,6 @@ def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
     assert not warned(secondary_clampingForce=(0.0, 12e3))
     assert not warned(initial_primarySpeed=(600.0,), initial_ratio=(0.8, 2.0))
     assert not list(warnings_of(Study(fmu, variator("bench168"))))
-
-
-# Slurm
 
 
 def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

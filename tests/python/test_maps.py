@@ -16,12 +16,13 @@ import pytest
 from conftest import MESH
 import reports
 import xarray
+from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
 
 from pushbelt.fmu.data import pitch_radius, torque_capacity
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import Line
+from pushbelt.fmu.working_points import SHAFTS, Line
 from pushbelt.maps import __main__, files
 from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
@@ -63,9 +64,6 @@ def written(maps: Maps, folder: Path) -> Path:
     return folder
 
 
-# Parts
-
-
 def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
     low, high = stops(plan.full)
     radii = {ratio: (pitch_radius(PARAMETERS, ratio), ratio * pitch_radius(PARAMETERS, ratio)) for ratio in (low, high)}
@@ -91,9 +89,6 @@ def test_shift_rates_are_made_monotone() -> None:
 def test_grid_refuses(values: dict) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Grid(**values)
-
-
-# The FMU
 
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
@@ -142,23 +137,24 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
     assert np.max(np.abs(by_torque - by_law)[maps.valid] / power[maps.valid]) < 2e-3
 
 
-def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps) -> None:
+@pytest.mark.parametrize("place", [(1, 0, 2, 3), (0, 1, 0, 4)])
+def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps, place: tuple[int, ...]) -> None:
     """Lines are measured without the drag of the shafts, which the maps add: at the torque of a point."""
-    place = (1, 1, 2, 3)
     torque = maps["primaryTorque"][place]
-    with Instance(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+    force, speed, ratio, utilisation = (getattr(GRID, name)[k] for name, k in zip(("force", "speed", "ratio", "utilisation"), place, strict=True))
+    with Instance(archive, driven_by_torque(plan.full, ratio, speed, torque, force)) as unit:
         unit.initialise()
         drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
-        unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))
+        unit.restart(driven_by_torque(plan.full, ratio, speed, torque + drag, force))
         unit.initialise()
         found = unit.outputs()
     assert -found["primary.shaftTorque"] == pytest.approx(torque, rel=1e-3)
-    assert torque == pytest.approx(0.3 * torque_capacity(plan.full, 1.8, 12e3))
+    assert torque == pytest.approx(utilisation * torque_capacity(plan.full, ratio, force))
     for name in ("slip", "thrustRatio"):
         assert maps[name][place] == pytest.approx(found[name], rel=2e-3)
     assert maps["lossShafts"][place] == pytest.approx(found["loss.shafts"], rel=2e-3)
     assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
-    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
+    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / ratio
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
 
 
@@ -177,6 +173,17 @@ def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypa
     assert [bool(row["points"]) for row in Store(tmp_path, plan).rows().values()] == [True]
 
 
+def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, maps: Maps) -> None:
+    """Which step on their own and take their mean slope of 1/i."""
+    with Bench(archive, changed={**MESH, **SHAFTS}) as bench:
+        for f, s, r, excess in ((0, 1, 1, 1), (1, 0, 2, 3)):
+            force, speed, ratio = GRID.force[f], GRID.speed[s], GRID.ratio[r]
+            torque = 0.3 * bench.capacity(ratio, force)
+            load = bench.steady(driven_by_torque(bench.parameters, ratio, speed, torque, force))["secondary.externalTorque"]
+            run = bench.shift(driven_at_speed(bench.parameters, ratio, speed, load, force), GRID.excess[excess])
+            assert maps["shiftRate"][f, s, r, 1, excess] == pytest.approx(run.rate / run.speed_ratio[-4] / speed, rel=5e-3)
+
+
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
     rows = Store(folder, plan).rows()
     rows[4] = {"reason": "no belt", "time": 0.1}
@@ -187,9 +194,6 @@ def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps,
     assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
     with pytest.raises(ValueError, match="no belt"):
         collect(plan, {4: rows[4]})
-
-
-# Files
 
 
 @pytest.mark.parametrize("name", files.OWN)
@@ -268,9 +272,6 @@ def test_csv_files_are_read_by_pandas(maps: Maps, written: Path) -> None:
     assert np.allclose(loss.torque_loss_Nm, maps["torqueLoss"][maps.valid], rtol=1e-8)
     assert loss.speed_rpm.max() == pytest.approx(300.0 * 30.0 / math.pi)
     assert list(table)[:4] == ["force", "speed", "ratio", "utilisation"]
-
-
-# Program and report
 
 
 def test_the_program_writes_what_it_names(

@@ -44,9 +44,6 @@ def study(fmu: Path) -> Study:
     return Study(fmu, PARAMETERS, GRID)
 
 
-# Study
-
-
 def test_grid_numbers_its_points() -> None:
     grid = Grid(force=(1e4, 2e4), friction=(0.1,), speed=(100.0, 200.0), ratio=(0.5, 1.0), utilisation=(-0.5, 0.5, 1.0))
     points = grid.points()
@@ -79,9 +76,6 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
     assert chunks(study, set(range(24)), 8) == []
     index, values = found[0][0]
     assert values == study.start_values(study.grid.points()[index])
-
-
-# Store
 
 
 def made_up(study: Study) -> dict[int, Row]:
@@ -156,9 +150,6 @@ def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
     assert failed["primary.torque"].null_count == 0
 
 
-# Checks and maps
-
-
 @pytest.mark.parametrize(
     ("values", "statement"),
     [
@@ -190,9 +181,6 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study) -> None:
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
         maps.plt.close(figure)
-
-
-# On a worker
 
 
 @pytest.fixture(scope="module")
@@ -247,9 +235,6 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
     assert "belt.colour" in found[2][1]["reason"]
     for number, row in (found[0], found[3]):
         assert {**row, "time": 0.0} == {**solved[number], "time": 0.0}
-
-
-# On clusters
 
 
 @pytest.mark.slow

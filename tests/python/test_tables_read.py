@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rig_tables import COLUMNS, ROWS, RPM, TITLES, UNITS, columns, is_right, table, values, written
-from tables_of_runs import by_name
+from reports import by_name
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__
