@@ -1,7 +1,7 @@
 //! Events of a belt in FMI 3.0: slip that begins and ends, end stops; early return and event mode.
 
+use pushbelt::fmi::Version::Three;
 use pushbelt::fmi::log::Status::{Error, Ok};
-use pushbelt::fmi::slave::Version::Three;
 
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;

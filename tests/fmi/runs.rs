@@ -2,8 +2,8 @@
 
 use std::thread;
 
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status::{Discard, Ok};
-use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::manoeuvre::Manoeuvre;

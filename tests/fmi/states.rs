@@ -1,8 +1,8 @@
 //! Stored states of a running belt, and their bytes.
 
+use pushbelt::fmi::Version::{Three, Two};
 use pushbelt::fmi::hash;
 use pushbelt::fmi::log::Status::{Error, Ok};
-use pushbelt::fmi::slave::Version::{Three, Two};
 
 use crate::importer::Handles;
 use crate::variator::{Importer, ramp, reference};
@@ -76,7 +76,7 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
     let result = runner.run(&(0..2_usize, harms), |(mode, harms)| {
         let mut bytes = stored[mode].clone();
         for (share, bit, harm) in harms {
-            let at = 52 + share * (bytes.len() - 76) / 1000;
+            let at = 44 + share * (bytes.len() - 68) / 1000;
             match harm {
                 None => bytes[at] ^= 1 << bit,
                 Some(word) => bytes[at..at + 8].copy_from_slice(&word.to_le_bytes()),

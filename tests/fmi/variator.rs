@@ -1,8 +1,8 @@
 //! Calls on a variator by the names of its variables.
 
 use pushbelt::fmi::Unit;
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status::{self, Ok};
-use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 pub use pushbelt_support::shared_library::real_outputs;

@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::ptr::null_mut;
 
 use pushbelt::fmi::Unit;
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status;
-use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};

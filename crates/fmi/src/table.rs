@@ -241,6 +241,43 @@ pub enum Value {
     Boolean(bool),
 }
 
+macro_rules! whole_numbers {
+    ($($type:ty),*) => {$(
+        impl From<$type> for Value {
+            fn from(value: $type) -> Self {
+                Self::Integer(value.into())
+            }
+        }
+
+        impl From<Value> for $type {
+            fn from(value: Value) -> Self {
+                match value {
+                    Value::Integer(value) => Self::try_from(value).unwrap_or_default(),
+                    Value::Boolean(value) => value.into(),
+                    Value::Real(_) => 0,
+                }
+            }
+        }
+    )*};
+}
+
+whole_numbers!(u8, i32, i64);
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Self::Real(value)
+    }
+}
+
+impl From<Value> for f64 {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Real(value) => value,
+            Value::Integer(_) | Value::Boolean(_) => Self::NAN,
+        }
+    }
+}
+
 impl Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -347,7 +384,7 @@ impl<S, R> Variable<S, R> {
         }
     }
 
-    /// Checks a value against the limits; the value to be set.
+    /// Checks a value against the limits; the value to be set. A number is a truth value, too: all but 0 is true.
     ///
     /// # Errors
     /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input: a
@@ -382,6 +419,7 @@ impl<S, R> Variable<S, R> {
                 let items = of.items.iter().map(|item| format!("{} {}", item.value, item.name));
                 items.collect::<Vec<_>>().join(", ")
             }
+            (Kind::Boolean { .. }, Value::Integer(number)) => return Ok(Value::Boolean(number != 0)),
             _ => return Ok(value),
         };
         Err(format!("{} = {value} is out of range: {range}", self.name))

@@ -4,8 +4,8 @@ use std::ffi::{CStr, CString};
 use std::fs;
 use std::path::PathBuf;
 
+use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
-use pushbelt_fmi::slave::Version::{self, Three, Two};
 use pushbelt_fmi::start_file::FILE;
 
 use crate::importer::{Arguments, BOTH, experiment, token};

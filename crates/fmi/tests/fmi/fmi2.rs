@@ -5,9 +5,9 @@
 use std::ffi::{CStr, c_int};
 use std::ptr::{null, null_mut};
 
+use pushbelt_fmi::Version::Two;
 use pushbelt_fmi::fmi2::functions::*;
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
-use pushbelt_fmi::slave::Version::Two;
 
 use crate::importer::token;
 use crate::run::running;

@@ -15,11 +15,11 @@ use std::ptr::{null, null_mut};
 use std::rc::Rc;
 
 use crate::layer::Unit;
+use crate::layer::Version::{self, Three, Two};
 use crate::layer::fmi2::functions as f2;
 use crate::layer::fmi2::{CallbackFunctions, Logger};
 use crate::layer::fmi3::functions as f3;
 use crate::layer::log::Status::{self, Discard, Ok as Done};
-use crate::layer::slave::Version::{self, Three, Two};
 use crate::layer::table::Kind;
 use crate::layer::unit::Experiment;
 

@@ -1,7 +1,7 @@
 //! The states of a run: calls in each of them, steps, failures, in both versions.
 
+use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
-use pushbelt_fmi::slave::Version::{self, Three, Two};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 

@@ -3,7 +3,7 @@
 use pushbelt_fmi::table::{
     Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
 };
-use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure};
+use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark};
 use pushbelt_fmi::{Archive, Unit, setting};
 
 /// An importer of it.
@@ -68,13 +68,10 @@ pub struct Gauges {
     depths: [f64; DEPTHS],
 }
 
-/// A communication step: its span and the growth of the inflow, the tank where it began, and the mark.
+/// A communication step: the tank where it began, the growth of the inflow, and the mark.
 pub struct Step {
-    from: f64,
-    to: f64,
+    before: Tank,
     growth: f64,
-    level: f64,
-    flow: [f64; 2],
     mark: f64,
 }
 
@@ -210,48 +207,35 @@ impl Unit for Tank {
         &self.gauges
     }
 
-    fn begin(&mut self, to: f64, valves: &Valves, rates: Option<&Valves>) -> Result<Step, StepFailure> {
+    fn begin(&mut self, _: f64, valves: &Valves, rates: Option<&Valves>) -> Result<Step, String> {
         if valves.mark < 0.0 {
-            return Err(StepFailure::Setting("mark is below 0".into()));
+            return Err("mark is below 0".into());
         }
         Ok(Step {
-            from: self.time,
-            to,
+            before: self.clone(),
             growth: rates.map_or(0.0, |rates| rates.inflow),
-            level: self.level,
-            flow: self.flow,
             mark: valves.mark,
         })
     }
 
-    fn advance(&mut self, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), String> {
         assert!(valves.inflow != BURST, "the tank burst");
-        let to = step.to.min(self.time + LONGEST);
-        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.from));
+        let to = to.min(self.time + LONGEST);
+        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
         self.flow = [valves.gain * after, valves.gain * step.growth];
         let rate = valves.gain * 0.5 * (before + after);
         if self.level + rate * (to - self.time) > valves.brim {
-            (self.time, self.level, self.flow) = (step.from, step.level, step.flow);
-            return Err(StepFailure::Discarded("full".into()));
+            self.clone_from(&step.before);
+            return Err("full".into());
         }
         self.level += rate * (to - self.time);
         self.time = to;
         Ok(())
     }
 
-    fn is_over(&self, step: &Step) -> bool {
-        self.time >= step.to
-    }
-
-    fn end_at(&mut self, step: &mut Step, time: f64) {
-        step.to = step.to.min(time.max(self.time));
-    }
-
     fn event(&self, step: &Step) -> Option<String> {
-        let Step {
-            level: before, mark, ..
-        } = *step;
-        (before < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
+        let mark = step.mark;
+        (step.before.level < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 
     fn moment(&mut self) -> Option<Moment<Gauges>> {

@@ -1,7 +1,7 @@
 //! Times and steps of hosts.
 
+use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Error, Ok};
-use pushbelt_fmi::slave::Version::{self, Three, Two};
 
 use crate::importer::{BOTH, Handles};
 use crate::run::{ended, running};
