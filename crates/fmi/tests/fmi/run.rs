@@ -377,3 +377,23 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
         }
     }
 }
+
+/// What the host changes in a callback, flags included, stays.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
+    use crate::environment::{DEFAULT, HOSTS, present, set};
+
+    for host in HOSTS {
+        let importer = Importer::handling(Three, Handles::of(false, false, &[LEVEL]));
+        importer.start();
+        importer.answer(move |_| {
+            set(host);
+            None
+        });
+        let ended = importer.step(0.0, LONGEST);
+        let after = present();
+        set(DEFAULT);
+        assert_eq!((ended.status, after), (Ok, host));
+    }
+}
