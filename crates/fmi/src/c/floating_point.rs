@@ -57,27 +57,28 @@ mod registers {
 
     /// Traps masked, rounding to nearest, subnormal numbers kept, no flags.
     static MXCSR: u32 = 0x1f80;
-    /// Traps masked, rounding to nearest, extended precision.
-    static X87: u16 = 0x037f;
+    /// Traps masked, rounding to nearest, extended precision; no flags.
+    const X87: [u16; 2] = [0x037f, 0];
+    /// The flags in the status word of the x87.
+    const FLAGS: u16 = 0x00ff;
 
-    /// Control and status of SSE, and the environment of the x87, which libraries of C use for some functions.
+    /// Control and status of SSE; control word and flags of the x87, which libraries of C use for some functions.
     #[derive(Clone, Copy)]
     pub struct Registers {
         mxcsr: u32,
-        x87: [u32; 7],
+        x87: [u16; 2],
     }
 
     impl Registers {
         /// The present environment, after which the default one is set.
         pub fn hold() -> Self {
-            let (mut mxcsr, mut x87) = (0, [0; 7]);
-            // SAFETY: the instructions write to the two variables and set the default environment, which the compiler presumes. The
-            // registers of the x87 stay as they are. Its flags are cleared first: a trap that is pending would happen here.
+            let (mut mxcsr, x87) = (0, x87());
+            set_x87(x87, X87);
+            // SAFETY: the instructions write to `mxcsr` and set the default, which the compiler presumes.
             unsafe {
                 asm!(
-                    "stmxcsr [{}]", "ldmxcsr [{}]", "fnstenv [{}]", "fnclex", "fldcw [{}]",
-                    in(reg) &raw mut mxcsr, in(reg) &raw const MXCSR, in(reg) &raw mut x87, in(reg) &raw const X87,
-                    options(nostack, preserves_flags)
+                    "stmxcsr [{}]", "ldmxcsr [{}]",
+                    in(reg) &raw mut mxcsr, in(reg) &raw const MXCSR, options(nostack, preserves_flags)
                 );
             }
             Self { mxcsr, x87 }
@@ -85,14 +86,33 @@ mod registers {
 
         /// Sets this environment.
         pub fn load(&self) {
-            // SAFETY: the values are those that `hold` has read. The host's code, or the caller's, follows.
-            unsafe {
-                asm!(
-                    "fldenv [{}]", "ldmxcsr [{}]",
-                    in(reg) &raw const self.x87, in(reg) &raw const self.mxcsr, options(nostack, preserves_flags, readonly)
-                );
-            }
+            set_x87(x87(), self.x87);
+            // SAFETY: the value is one that `hold` has read. The host's code, or the caller's, follows.
+            unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const self.mxcsr, options(nostack, preserves_flags, readonly)) };
         }
+    }
+
+    fn x87() -> [u16; 2] {
+        let mut words = [0; 2];
+        let [control, status] = words.each_mut().map(std::ptr::from_mut);
+        // SAFETY: the instructions write to the two words.
+        unsafe {
+            asm!("fnstcw [{}]", "fnstsw [{}]", in(reg) control, in(reg) status, options(nostack, preserves_flags))
+        };
+        [words[0], words[1] & FLAGS]
+    }
+
+    /// Only `fldenv` sets flags; it is slow, and seldom needed.
+    fn set_x87(present: [u16; 2], wanted: [u16; 2]) {
+        if present == wanted {
+            return;
+        }
+        let ([control, flags], mut environment) = (wanted.map(u32::from), [0_u32; 7]);
+        // SAFETY: the instruction writes to `environment`, which has its size in this mode.
+        unsafe { asm!("fnstenv [{}]", in(reg) &raw mut environment, options(nostack, preserves_flags)) };
+        (environment[0], environment[1]) = (control, environment[1] & !u32::from(FLAGS) | flags);
+        // SAFETY: what the instruction above has written, with other words. The registers of the x87 stay as they are.
+        unsafe { asm!("fldenv [{}]", in(reg) &raw const environment, options(nostack, preserves_flags)) };
     }
 }
 
