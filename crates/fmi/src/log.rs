@@ -52,10 +52,10 @@ impl From<()> for Status {
 }
 
 /// Passes one message on to the importer.
-pub type Sink = Box<dyn Fn(Status, Category, &str)>;
+pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
-pub struct Log {
+pub(crate) struct Log {
     sink: Option<Sink>,
     /// Categories that are logged.
     enabled: Vec<Category>,
@@ -69,7 +69,6 @@ impl Log {
     /// A log into `sink`, if there is one. Without debug logging FMI 2.0 has errors, warnings and discarded steps: they are no debug
     /// messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2 forbids any message,
     /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
-    #[must_use]
     pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
         let quiet = match version {
             Version::Two => &[Category::Error, Category::Warning, Category::Discard][..],

@@ -348,9 +348,9 @@ impl<S, R> Variable<S, R> {
     pub fn value(&self, settings: &S, readings: Option<&R>) -> Option<Value> {
         match &self.kind {
             Kind::Real { access, .. } => access.read(settings, readings).map(Value::Real),
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access
-                .read(settings, readings)
-                .map(|value| Value::Integer(value.into())),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
+                access.read(settings, readings).map(Value::from)
+            }
             Kind::Boolean { access } => access.read(settings, readings).map(Value::Boolean),
         }
     }
@@ -360,10 +360,11 @@ impl<S, R> Variable<S, R> {
         matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
     }
 
-    /// Sets a setting to a value of its type, if that is within its limits.
+    /// Sets a setting to a value of its type, if that is within its limits. A number is a truth value, too: all but 0 is true.
     ///
     /// # Errors
-    /// The variable is no setting, or as [`Variable::admit`]; nothing has changed.
+    /// The variable is no setting, or the value is not finite, not an item of the enumeration, or out of range, by more than rounding where
+    /// the variable is an input: a sentence with name, value and allowed range. Nothing has changed.
     pub fn set(&self, settings: &mut S, value: Value) -> Result<(), String> {
         if !self.causality.is_setting() {
             return Err(format!("{} is calculated and can't be set", self.name));
@@ -377,19 +378,15 @@ impl<S, R> Variable<S, R> {
         match (&self.kind, value) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
             (Kind::Integer { access, .. } | Kind::Enumeration { access, .. }, Value::Integer(value)) => {
-                access.write(settings, i32::try_from(value).unwrap_or_default());
+                access.write(settings, Value::Integer(value).into());
             }
             (Kind::Boolean { access }, Value::Boolean(value)) => access.write(settings, value),
             _ => {}
         }
     }
 
-    /// Checks a value against the limits; the value to be set. A number is a truth value, too: all but 0 is true.
-    ///
-    /// # Errors
-    /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input: a
-    /// sentence with name, value and allowed range.
-    pub fn admit(&self, value: Value) -> Result<Value, String> {
+    /// Checks a value against the limits; the value to be set.
+    fn admit(&self, value: Value) -> Result<Value, String> {
         let range = match (&self.kind, value) {
             (Kind::Real { unit, range, .. }, Value::Real(number)) => {
                 if !number.is_finite() {

@@ -154,9 +154,8 @@ pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
 
 /// The arguments of an `instantiate` function.
 pub struct Arguments<'a> {
-    pub name: Option<&'a CStr>,
-    pub token: Option<&'a CStr>,
-    pub location: Option<&'a CStr>,
+    /// Name, token, location of the resources.
+    pub texts: [Option<&'a CStr>; 3],
     pub debug: bool,
     /// The kind of instance in FMI 2.0: 1 is co-simulation.
     pub kind: c_int,
@@ -166,9 +165,7 @@ pub struct Arguments<'a> {
 impl<'a> Arguments<'a> {
     pub fn of(token: &'a CStr) -> Self {
         Self {
-            name: Some(c"instance"),
-            token: Some(token),
-            location: None,
+            texts: [Some(c"instance"), Some(token), None],
             debug: false,
             kind: 1,
             handles: Handles::default(),
@@ -226,8 +223,7 @@ impl<U: Unit> Importer<U> {
     pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
-        let [name, token, location] =
-            [arguments.name, arguments.token, arguments.location].map(|text| text.map_or(null(), CStr::as_ptr));
+        let [name, token, location] = arguments.texts.map(|text| text.map_or(null(), CStr::as_ptr));
         let Handles {
             events,
             early_return,
@@ -339,12 +335,8 @@ impl<U: Unit> Importer<U> {
         let (mut flags, mut time) = ([9; 5], f64::NAN);
         let [a, b, c, d, e] = flags.each_mut().map(std::ptr::from_mut);
         unsafe {
-            assert_eq!(
-                f3::fmi3UpdateDiscreteStates::<U>(self.c, a, b, c, d, e, &raw mut time),
-                Done,
-                "{}",
-                self.last()
-            );
+            let updated = f3::fmi3UpdateDiscreteStates::<U>(self.c, a, b, c, d, e, &raw mut time);
+            assert_eq!(updated, Done, "{}", self.last());
             assert_eq!(f3::fmi3EnterStepMode::<U>(self.c), Done);
         }
         assert_eq!((flags, time), ([0; 5], 0.0));
@@ -395,12 +387,8 @@ impl<U: Unit> Importer<U> {
 
     /// Real variables have these values.
     pub fn assert_reals(&self, references: &[u32], values: &[f64]) {
-        assert_eq!(
-            self.reals(references, values.len()).as_deref(),
-            Ok(values),
-            "{}",
-            self.last()
-        );
+        let found = self.reals(references, values.len());
+        assert_eq!(found.as_deref(), Ok(values), "{}", self.last());
     }
 
     pub fn set(&self, reference: u32, value: f64) -> Status {

@@ -21,8 +21,13 @@ fn go_on(importer: &Importer, from: f64) -> u64 {
 #[test]
 fn a_state_holds_everything_and_fits_every_instance() {
     for version in BOTH {
-        let importer = running(version);
-        assert_eq!(importer.set_reals(&[GAIN, MARK], &[1.0 / 3.0, 7.0]), Ok);
+        let early = Importer::new(version);
+        assert_eq!(early.set_reals(&[GAIN, MARK], &[1.0 / 3.0, 7.0]), Ok);
+        assert_eq!([early.set_integer(FLOORS, 5), early.set_boolean(LOCKED, 1)], [Ok; 2]);
+        // A state before the start is one, too.
+        let importer = Importer::new(version);
+        assert_eq!(importer.continue_from(&early.bytes()), Ok);
+        importer.start();
         assert_eq!(importer.step(0.0, 0.7).status, Ok);
         if version == Two {
             assert_eq!(importer.set_derivative(INFLOW, 1, 0.1), Ok);
@@ -31,6 +36,10 @@ fn a_state_holds_everything_and_fits_every_instance() {
         let expected = go_on(&importer, 0.7);
         assert_eq!(importer.restore(state), Ok);
         importer.assert_reals(&[GAIN, MARK, INFLOW], &[1.0 / 3.0, 7.0, 2.0]);
+        assert_eq!(
+            (importer.integer(FLOORS), importer.boolean(LOCKED)),
+            (Result::Ok(5), Result::Ok(true))
+        );
         assert_eq!(importer.bytes(), bytes, "a state at rest is itself");
         assert_eq!(go_on(&importer, 0.7), expected);
         let handle = state;
@@ -50,24 +59,6 @@ fn a_state_holds_everything_and_fits_every_instance() {
         assert_eq!(importer.restore(null_mut()), Error);
         assert_eq!(importer.read_bytes(&[]), Err(Error));
         assert_eq!(importer.write_bytes(null_mut(), &mut []), Error);
-    }
-}
-
-#[test]
-fn a_state_before_the_start_is_one_too() {
-    for version in BOTH {
-        let importer = Importer::new(version);
-        assert_eq!(importer.set(START, 4.0), Ok);
-        assert_eq!(importer.set_integer(FLOORS, 5), Ok);
-        assert_eq!(importer.set_boolean(LOCKED, 1), Ok);
-        let other = Importer::new(version);
-        assert_eq!(other.continue_from(&importer.bytes()), Ok);
-        other.start();
-        assert_eq!(other.real(LEVEL), 4.0);
-        assert_eq!(
-            (other.integer(FLOORS), other.boolean(LOCKED)),
-            (Result::Ok(5), Result::Ok(true))
-        );
     }
 }
 

@@ -16,13 +16,10 @@ fn every_type_is_written_and_read_back() {
         assert_eq!(importer.set_boolean(LOCKED, 5), Ok, "all but 0 is true");
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
         importer.assert_reals(&[START, INFLOW, GAIN], &[7.0, 8.0, 1.0]);
+        assert_eq!([FLOORS, SHAPE].map(|of| importer.integer(of)), [3, 2].map(Result::Ok));
         assert_eq!(
-            [importer.integer(FLOORS), importer.integer(SHAPE)],
-            [Result::Ok(3), Result::Ok(2)]
-        );
-        assert_eq!(
-            [importer.boolean(LOCKED), importer.boolean(FULL)],
-            [Result::Ok(true), Result::Ok(false)]
+            [LOCKED, FULL].map(|of| importer.boolean(of)),
+            [true, false].map(Result::Ok)
         );
         importer.assert_reals(&[], &[]);
     }
