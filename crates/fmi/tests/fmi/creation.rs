@@ -84,10 +84,8 @@ fn a_text_without_end_is_refused() {
         };
         let importer = Importer::with(version, &arguments);
         assert!(!importer.c.is_null(), "{}", importer.last());
-        assert_eq!(importer.log(true, &[&long]), Error);
-        importer.assert_logged("1048576 bytes");
-        assert_eq!(importer.log(true, &[c"logEvents", longest]), Error);
-        importer.assert_logged("no log category");
+        importer.assert(importer.log(true, &[&long]), Error, "1048576 bytes");
+        importer.assert(importer.log(true, &[c"logEvents", longest]), Error, "no log category");
         importer.start();
     }
 }
@@ -232,8 +230,7 @@ fn errors_are_logged_always_and_the_rest_on_request() {
         assert_eq!(taken(), [warning][usize::from(quiet)..]);
         assert_eq!(importer.set(GAIN, 99.0), Discard);
         assert_eq!(taken().len(), usize::from(!quiet));
-        assert_eq!(importer.step(9.0, 1.0).status, Error);
-        importer.assert_logged("DoStep: the step starts at 9 s");
+        importer.assert(importer.step(9.0, 1.0).status, Error, "DoStep: the step starts at 9 s");
         let errors = taken();
         assert_eq!((errors.len(), errors[0].0, &*errors[0].1), (1, 3, "logStatusError"));
         for (categories, events) in [

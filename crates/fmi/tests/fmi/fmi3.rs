@@ -54,8 +54,7 @@ fn other_kinds_of_fmu_are_refused_with_a_message() {
 fn start_values_and_the_time_can_be_read_at_once() {
     let importer = Importer::new(Three);
     assert_eq!(importer.real(START), 1.0);
-    assert_eq!(importer.reals(&[LEVEL], 1), Err(Error));
-    importer.assert_logged("before initialization mode");
+    importer.assert(importer.reals(&[LEVEL], 1), Err(Error), "before initialization mode");
     assert_eq!(importer.enter(experiment(1.0, None)), Ok);
     assert_eq!(importer.real(TIME), 1.0);
     assert_eq!(importer.exit(), Ok);
@@ -64,10 +63,8 @@ fn start_values_and_the_time_can_be_read_at_once() {
     // SAFETY: an instance, and null for the results.
     unsafe {
         let refused = fmi3DoStep::<Tank>(importer.c, 2.0, 1.0, 1, null_mut(), null_mut(), null_mut(), null_mut());
-        assert_eq!(refused, Error);
-        importer.assert_logged("the pointer for the result is null");
-        assert_eq!(fmi3EnterEventMode::<Tank>(importer.c), Error);
-        importer.assert_logged("eventModeUsed");
+        importer.assert(refused, Error, "the pointer for the result is null");
+        importer.assert(fmi3EnterEventMode::<Tank>(importer.c), Error, "eventModeUsed");
         assert_eq!(fmi3EnterStepMode::<Tank>(importer.c), Error);
     }
 }
@@ -109,10 +106,8 @@ fn arrays_lie_between_scalars_and_the_time() {
         assert_eq!(importer.reals(&references, count), Err(Error));
         importer.assert_logged(&format!("{count} values for 4 variables, which have 6 values together"));
     }
-    assert_eq!(importer.reals(&[DEPTH + 1], 1), Err(Error));
-    importer.assert_logged("element of depth");
-    assert_eq!(importer.set(TIME, 1.0), Error);
-    importer.assert_logged("no variable has the value reference 0");
+    importer.assert(importer.reals(&[DEPTH + 1], 1), Err(Error), "element of depth");
+    importer.assert(importer.set(TIME, 1.0), Error, "no variable has the value reference 0");
     let (c, mut value) = (importer.c, [0.0; 2]);
     let to = value.as_mut_ptr();
     // SAFETY: an instance; arrays have the given lengths, or are null.

@@ -10,6 +10,7 @@
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
 use std::rc::Rc;
@@ -27,7 +28,7 @@ pub const BOTH: [Version; 2] = [Two, Three];
 /// Value reference of the time in FMI 3.0.
 pub const TIME: u32 = 0;
 
-/// A message: status, category, text.
+/// Status, category, text.
 pub type Message = (c_int, String, String);
 
 /// Arguments of the callback in intermediate update mode.
@@ -50,6 +51,8 @@ pub struct Record {
     /// Name of the instance in the last message, in FMI 2.0.
     pub instance: RefCell<String>,
     pub updates: RefCell<Vec<Update>>,
+    /// Stored states that are freed with the instance.
+    states: RefCell<Vec<Stored>>,
     pub answer: RefCell<Option<Answer>>,
     /// Called at each message.
     pub hears: RefCell<Option<Box<dyn FnMut()>>>,
@@ -143,7 +146,6 @@ impl<'a> Handles<'a> {
     }
 }
 
-/// An experiment without tolerance.
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     Experiment {
         tolerance: None,
@@ -152,7 +154,6 @@ pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     }
 }
 
-/// The arguments of an `instantiate` function.
 pub struct Arguments<'a> {
     /// Name, token, location of the resources.
     pub texts: [Option<&'a CStr>; 3],
@@ -177,7 +178,6 @@ pub fn token<U: Unit>(version: Version) -> CString {
     CString::new(crate::layer::token::<U>(version, None)).expect("no zero inside")
 }
 
-/// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ended {
     pub status: Status,
@@ -203,7 +203,6 @@ fn done<T>(status: Status, found: T) -> Result<T, Status> {
     if status == Done { Ok(found) } else { Err(status) }
 }
 
-/// A stored state.
 pub type Stored = *mut c_void;
 
 /// An instance with the importer's data for it.
@@ -373,7 +372,6 @@ impl<U: Unit> Importer<U> {
         call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
     }
 
-    /// `count` values of real variables.
     pub fn reals(&self, references: &[u32], count: usize) -> Result<Vec<f64>, Status> {
         let (vr, nvr) = (references.as_ptr(), references.len());
         assert!(self.version == Three || nvr == count);
@@ -385,7 +383,6 @@ impl<U: Unit> Importer<U> {
         done(status, values)
     }
 
-    /// Real variables have these values.
     pub fn assert_reals(&self, references: &[u32], values: &[f64]) {
         let found = self.reals(references, values.len());
         assert_eq!(found.as_deref(), Ok(values), "{}", self.last());
@@ -440,7 +437,6 @@ impl<U: Unit> Importer<U> {
         done(status, wide + c_int::from(value) == 1)
     }
 
-    /// Time derivatives of outputs, of an order.
     pub fn derivatives(&self, references: &[u32], order: i32) -> Result<Vec<f64>, Status> {
         let (vr, nvr, orders) = (references.as_ptr(), references.len(), vec![order; references.len()]);
         let mut values = vec![f64::NAN; nvr];
@@ -458,7 +454,6 @@ impl<U: Unit> Importer<U> {
         unsafe { f2::fmi2SetRealInputDerivatives::<U>(self.c, vr, 1, order, value) }
     }
 
-    /// Stores the state, in a new object or in an earlier one.
     pub fn store(&self, state: &mut Stored) -> Status {
         call! { self, fmi2GetFMUstate(state), fmi3GetFMUState(state) }
     }
@@ -466,7 +461,7 @@ impl<U: Unit> Importer<U> {
     pub fn stored(&self) -> Stored {
         let mut state = null_mut();
         assert_eq!(self.store(&mut state), Done, "{}", self.last());
-        assert!(!state.is_null());
+        self.record.states.borrow_mut().push(state);
         state
     }
 
@@ -496,16 +491,13 @@ impl<U: Unit> Importer<U> {
         }
     }
 
-    /// The present state as bytes.
     pub fn bytes(&self) -> Vec<u8> {
-        let mut state = self.stored();
+        let state = self.stored();
         let mut bytes = vec![0; self.size(state)];
         assert_eq!(self.write_bytes(state, &mut bytes), Done, "{}", self.last());
-        assert_eq!(self.free(&mut state), Done);
         bytes
     }
 
-    /// The state in these bytes.
     pub fn read_bytes(&self, bytes: &[u8]) -> Result<Stored, Status> {
         let (pointer, size, mut state) = (bytes.as_ptr(), bytes.len(), null_mut());
         let status = call! {
@@ -515,7 +507,6 @@ impl<U: Unit> Importer<U> {
         done(status, state)
     }
 
-    /// Continues from the state in these bytes.
     pub fn continue_from(&self, bytes: &[u8]) -> Status {
         match self.read_bytes(bytes) {
             Ok(mut state) => {
@@ -552,10 +543,15 @@ impl<U: Unit> Importer<U> {
         unsafe { f3::fmi3EnterEventMode::<U>(self.c) }
     }
 
-    /// Text of the last message.
     pub fn last(&self) -> String {
         let messages = self.record.messages.borrow();
         messages.last().map_or_else(String::new, |message| message.2.clone())
+    }
+
+    /// A call ended like this, and the last message has this part.
+    pub fn assert<T: PartialEq + Debug>(&self, found: T, expected: T, part: &str) {
+        assert_eq!(found, expected, "{part}");
+        self.assert_logged(part);
     }
 
     pub fn assert_logged(&self, part: &str) {
@@ -566,6 +562,10 @@ impl<U: Unit> Importer<U> {
 impl<U: Unit> Drop for Importer<U> {
     fn drop(&mut self) {
         if self.owned {
+            for mut state in self.record.states.take() {
+                assert_eq!(self.free(&mut state), Done);
+                assert!(state.is_null());
+            }
             let free: unsafe fn(*mut c_void) = match self.version {
                 Two => f2::fmi2FreeInstance::<U>,
                 Three => f3::fmi3FreeInstance::<U>,

@@ -1,5 +1,6 @@
 //! A toy unit: a tank that fills at a rate, level' = gain·inflow, with internal steps and an event.
 
+use Causality::{Input, Local, Output, Parameter, Tunable};
 use pushbelt_fmi::table::{
     Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
 };
@@ -92,6 +93,12 @@ static SHAPES: Enumeration = Enumeration {
     items: &[Item::new("Round", 1, "A cylinder"), Item::new("Square", 2, "A box")],
 };
 
+static RETIRED: [Retired; 1] = [Retired {
+    name: "old",
+    reference: OLD,
+    instead: "use start",
+}];
+
 impl Unit for Tank {
     type Settings = Valves;
     type Readings = Gauges;
@@ -105,14 +112,10 @@ impl Unit for Tank {
     };
 
     fn table() -> Table<Valves, Gauges> {
-        let real = |reference, name, causality, access: Access<Valves, Gauges, f64>| {
-            Variable::real(reference, name, "", causality, "1", access).within(Range {
-                min: Some(-1e3),
-                max: (causality == Causality::Tunable).then_some(10.0),
-                nominal: None,
-            })
-        };
         type Type = Kind<Valves, Gauges>;
+        let real = |reference, name: &str, causality, access: Access<Valves, Gauges, f64>| {
+            Variable::real(reference, name, "", causality, "1", access).within(Range::from(-1e3))
+        };
         let other = |reference, name: &str, causality, kind: Type| Variable {
             reference,
             name: name.into(),
@@ -120,6 +123,7 @@ impl Unit for Tank {
             causality,
             kind,
         };
+        let truth = |access| Type::Boolean { access };
         let floors = Type::Integer {
             range: Some((1, 9)),
             access: setting!(floors),
@@ -128,56 +132,38 @@ impl Unit for Tank {
             of: &SHAPES,
             access: setting!(shape),
         };
-        let locked = Type::Boolean {
-            access: setting!(locked),
-        };
-        let full = Type::Boolean {
-            access: Access::Reading(|gauges| gauges.full),
-        };
         let mut variables = vec![
-            real(START, "start", Causality::Parameter, setting!(start)),
-            real(GAIN, "gain", Causality::Tunable, setting!(gain)),
-            real(INFLOW, "inflow", Causality::Input, setting!(inflow)),
-            real(BRIM, "brim", Causality::Input, setting!(brim)),
-            real(
-                LEVEL,
-                "level",
-                Causality::Output,
-                Access::Reading(|gauges| gauges.level),
-            ),
-            real(MARK, "mark", Causality::Input, setting!(mark)),
-            other(FLOORS, "floors", Causality::Parameter, floors),
-            other(SHAPE, "shape", Causality::Parameter, shape),
-            other(LOCKED, "locked", Causality::Parameter, locked),
-            other(FULL, "full", Causality::Output, full),
+            real(START, "start", Parameter, setting!(start)),
+            real(GAIN, "gain", Tunable, setting!(gain)).within(Range::between(-1e3, 10.0)),
+            real(INFLOW, "inflow", Input, setting!(inflow)),
+            real(BRIM, "brim", Input, setting!(brim)),
+            real(LEVEL, "level", Output, Access::Reading(|gauges| gauges.level)),
+            real(MARK, "mark", Input, setting!(mark)),
+            other(FLOORS, "floors", Parameter, floors),
+            other(SHAPE, "shape", Parameter, shape),
+            other(LOCKED, "locked", Parameter, truth(setting!(locked))),
+            other(FULL, "full", Output, truth(Access::Reading(|gauges| gauges.full))),
         ];
         variables.extend((0..DEPTHS).zip(DEPTH..).map(|(at, reference)| {
             let access = Access::Element(|gauges: &Gauges, at| gauges.depths[at], at);
-            let name = format!("depth[{}]", at + 1);
-            Variable::real(reference, &name, "", Causality::Local, "1", access)
+            real(reference, &format!("depth[{}]", at + 1), Local, access)
         }));
         let depth = Array {
             name: "depth".into(),
             description: String::new(),
             first: DEPTH,
-            size: u32::try_from(DEPTHS).expect("few"),
+            size: DEPTHS as u32,
         };
-        static ENUMERATIONS: &[&Enumeration] = &[&SHAPES];
-        static RETIRED: [Retired; 1] = [Retired {
-            name: "old",
-            reference: OLD,
-            instead: "use start",
-        }];
-        let mut table = Table::new(UNITS, ENUMERATIONS, variables);
+        let mut table = Table::new(UNITS, const { &[&SHAPES] }, variables);
         (table.arrays, table.retired) = (vec![depth], &RETIRED);
         table
     }
 
     fn check(valves: &Valves) -> Result<(), String> {
-        if valves.gain == 0.5 {
-            return Err("gain = 0.5 does not fit".into());
+        match valves.gain {
+            0.5 => Err("gain = 0.5 does not fit".into()),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {

@@ -36,8 +36,7 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             (GAIN, 0.5, "gain = 0.5 does not fit"),
         ] {
             let importer = running(version);
-            assert_eq!(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard);
-            importer.assert_logged(why);
+            importer.assert(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard, why);
             let message = importer.record.messages.borrow().last().expect("a message").clone();
             assert_eq!((message.0, &*message.1), (2, "logStatusDiscard"));
             importer.assert_reals(&[BRIM, INFLOW, GAIN], &[1e9, 2.0, 1.0]);
@@ -50,8 +49,7 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             (FLOORS, i32::MIN, "floors = -2147483648 is out of range"),
             (SHAPE, 3, "shape = 3 is out of range: 1 Round, 2 Square"),
         ] {
-            assert_eq!(importer.set_integer(reference, bad), Discard);
-            importer.assert_logged(why);
+            importer.assert(importer.set_integer(reference, bad), Discard, why);
         }
     }
 }
@@ -79,8 +77,7 @@ fn a_bad_reference_is_an_error_that_names_it() {
             (OLD, "old (value reference 98) was removed: use start"),
             (FLOORS, "floors (value reference 7) has another type"),
         ] {
-            assert_eq!(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error);
-            importer.assert_logged(why);
+            importer.assert(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error, why);
         }
         assert_eq!(importer.real(INFLOW), 2.0, "all values are set or none");
         assert_eq!(importer.set_boolean(FULL, 1), Error);
