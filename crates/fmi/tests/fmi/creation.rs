@@ -138,9 +138,8 @@ fn start_values_come_from_the_resources() {
         for gain in [4.0, 2.0] {
             assert_eq!(importer.enter(experiment(0.0, None)), Ok);
             assert_eq!(importer.reals(&[LEVEL, GAIN], 2), Result::Ok(vec![3.0, gain]), "{gain}");
-            assert_eq!(importer.integer(FLOORS), Result::Ok(4));
-            assert_eq!(importer.integer(SHAPE), Result::Ok(2));
-            assert_eq!(importer.boolean(LOCKED), Result::Ok(true));
+            let numbers = [FLOORS, SHAPE, LOCKED].map(|of| importer.number(of));
+            assert_eq!(numbers, [4, 2, 1].map(Result::Ok));
             assert_eq!(importer.reset(), Ok, "and again after a reset");
         }
     }

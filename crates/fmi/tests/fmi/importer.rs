@@ -397,44 +397,33 @@ impl<U: Unit> Importer<U> {
             .unwrap_or_else(|status| panic!("{status:?}: {}", self.last()))[0]
     }
 
-    fn is_enumeration(reference: u32) -> bool {
-        let table = U::table();
-        table
-            .by_reference(reference)
-            .is_some_and(|one| matches!(one.kind, Kind::Enumeration { .. }))
-    }
-
-    /// Writes a whole number or an item of an enumeration.
-    pub fn set_integer(&self, reference: u32, value: i32) -> Status {
-        let (long, vr) = (i64::from(value), &raw const reference);
-        let (number, wide) = (&raw const value, &raw const long);
-        match Self::is_enumeration(reference) {
-            true => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt64(vr, 1, wide, 1) },
-            false => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt32(vr, 1, number, 1) },
+    /// Writes a whole number, an item of an enumeration or a truth value.
+    pub fn set_number(&self, reference: u32, value: i32) -> Status {
+        let (byte, wide) = (value as u8, i64::from(value));
+        let (vr, number, byte, wide) = (&raw const reference, &raw const value, &raw const byte, &raw const wide);
+        match U::table().by_reference(reference).map(|one| &one.kind) {
+            Some(Kind::Boolean { .. }) => call! { self, fmi2SetBoolean(vr, 1, number), fmi3SetBoolean(vr, 1, byte, 1) },
+            Some(Kind::Enumeration { .. }) => {
+                call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt64(vr, 1, wide, 1) }
+            }
+            _ => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt32(vr, 1, number, 1) },
         }
     }
 
-    pub fn integer(&self, reference: u32) -> Result<i64, Status> {
-        let (vr, mut number, mut wide) = (&raw const reference, i32::MIN, i64::MIN);
-        let (to, wide_to) = (&raw mut number, &raw mut wide);
-        let status = match Self::is_enumeration(reference) {
-            true => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt64(vr, 1, wide_to, 1) },
-            false => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt32(vr, 1, to, 1) },
+    pub fn number(&self, reference: u32) -> Result<i64, Status> {
+        let (vr, mut value, mut byte, mut wide) = (&raw const reference, 0, 0, 0);
+        let (number, of_byte, of_wide) = (&raw mut value, &raw mut byte, &raw mut wide);
+        let status = match U::table().by_reference(reference).map(|one| &one.kind) {
+            Some(Kind::Boolean { .. }) => {
+                call! { self, fmi2GetBoolean(vr, 1, number), fmi3GetBoolean(vr, 1, of_byte, 1) }
+            }
+            Some(Kind::Enumeration { .. }) => {
+                call! { self, fmi2GetInteger(vr, 1, number), fmi3GetInt64(vr, 1, of_wide, 1) }
+            }
+            _ => call! { self, fmi2GetInteger(vr, 1, number), fmi3GetInt32(vr, 1, number, 1) },
         };
-        done(status, wide.max(number.into()))
-    }
-
-    pub fn set_boolean(&self, reference: u32, value: u8) -> Status {
-        let (vr, wide) = (&raw const reference, c_int::from(value));
-        call! { self, fmi2SetBoolean(vr, 1, &raw const wide), fmi3SetBoolean(vr, 1, &raw const value, 1) }
-    }
-
-    pub fn boolean(&self, reference: u32) -> Result<bool, Status> {
-        let (vr, mut wide, mut value) = (&raw const reference, 0, 0);
-        let (two, three) = (&raw mut wide, &raw mut value);
-        let status = call! { self, fmi2GetBoolean(vr, 1, two), fmi3GetBoolean(vr, 1, three, 1) };
-        assert!(wide + c_int::from(value) <= 1, "{wide} {value}");
-        done(status, wide + c_int::from(value) == 1)
+        // Two of them are still 0.
+        done(status, i64::from(value) + i64::from(byte) + wide)
     }
 
     pub fn derivatives(&self, references: &[u32], order: i32) -> Result<Vec<f64>, Status> {

@@ -101,7 +101,7 @@ const RULES: [Rule; 12] = [
         &[Instantiated, Initialisation, Step, Discarded, Event],
     ),
     ("set a parameter", |i| i.set(START, 1.0), BEGIN),
-    ("set a choice", |i| i.set_integer(SHAPE, 1), BEGIN),
+    ("set a choice", |i| i.set_number(SHAPE, 1), BEGIN),
     ("set an output", |i| i.set(LEVEL, 1.0), &[]),
     ("read an output", |i| status(i.reals(&[LEVEL], 1)), WITH_OUTPUTS),
     (
