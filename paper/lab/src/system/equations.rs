@@ -6,7 +6,7 @@ use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 use pushbelt::scalar::Lanes;
 use pushbelt::solver::arrow::{Arrow, Shape};
-use pushbelt::solver::sdirk::{Evolution, Interval};
+use pushbelt::solver::sdirk::Evolution;
 use pushbelt::solver::{System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 use std::f64::consts::TAU;
@@ -101,10 +101,10 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> Evolution for Rin
         (sum / q_error.len() as f64).sqrt() / self.tolerance
     }
 
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, _end: f64, length: f64) {
         if self.model.ring().damping != 0.0 {
             for view in [before, after] {
-                self.dissipated += 0.5 * interval.length * self.dissipation(view);
+                self.dissipated += 0.5 * length * self.dissipation(view);
             }
         }
     }
