@@ -103,7 +103,11 @@ fn a_singular_block_is_named() {
         // Block 0 joins the border, whose name is the number of blocks.
         for row in 0..shape.len() {
             let block = row / shape.block;
-            let named = if block == 0 { shape.blocks } else { block.min(shape.blocks) };
+            let named = if block == 0 {
+                shape.blocks
+            } else {
+                block.min(shape.blocks)
+            };
             assert_eq!(singular(&|arrow| arrow.set_unit_row(row, 0.0)), named, "row {row}");
             assert_eq!(singular(&|arrow| arrow.add(row, row, f64::NAN)), named, "row {row}");
         }
