@@ -2,8 +2,9 @@
 //! stops before a Jacobian for which the work does not last, and continues there.
 
 use super::arrow::{Arrow, ArrowLu};
-use super::broyden::Broyden;
+use super::broyden::{self, Step};
 use super::{State, System};
+use nalgebra::DVector;
 use pushbelt_archive::Archive;
 
 // "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian: of the manoeuvre with ALE; of
@@ -51,14 +52,8 @@ pub struct Counts {
 
 impl Counts {
     pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
-        let Self {
-            steps,
-            rejected,
-            failed,
-            residuals,
-            factorizations,
-        } = self;
-        [steps, rejected, failed, residuals, factorizations]
+        let [steps, rejected, failed] = [&mut self.steps, &mut self.rejected, &mut self.failed];
+        [steps, rejected, failed, &mut self.residuals, &mut self.factorizations]
     }
 }
 
@@ -180,7 +175,8 @@ pub struct Newton {
     scale: Vec<f64>,
     /// By the factors, from the residual at the place evaluated last.
     correction: Vec<f64>,
-    broyden: Broyden,
+    /// Of Broyden's method.
+    steps: Vec<Step>,
     /// Residual at the place evaluated last.
     residual: Vec<f64>,
     /// Whether that is the stage's point. A stage for which the work did not last goes on there.
@@ -218,7 +214,7 @@ impl Newton {
             alpha: f64::INFINITY,
             scale: zeros.clone(),
             correction: zeros.clone(),
-            broyden: Broyden::new(ITERATIONS, zeros.len()),
+            steps: vec![(DVector::zeros(zeros.len()), 0.0); ITERATIONS],
             residual: zeros.clone(),
             known: false,
             jacobians: 0,
@@ -311,14 +307,12 @@ impl Newton {
         self.jacobians += 1;
         self.counts.factorizations += 1;
         self.alpha = f64::INFINITY;
-        let (view, beta) = (stage.state.view(), 1.0 / stage.alpha);
-        let renewed = system.renew_jacobian(stage.time, view, stage.alpha, beta, &mut self.matrix);
+        let (view, alpha) = (stage.state.view(), stage.alpha);
+        let renewed = system.renew_jacobian(stage.time, view, alpha, 1.0 / alpha, &mut self.matrix);
         let [tangents, geometry] = self.bound.jacobian;
         self.bound.left -= tangents + geometry * renewed;
         self.factors.factor(&self.matrix).map_err(|_| Unsolved::NoSolution)?;
-        self.alpha = stage.alpha;
-        self.rate = 1.0;
-        self.excess = 0;
+        (self.alpha, self.rate, self.excess) = (alpha, 1.0, 0);
         Ok(())
     }
 
@@ -346,7 +340,6 @@ impl Newton {
     /// Broyden's method from the factors at hand; whether it converges. It is abandoned when it diverges; `stage.state.y` is then the best
     /// point it reached, and the residual there is at hand. `corrected`: the correction at `stage.state.y` is at hand.
     fn broyden(&mut self, system: &mut impl System, stage: &mut Stage, corrected: bool) -> bool {
-        self.broyden.restart();
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..ITERATIONS {
             if self.bound.is_overdrawn() {
@@ -356,7 +349,7 @@ impl Newton {
                 self.evaluate(system, stage);
                 self.correct();
             }
-            let change = self.broyden.step(&self.correction, &self.scale);
+            let change = broyden::set_last(&mut self.steps[..=iteration], &self.correction, &self.scale);
             if iteration == 0 || change < least {
                 least = change;
                 self.anchor.copy_from_slice(&stage.state.y);
@@ -378,7 +371,8 @@ impl Newton {
                 (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;
-            self.broyden.add_to(&mut stage.state.y, &self.scale);
+            let steps = self.steps[iteration].0.iter().zip(&self.scale);
+            steps.zip(&mut stage.state.y).for_each(|((u, s), y)| *y += u * s);
             if change * ahead < LEFT * stage.tolerance {
                 self.left = self.left.max(change * ahead / stage.tolerance);
                 stage.complete(system.has_position());

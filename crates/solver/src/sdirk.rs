@@ -69,40 +69,8 @@ pub struct Sdirk {
     /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
     slope: Vec<f64>,
-    y_error: Vec<f64>,
-    q_error: Vec<f64>,
-}
-
-/// A span of time that is integrated in steps.
-#[derive(Clone, Copy, Debug)]
-pub struct Span {
-    from: f64,
-    to: f64,
-    done: f64,
-}
-
-impl Span {
-    /// From one time to another, s.
-    #[must_use]
-    pub fn new(from: f64, to: f64) -> Self {
-        Self { from, to, done: 0.0 }
-    }
-
-    /// Whether its end is reached.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        self.done >= self.length()
-    }
-
-    fn length(&self) -> f64 {
-        self.to - self.from
-    }
-
-    /// Time reached, s: exact at the end, before it up to the rounding of the sum of its steps.
-    #[must_use]
-    pub fn reached(&self) -> f64 {
-        if self.is_over() { self.to } else { self.from + self.done }
-    }
+    /// Of y and of q.
+    errors: [Vec<f64>; 2],
 }
 
 /// Smallest step, s, also of a search for a steady state; nor is a step taken for a rest that is shorter.
@@ -134,8 +102,7 @@ impl Sdirk {
             open: 0,
             stages: [Stage::new(n), Stage::new(n)],
             slope: vec![0.0; n],
-            y_error: vec![0.0; n],
-            q_error: vec![0.0; n],
+            errors: [vec![0.0; n], vec![0.0; n]],
         }
     }
 
@@ -172,9 +139,6 @@ impl Sdirk {
 
     /// Solves both stages of a step of size `h` from (y, ẏ, q) at `time`, or continues where the work was used up. The result is in
     /// the second.
-    ///
-    /// # Errors
-    /// The stage that is not solved.
     fn solve(&mut self, system: &mut impl System, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
         self.last_step = None;
         for number in self.open.max(1)..=2 {
@@ -245,32 +209,39 @@ impl Sdirk {
                 *out = w0 * a + w1 * b + w2 * c;
             }
         };
-        weigh(&mut self.y_error, [before.y_dot, first.y_dot, second.y_dot]);
-        weigh(&mut self.q_error, [before.y, first.y, second.y]);
-        let error = system.error_norm(second, &self.y_error, &self.q_error);
+        let [of_y, of_q] = &mut self.errors;
+        weigh(of_y, [before.y_dot, first.y_dot, second.y_dot]);
+        weigh(of_q, [before.y, first.y, second.y]);
+        let error = system.error_norm(second, of_y, of_q);
         self.error = error.min(1.0).powi(2);
         error
     }
 
-    /// Takes one step of a span that is not over.
+    /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is where it ends.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
-    pub fn step<S: Evolution>(&mut self, system: &mut S, state: &mut State, span: &mut Span) -> Result<(), Stalled> {
-        let Span { from, done, .. } = *span;
-        let (time, rest) = (from + done, span.length() - done);
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at `time`.
+    pub fn step<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        time: &mut f64,
+        to: f64,
+    ) -> Result<(), Stalled> {
+        let rest = to - *time;
         let mut repeats = false;
         loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
             let h = rest / ((rest - MIN_STEP) / preferred).ceil().max(1.0);
-            let outcome = self.solve(system, state.view(), time, h);
+            let outcome = self.solve(system, state.view(), *time, h);
             // A stage that is not solved has no error in bounds.
             let error = outcome.map_or(f64::INFINITY, |()| self.error(system, state.view(), h));
             let factor = change(error);
             if error <= 1.0 {
-                self.accept(system, state, time + h, h);
+                *time = if h >= rest { to } else { *time + h };
+                self.accept(system, state, *time, h);
                 // An accepted step is not shortened, as in CVODE: a communication step that is split in two takes new factors. Nor does
                 // the step grow right after a failure (Hairer, Nørsett and Wanner, II.4).
                 self.step = if repeats {
@@ -282,7 +253,6 @@ impl Sdirk {
                     self.step.max(h * factor)
                 }
                 .min(longest);
-                span.done = if h >= rest { span.length() } else { done + h };
                 return Ok(());
             }
             repeats = true;
@@ -296,7 +266,7 @@ impl Sdirk {
                 &mut counts.rejected
             } += 1;
             if self.step < MIN_STEP {
-                let step = self.step;
+                let (time, step) = (*time, self.step);
                 return Err(Stalled { time, step, newton });
             }
         }

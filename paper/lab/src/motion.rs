@@ -3,7 +3,7 @@
 use crate::system::RingSystem;
 use nalgebra::{DVector, Vector2};
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
-use pushbelt::solver::sdirk::{Evolution, Sdirk, Span, Stalled};
+use pushbelt::solver::sdirk::{Evolution, Sdirk, Stalled};
 use pushbelt::solver::{State, System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 
@@ -40,9 +40,9 @@ pub fn advance(
     state: &mut State,
     [from, to]: [f64; 2],
 ) -> Result<(), Stalled> {
-    let mut span = Span::new(from, to);
-    while !span.is_over() {
-        integrator.step(system, state, &mut span)?;
+    let mut time = from;
+    while time < to {
+        integrator.step(system, state, &mut time, to)?;
     }
     Ok(())
 }

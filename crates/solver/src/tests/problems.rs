@@ -5,7 +5,7 @@ use std::cell::Cell;
 use num_dual::{Dual64, DualNum};
 
 use super::super::arrow::{Arrow, Shape};
-use super::super::sdirk::{Evolution, Sdirk, Span, Stalled};
+use super::super::sdirk::{Evolution, Sdirk, Stalled};
 use super::super::{State, System, View};
 
 /// What the equations of a problem are made of: a number, or one with a derivative.
@@ -112,9 +112,9 @@ pub fn advance(
     state: &mut State,
     [from, to]: [f64; 2],
 ) -> Result<(), Stalled> {
-    let mut span = Span::new(from, to);
-    while !span.is_over() {
-        integrator.step(system, state, &mut span)?;
+    let mut time = from;
+    while time < to {
+        integrator.step(system, state, &mut time, to)?;
     }
     Ok(())
 }
