@@ -1,7 +1,8 @@
 //! Inputs and outputs of a variator at every communication step.
 
 use crate::cylinder::Cylinder;
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::Pulley;
+use crate::ring::stress::RingStress;
 pub use crate::variator::settings::choices::StartState;
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
@@ -216,17 +217,6 @@ pub struct Work {
     pub behind: f64,
     /// Steps in real time that had no solution and were begun again with half the length.
     pub rollbacks: i32,
-}
-
-/// Stress of the most loaded face of the ring's layers, that with the largest stress over a revolution, Pa.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RingStress {
-    /// Largest stress.
-    pub max: f64,
-    /// Amplitude of the cycle on each pulley.
-    pub amplitude: PerPulley<f64>,
-    /// Mean stress of the same cycle.
-    pub mean: PerPulley<f64>,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
