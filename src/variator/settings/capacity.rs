@@ -140,20 +140,25 @@ impl std::fmt::Display for Demand {
 }
 
 impl Parameters {
-    /// Forces of spring and rotating oil on the sheaves, N, at a ratio and a primary speed, rad/s.
-    pub(crate) fn pushes(&self, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
-        let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
-        let place = 2.0 * self.geometry.wedge_angle.tan();
-        PerPulley {
-            secondary: self.secondary.cylinder.push(place * (here.1 - at_one.1), speed / ratio),
-            primary: self.primary.cylinder.push(place * (here.0 - at_one.0), speed),
-        }
+    /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
+    #[must_use]
+    pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
+        PerPulley::from_fn(|j| {
+            let cylinder = &self.pulley(j).cylinder;
+            inputs.pulley(j).force(cylinder) + cylinder.push(position[j], speed[j])
+        })
     }
 
-    /// Forces of clamp and cylinder on sheaves that stand still, N, at a ratio and a primary speed, rad/s.
-    pub(crate) fn closing_forces(&self, inputs: &Inputs, at: [f64; 2]) -> PerPulley<f64> {
-        let pushes = self.pushes(at);
-        PerPulley::from_fn(|pulley| inputs.pulley(pulley).force(&self.pulley(pulley).cylinder) + pushes[pulley])
+    /// The same at a ratio and a primary speed, rad/s.
+    pub(crate) fn closing_forces(&self, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
+        let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
+        let place = 2.0 * self.geometry.wedge_angle.tan();
+        let [primary, secondary] = [here.0 - at_one.0, here.1 - at_one.1].map(|radius| place * radius);
+        let speeds = PerPulley {
+            primary: speed,
+            secondary: speed / ratio,
+        };
+        self.closing(inputs, PerPulley { primary, secondary }, speeds)
     }
 
     /// Name of the variable of a pulley that has this force.

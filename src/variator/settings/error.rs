@@ -5,7 +5,7 @@
 #[error("{variable} = {value} is out of range: {range}")]
 pub struct ParameterError {
     /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
-    pub variable: &'static str,
+    pub variable: String,
     /// The value that was set.
     pub value: String,
     /// The allowed range in words.
@@ -15,9 +15,9 @@ pub struct ParameterError {
 impl ParameterError {
     /// The error of a value that is out of its `range`, in words.
     #[must_use]
-    pub fn new(variable: &'static str, value: impl ToString, range: impl Into<String>) -> Self {
+    pub fn new(variable: impl Into<String>, value: impl ToString, range: impl Into<String>) -> Self {
         Self {
-            variable,
+            variable: variable.into(),
             value: value.to_string(),
             range: range.into(),
         }

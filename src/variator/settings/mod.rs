@@ -11,7 +11,7 @@ pub(crate) mod validation;
 pub use error::ParameterError;
 pub use parameters::*;
 pub use signals::*;
-pub use table::{InputRows, ParameterRows, Row, RowField, RowValue, range_of};
+pub use table::{Setting, inputs, parameters, range_of};
 pub use validation::bisected;
 
 // Limits of refusals, starts and messages. No law has them.

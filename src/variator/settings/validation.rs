@@ -3,12 +3,11 @@
 //! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table); and values must fit each other (the belt
 //! around the pulleys, the stops, the wedge above the friction angle).
 
-use crate::fmi::table::Causality;
 use crate::reference_curve::TwoPulley;
 use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
-use crate::variator::settings::table::{InputRows, ParameterRows};
+use crate::variator::settings::table::{Setting, inputs, parameters};
 use crate::variator::settings::{BEYOND_STOP, RING_STEEL, STEEL_SCATTER};
 use std::f64::consts::PI;
 
@@ -18,9 +17,7 @@ impl Parameters {
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        for row in ParameterRows::all() {
-            row.check(self)?;
-        }
+        parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
         self.validate_mesh()?;
         self.validate_ramp()?;
@@ -34,9 +31,8 @@ impl Parameters {
     /// # Errors
     /// The one that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
-        for row in ParameterRows::all().filter(|row| row.causality == Causality::Tunable) {
-            row.check(self)?;
-        }
+        let mut tunable = parameters::<_, ()>().filter(Setting::is_tunable);
+        tunable.try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge().map_err(|_| {
             let highest = self.geometry.wedge_angle.tan();
             let range =
@@ -200,7 +196,7 @@ impl Inputs {
     /// # Errors
     /// The first input that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        InputRows::all().try_for_each(|row| row.check(self))
+        inputs::<_, ()>().try_for_each(|input| input.check(self))
     }
 }
 
