@@ -1,5 +1,5 @@
 //! The variable table: one row an output, with its name, value reference, unit, description and field. Rows of parameters and inputs
-//! are in [`settings`](crate::variator::settings::ParameterRows).
+//! are in [`settings`](crate::variator::settings::parameters).
 //!
 //! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
 //!

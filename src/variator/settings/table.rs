@@ -5,8 +5,8 @@
 //! The ranges are wide: they exclude only values that can't be intended, and limit cases of theory are admissible.
 
 use crate::fmi::table::{Access, Causality, Kind, Range, Value, Variable};
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode};
-use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
 
