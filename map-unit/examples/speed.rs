@@ -43,7 +43,7 @@ fn main() {
             });
             let to = STEP * f64::from(k + 1);
             let mut step = unit.begin(to, &settings, rates.as_ref()).expect("a step");
-            unit.advance(&mut step, &settings, &mut Vec::new()).expect("a step");
+            unit.advance(to, &mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
             sum += readings.outputs.slip;
             outside |= readings.outside;

@@ -12,7 +12,7 @@ use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
-use pushbelt_fmi::unit::{Experiment, Identity, Remark, StepFailure, Unit};
+use pushbelt_fmi::unit::{Experiment, Identity, Remark, Unit};
 
 use crate::file::THRUST_RATIO;
 use crate::law::{Acting, Frame, Law, Point, State};
@@ -32,13 +32,6 @@ pub struct MapUnit {
     logged: bool,
     opened: bool,
     readings: Readings,
-}
-
-/// A communication step: its end, s, and the inputs over it.
-#[derive(Clone, Copy, Debug)]
-pub struct Step {
-    to: f64,
-    inputs: InputProfile,
 }
 
 impl MapUnit {
@@ -71,10 +64,9 @@ impl MapUnit {
     }
 
     /// Advances over a communication step.
-    fn advance_to(&mut self, step: &Step) -> Result<(), StepFailure> {
-        let inputs = &step.inputs;
+    fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
         self.acting.inputs = inputs.at(self.time);
-        for end in [inputs.kink.max(self.time).min(step.to), step.to] {
+        for end in [inputs.kink.max(self.time).min(to), to] {
             // A count, so that the loop ends whatever the tables and inputs are.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
             let (mut longest, mut steps) = (LONGEST, 0.0);
@@ -90,10 +82,10 @@ impl MapUnit {
                     longest = 0.5 * (next - self.time);
                 }
                 if longest < SHORTEST || steps > most {
-                    return Err(StepFailure::Discarded(format!(
+                    return Err(format!(
                         "the equations have no solution at {} s in steps of {longest:.1e} s: set loads that the belt can carry",
                         self.time
-                    )));
+                    ));
                 }
             }
             (self.acting.inputs, self.time) = (inputs.at(end), end);
@@ -196,7 +188,8 @@ impl MapUnit {
 impl Unit for MapUnit {
     type Settings = Settings;
     type Readings = Readings;
-    type Step = Step;
+    /// The inputs over it.
+    type Step = InputProfile;
 
     const IDENTITY: Identity = Identity {
         name: "PushbeltMap",
@@ -253,18 +246,24 @@ impl Unit for MapUnit {
         &self.readings
     }
 
-    fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Step, StepFailure> {
+    fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<InputProfile, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let (ramp, present) = (settings.parameters.solver.input_ramp, &self.acting.inputs);
-        let inputs = InputProfile::new(ramp, [self.time, to], present, &settings.inputs, &rates);
-        Ok(Step { to, inputs })
+        let span = [self.time, to];
+        Ok(InputProfile::new(ramp, span, present, &settings.inputs, &rates))
     }
 
-    fn advance(&mut self, step: &mut Step, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn advance(
+        &mut self,
+        to: f64,
+        inputs: &mut InputProfile,
+        settings: &Settings,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), String> {
         let wanted = settings.parameters.friction.pulley;
         let friction = std::mem::replace(&mut self.law.parameters.friction.pulley, wanted);
         let before = (self.state, self.time, self.acting);
-        let advanced = self.advance_to(step);
+        let advanced = self.advance_to(to, inputs);
         if advanced.is_err() {
             (self.state, self.time, self.acting) = before;
             self.law.parameters.friction.pulley = friction;
@@ -272,14 +271,6 @@ impl Unit for MapUnit {
         advanced?;
         self.log_limits(remarks);
         Ok(())
-    }
-
-    fn is_over(&self, step: &Step) -> bool {
-        self.time >= step.to
-    }
-
-    fn end_at(&mut self, step: &mut Step, time: f64) {
-        step.to = step.to.min(time.max(self.time));
     }
 
     fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {

@@ -4,10 +4,10 @@ use super::rings::Rings;
 use super::settings::{Settings, StandardRings};
 use super::table;
 use crate::archive::Archive;
-use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::unit::{Experiment, Identity, Moment, Remark, Unit};
 use crate::fmi::{Table, Version};
 use crate::variator::belt_ring::BeltRing;
-use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
+use crate::variator::run::{CommunicationStep, Event, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -50,12 +50,11 @@ impl<R: Rings> UnitWith<R> {
     }
 
     /// Applies the tunable parameters.
-    fn tune(&mut self, settings: &Settings<R>) -> Result<(), StepFailure> {
+    fn tune(&mut self, settings: &Settings<R>) -> Result<(), ParameterError> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
         if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
-            let changed = self.variator.set_friction(wanted.pulley, wanted.ring);
-            changed.map_err(|error| StepFailure::Setting(error.to_string()))?;
+            self.variator.set_friction(wanted.pulley, wanted.ring)?;
         }
         Ok(())
     }
@@ -103,27 +102,29 @@ impl<R: Rings> Unit for UnitWith<R> {
         to: f64,
         settings: &Settings<R>,
         rates: Option<&Settings<R>>,
-    ) -> Result<CommunicationStep, StepFailure> {
+    ) -> Result<CommunicationStep, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates).map_err(failure)?;
+        let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates);
+        let step = step.map_err(|error| error.to_string())?;
         // After the beginning, so that a step that can't be done goes back to the friction of before.
-        self.tune(settings)?;
+        self.tune(settings).map_err(|error| error.to_string())?;
         Ok(step)
     }
 
     fn advance(
         &mut self,
+        _: f64,
         step: &mut CommunicationStep,
         settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
+    ) -> Result<(), String> {
         let given = step.set_inputs(&mut self.variator, &settings.inputs);
         let advanced = given.and_then(|()| step.advance(&mut self.variator));
         self.move_messages(remarks);
-        advanced.map_err(failure)
+        advanced.map_err(|error| error.to_string())
     }
 
-    fn is_over(&self, step: &CommunicationStep) -> bool {
+    fn is_over(&self, _: f64, step: &CommunicationStep) -> bool {
         step.is_over()
     }
 
@@ -131,8 +132,8 @@ impl<R: Rings> Unit for UnitWith<R> {
         step.event(&self.variator).map(Event::text)
     }
 
-    fn end_at(&mut self, step: &mut CommunicationStep, time: f64) {
-        step.end_at(&mut self.variator, time);
+    fn end_at(&mut self, to: f64, step: &mut CommunicationStep) {
+        step.end_at(&mut self.variator, to);
     }
 
     fn finish(&mut self, step: &CommunicationStep, remarks: &mut Vec<Remark>) {
@@ -189,15 +190,6 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
 fn ring_of<R: Rings>(rings: &R, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {
     rings.check()?;
     Ok(rings.ring(parameters))
-}
-
-fn failure(error: StepError) -> StepFailure {
-    match error {
-        StepError::Input(error) => StepFailure::Setting(error.to_string()),
-        failed @ (StepError::Stalled { .. } | StepError::Exhausted { .. }) => {
-            StepFailure::Discarded(failed.to_string())
-        }
-    }
 }
 
 /// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance

@@ -1,7 +1,7 @@
 //! Derivatives of inputs and outputs against differences.
 
 use pushbelt::fmi::Unit;
-use pushbelt::fmi::slave::Version::Two;
+use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 

@@ -3,8 +3,8 @@
 use std::ffi::CStr;
 use std::ptr::null_mut;
 
+use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
-use pushbelt::fmi::slave::Version::Two;
 use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
 

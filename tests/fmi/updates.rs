@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use pushbelt::fmi::Version::Three;
 use pushbelt::fmi::log::Status::Ok;
-use pushbelt::fmi::slave::Version::Three;
 
 use crate::importer::Handles;
 use crate::variator::{Importer, reference};

@@ -1,8 +1,8 @@
 //! Calls on a variator by the names of its variables.
 
 use pushbelt::fmi::Unit;
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status::{self, Ok};
-use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 pub use pushbelt_support::shared_library::real_outputs;
@@ -49,11 +49,11 @@ impl Importer {
     }
 
     pub fn choose(&self, name: &str, value: i32) {
-        assert_eq!(self.set_integer(reference(name), value), Ok, "{name}: {}", self.last());
+        assert_eq!(self.set_number(reference(name), value), Ok, "{name}: {}", self.last());
     }
 
     pub fn flag(&self, name: &str, value: bool) {
-        assert_eq!(self.set_boolean(reference(name), value.into()), Ok, "{name}");
+        assert_eq!(self.set_number(reference(name), value.into()), Ok, "{name}");
     }
 
     pub fn get(&self, name: &str) -> f64 {
@@ -61,11 +61,11 @@ impl Importer {
     }
 
     pub fn count(&self, name: &str) -> i64 {
-        self.integer(reference(name)).expect("a number")
+        self.number(reference(name)).expect("a number")
     }
 
     pub fn is(&self, name: &str) -> bool {
-        self.boolean(reference(name)).expect("a truth value")
+        self.count(name) == 1
     }
 
     /// A step that is done.

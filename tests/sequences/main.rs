@@ -22,7 +22,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use pushbelt::fmi as layer;
-use pushbelt::fmi::slave::Version::{self, Three, Two};
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt_support::shared_library::count;
 
 use master::{Master, Seen};

@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::ptr::null_mut;
 
 use pushbelt::fmi::Unit;
+use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status;
-use pushbelt::fmi::slave::Version::{self, Three, Two};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
@@ -176,7 +176,7 @@ impl<'a> Master<'a> {
             }
             // Meshes and ring models that would make a coarse instance expensive are not set.
             Call::SetInteger(4..=6, 1..=2) => Status::Ok,
-            Call::SetInteger(which, value) => i.set_integer(reference(INTEGERS[which]), value),
+            Call::SetInteger(which, value) => i.set_number(reference(INTEGERS[which]), value),
             Call::InputDerivative(which, order, value) if version == Two => {
                 i.set_derivative(reference(REALS[which].0), order, value)
             }

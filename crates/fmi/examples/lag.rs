@@ -21,13 +21,17 @@ impl Default for Settings {
     }
 }
 
-/// The state y, which is the output.
+/// Time since the start, and the state y, which is the output.
 #[derive(Clone)]
-pub struct Lag(f64);
+pub struct Lag {
+    time: f64,
+    y: f64,
+}
 
-impl SimpleModel for Lag {
+impl Unit for Lag {
     type Settings = Settings;
     type Readings = f64;
+    type Step = ();
 
     const IDENTITY: Identity = Identity::new("Lag", "A first-order lag");
 
@@ -44,24 +48,35 @@ impl SimpleModel for Lag {
         Table::new(UNITS, &[], variables)
     }
 
-    fn start(settings: &Settings, _time: f64) -> Result<Self, String> {
-        Ok(Self(settings.start))
+    fn start(settings: &Settings, _: &Experiment, _: &mut Vec<Remark>) -> Result<Self, String> {
+        let (time, y) = (0.0, settings.start);
+        Ok(Self { time, y })
     }
 
-    fn readings(&mut self) -> &f64 {
-        &self.0
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn readings(&mut self, _: bool) -> &f64 {
+        &self.y
+    }
+
+    fn begin(&mut self, _to: f64, _: &Settings, _: Option<&Settings>) -> Result<(), String> {
+        Ok(())
     }
 
     /// The exact solution for an input that is held.
-    fn advance(&mut self, settings: &Settings, from: f64, to: f64) -> Result<(), StepFailure> {
-        let decay = (-(to - from) / settings.time_constant).exp();
-        self.0 = settings.input + (self.0 - settings.input) * decay;
+    fn advance(&mut self, to: f64, (): &mut (), settings: &Settings, _: &mut Vec<Remark>) -> Result<(), String> {
+        let decay = (-(to - self.time) / settings.time_constant).exp();
+        self.y = settings.input + (self.y - settings.input) * decay;
+        self.time = to;
         Ok(())
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
-        archive.real(&mut self.0);
+        archive.real(&mut self.time);
+        archive.real(&mut self.y);
     }
 }
 
-pushbelt_fmi::export!(SimpleUnit<Lag>);
+pushbelt_fmi::export!(Lag);

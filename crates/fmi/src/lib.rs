@@ -3,8 +3,7 @@
 //!
 //! A model implements [`Unit`]: settings that the master writes (parameters and inputs), readings that it reads, a start and a
 //! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
-//! table. [`export!`] exports the C functions. [`SimpleModel`] is a shorter trait for a model without internal steps and events;
-//! `examples/lag.rs` is a whole FMU of one.
+//! table. [`export!`] exports the C functions; `examples/lag.rs` is a whole FMU.
 //!
 //! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
 //! (`c::dispatch`).
@@ -32,9 +31,7 @@ pub mod resources;
 #[forbid(unsafe_code)]
 pub mod si;
 #[forbid(unsafe_code)]
-pub mod simple;
-#[forbid(unsafe_code)]
-pub mod slave;
+mod slave;
 #[forbid(unsafe_code)]
 pub mod start_file;
 #[forbid(unsafe_code)]
@@ -48,16 +45,14 @@ mod xml;
 
 /// What the file of a unit imports.
 pub mod prelude {
-    pub use crate::simple::{SimpleModel, SimpleUnit};
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
-    pub use crate::unit::{Experiment, Identity, Remark, StepFailure};
+    pub use crate::unit::{Experiment, Identity, Remark};
     pub use crate::{Archive, Unit, Version, model_description, setting};
 }
 
 pub use description::{model_description, token};
 pub use pushbelt_archive::Archive;
-pub use simple::{SimpleModel, SimpleUnit};
-pub use slave::{Slave, Snapshot, Version};
+pub use slave::Version;
 pub use table::Table;
 pub use unit::Unit;
 

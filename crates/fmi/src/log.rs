@@ -43,16 +43,6 @@ impl Category {
             Self::Events => "logEvents",
         }
     }
-
-    /// The bit of the category in a choice of categories.
-    #[must_use]
-    pub fn bit(self) -> u8 {
-        1 << self as u8
-    }
-
-    fn bits(categories: &[Self]) -> u8 {
-        categories.iter().fold(0, |bits, category| bits | category.bit())
-    }
 }
 
 impl From<()> for Status {
@@ -62,32 +52,31 @@ impl From<()> for Status {
 }
 
 /// Passes one message on to the importer.
-pub type Sink = Box<dyn Fn(Status, Category, &str)>;
+pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
-pub struct Log {
+pub(crate) struct Log {
     sink: Option<Sink>,
     /// Categories that are logged.
-    enabled: u8,
+    enabled: Vec<Category>,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
     /// What is logged without debug logging.
-    quiet: u8,
+    quiet: &'static [Category],
 }
 
 impl Log {
     /// A log into `sink`, if there is one. Without debug logging FMI 2.0 has errors, warnings and discarded steps: they are no debug
     /// messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2 forbids any message,
     /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
-    #[must_use]
     pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
         let quiet = match version {
-            Version::Two => Category::bits(&[Category::Error, Category::Warning, Category::Discard]),
-            Version::Three => Category::Error.bit(),
+            Version::Two => &[Category::Error, Category::Warning, Category::Discard][..],
+            Version::Three => &[Category::Error],
         };
         let mut log = Self {
             sink,
-            enabled: quiet,
+            enabled: Vec::new(),
             debug,
             quiet,
         };
@@ -97,22 +86,22 @@ impl Log {
 
     /// Logs what it logged when it was created.
     pub fn reset(&mut self) {
-        self.choose(self.debug, 0);
+        self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged with `debug`: errors and the categories with these bits, or all if there is none.
-    pub fn choose(&mut self, debug: bool, chosen: u8) {
+    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
+    pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
         self.enabled = match (debug, chosen) {
-            (false, _) => self.quiet,
-            (true, 0) => Category::bits(&Category::ALL),
-            (true, _) => chosen | Category::Error.bit(),
+            (false, _) => self.quiet.to_vec(),
+            (true, []) => Category::ALL.to_vec(),
+            (true, _) => [chosen, &[Category::Error]].concat(),
         };
     }
 
     /// Logs a message.
     pub fn send(&self, status: Status, category: Category, text: &str) {
         if let Some(sink) = &self.sink
-            && self.enabled & category.bit() != 0
+            && self.enabled.contains(&category)
         {
             sink(status, category, text);
         }

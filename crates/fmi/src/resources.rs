@@ -7,6 +7,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use percent_encoding::percent_decode_str;
+
 /// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file, or none that can be
 /// looked for: too long a name, a loop of links, a folder without permission.
 ///
@@ -105,22 +107,8 @@ fn has_drive(text: &str) -> bool {
 
 /// A path as it is, and with its percent-encoding decoded. What cannot be decoded stays as it is.
 fn as_is_or_decoded(path: &str) -> [String; 2] {
-    [path.into(), percent_decode(path).unwrap_or_else(|| path.into())]
-}
-
-fn percent_decode(text: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        if byte == b'%' {
-            let mut digit = || char::from(rest.next()?).to_digit(16);
-            let (high, low) = (digit()?, digit()?);
-            bytes.push(u8::try_from(16 * high + low).ok()?);
-        } else {
-            bytes.push(byte);
-        }
-    }
-    String::from_utf8(bytes).ok().filter(|s| !s.contains('\0'))
+    let decoded = percent_decode_str(path).decode_utf8().unwrap_or(path.into());
+    [path, if decoded.contains('\0') { path } else { &decoded }].map(str::to_owned)
 }
 
 #[cfg(test)]

@@ -59,10 +59,7 @@ pub(crate) fn find<U: Unit>(
 }
 
 /// The settings of the file in this folder, over `defaults`; `None` if there is no file.
-///
-/// # Errors
-/// The reason, as a sentence with file, line, variable and value.
-pub fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
+fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
     let Some(bytes) = content(&path, LARGEST).map_err(unusable)? else {

@@ -60,41 +60,29 @@ impl State {
     }
 }
 
-/// Groups of calls with the same entries in the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Call {
-    /// `fmi2SetupExperiment`.
+/// Groups of calls with the same entries in the table, by their first function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Call {
     SetupExperiment,
-    /// `fmi2EnterInitializationMode`.
     EnterInitializationMode,
-    /// `fmi2ExitInitializationMode`.
     ExitInitializationMode,
-    /// `fmi2Terminate`.
     Terminate,
-    /// `fmi2Reset`, `fmi2SetDebugLogging` and the functions of stored states: always but in intermediate update mode.
+    /// Reset, choice of log categories, end of the instance, stored states: always but in intermediate update mode.
     Always,
-    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString`, `fmi2GetDirectionalDerivative`.
     Get,
-    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`, `fmi2SetString`, `fmi2SetRealInputDerivatives`.
+    /// Of variables and of derivatives of inputs.
     Set,
-    /// `fmi2GetRealOutputDerivatives`.
     GetOutputDerivatives,
-    /// `fmi2DoStep`.
     DoStep,
-    /// `fmi2GetStatus` and the like for other types.
     GetStatus,
-    /// `fmi2CancelStep`.
     CancelStep,
-    /// `fmi3EnterEventMode`.
     EnterEventMode,
     /// `fmi3UpdateDiscreteStates` and `fmi3EnterStepMode`.
     HandleEvent,
 }
 
 impl Call {
-    /// Whether the call is allowed in a state.
-    #[must_use]
-    pub fn allowed_in(self, state: State) -> bool {
+    pub(crate) fn allowed_in(self, state: State) -> bool {
         use State::{
             Error, Event, Initialisation, Instantiated, IntermediateUpdate, StepComplete, StepFailed, Terminated,
         };

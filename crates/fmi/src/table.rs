@@ -241,6 +241,43 @@ pub enum Value {
     Boolean(bool),
 }
 
+macro_rules! whole_numbers {
+    ($($type:ty),*) => {$(
+        impl From<$type> for Value {
+            fn from(value: $type) -> Self {
+                Self::Integer(value.into())
+            }
+        }
+
+        impl From<Value> for $type {
+            fn from(value: Value) -> Self {
+                match value {
+                    Value::Integer(value) => Self::try_from(value).unwrap_or_default(),
+                    Value::Boolean(value) => value.into(),
+                    Value::Real(_) => 0,
+                }
+            }
+        }
+    )*};
+}
+
+whole_numbers!(u8, i32, i64);
+
+impl From<f64> for Value {
+    fn from(value: f64) -> Self {
+        Self::Real(value)
+    }
+}
+
+impl From<Value> for f64 {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Real(value) => value,
+            Value::Integer(_) | Value::Boolean(_) => Self::NAN,
+        }
+    }
+}
+
 impl Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -311,9 +348,9 @@ impl<S, R> Variable<S, R> {
     pub fn value(&self, settings: &S, readings: Option<&R>) -> Option<Value> {
         match &self.kind {
             Kind::Real { access, .. } => access.read(settings, readings).map(Value::Real),
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access
-                .read(settings, readings)
-                .map(|value| Value::Integer(value.into())),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
+                access.read(settings, readings).map(Value::from)
+            }
             Kind::Boolean { access } => access.read(settings, readings).map(Value::Boolean),
         }
     }
@@ -323,10 +360,11 @@ impl<S, R> Variable<S, R> {
         matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
     }
 
-    /// Sets a setting to a value of its type, if that is within its limits.
+    /// Sets a setting to a value of its type, if that is within its limits. A number is a truth value, too: all but 0 is true.
     ///
     /// # Errors
-    /// The variable is no setting, or as [`Variable::admit`]; nothing has changed.
+    /// The variable is no setting, or the value is not finite, not an item of the enumeration, or out of range, by more than rounding where
+    /// the variable is an input: a sentence with name, value and allowed range. Nothing has changed.
     pub fn set(&self, settings: &mut S, value: Value) -> Result<(), String> {
         if !self.causality.is_setting() {
             return Err(format!("{} is calculated and can't be set", self.name));
@@ -340,7 +378,7 @@ impl<S, R> Variable<S, R> {
         match (&self.kind, value) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
             (Kind::Integer { access, .. } | Kind::Enumeration { access, .. }, Value::Integer(value)) => {
-                access.write(settings, i32::try_from(value).unwrap_or_default());
+                access.write(settings, Value::Integer(value).into());
             }
             (Kind::Boolean { access }, Value::Boolean(value)) => access.write(settings, value),
             _ => {}
@@ -348,11 +386,7 @@ impl<S, R> Variable<S, R> {
     }
 
     /// Checks a value against the limits; the value to be set.
-    ///
-    /// # Errors
-    /// The value is not finite, not an item of the enumeration, or out of range, by more than rounding where the variable is an input: a
-    /// sentence with name, value and allowed range.
-    pub fn admit(&self, value: Value) -> Result<Value, String> {
+    fn admit(&self, value: Value) -> Result<Value, String> {
         let range = match (&self.kind, value) {
             (Kind::Real { unit, range, .. }, Value::Real(number)) => {
                 if !number.is_finite() {
@@ -382,6 +416,7 @@ impl<S, R> Variable<S, R> {
                 let items = of.items.iter().map(|item| format!("{} {}", item.value, item.name));
                 items.collect::<Vec<_>>().join(", ")
             }
+            (Kind::Boolean { .. }, Value::Integer(number)) => return Ok(Value::Boolean(number != 0)),
             _ => return Ok(value),
         };
         Err(format!("{} = {value} is out of range: {range}", self.name))

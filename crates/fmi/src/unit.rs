@@ -88,18 +88,6 @@ impl Remark {
     }
 }
 
-/// The reason why a communication step was not completed. The unit is then in the state before [`Unit::begin`], as FMI 3.0 requires and FMI
-/// 2.0 permits.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StepFailure {
-    /// A setting is out of its range.
-    #[error("{0}")]
-    Setting(String),
-    /// The step is not possible. A shorter one, or one with other inputs, may be.
-    #[error("{0}")]
-    Discarded(String),
-}
-
 /// Readings a moment before and a moment after the present, from which time derivatives follow.
 #[derive(Debug)]
 pub struct Moment<R> {
@@ -115,14 +103,14 @@ pub struct Moment<R> {
 /// original would.
 ///
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
-/// [`finish`](Unit::finish). A model without internal steps goes to the end in one call of `advance`. A
-/// [`SimpleModel`](super::SimpleModel) has neither internal steps nor events and is shorter to write.
+/// [`finish`](Unit::finish). A model without internal steps goes to the end in one call of `advance`. A step that fails leaves the unit in
+/// the state before `begin`, as FMI 3.0 requires and FMI 2.0 permits: a shorter one, or one with other inputs, may be possible.
 pub trait Unit: Clone + Sized {
     /// Parameters and inputs. The default holds the start values.
     type Settings: Clone + Default;
     /// Outputs and locals.
     type Readings;
-    /// A communication step that has begun: its end, how the inputs change, and what the unit needs from one internal step to the next.
+    /// What the unit needs from one internal step of a communication step to the next.
     type Step;
 
     /// Name of the model, and the experiment that its description suggests.
@@ -173,36 +161,40 @@ pub trait Unit: Clone + Sized {
     /// real inputs in the inputs' fields; none if all are held.
     ///
     /// # Errors
-    /// A setting is out of its range; nothing has changed.
+    /// A setting is out of its range: the reason, as a sentence. Nothing has changed.
     fn begin(
         &mut self,
         to: f64,
         settings: &Self::Settings,
         rates: Option<&Self::Settings>,
-    ) -> Result<Self::Step, StepFailure>;
+    ) -> Result<Self::Step, String>;
 
-    /// Advances by one internal step, at most to the end of the communication step. Inputs that differ from those of the
+    /// Advances by one internal step, at most to the end of the communication step at the time `to`, s. Inputs that differ from those of the
     /// previous call take effect here.
     ///
     /// # Errors
-    /// See [`StepFailure`]; the communication step has ended, and the unit is in the state before [`Unit::begin`].
+    /// The step is not possible: the reason, as a sentence. The communication step has ended, and the unit is in the state before
+    /// [`Unit::begin`].
     fn advance(
         &mut self,
+        to: f64,
         step: &mut Self::Step,
         settings: &Self::Settings,
         remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure>;
+    ) -> Result<(), String>;
 
-    /// Whether the end of the communication step is reached.
-    fn is_over(&self, step: &Self::Step) -> bool;
+    /// Whether the end of the communication step at the time `to`, s, is reached.
+    fn is_over(&self, to: f64, _step: &Self::Step) -> bool {
+        self.time() >= to
+    }
 
     /// A description of an event since the communication step began, if there is one for the master to handle.
     fn event(&self, _step: &Self::Step) -> Option<String> {
         None
     }
 
-    /// Shortens the communication step so that it ends at a time, s, or at the present time if that is later.
-    fn end_at(&mut self, step: &mut Self::Step, time: f64);
+    /// The communication step is shortened: it ends at the time `to`, s, which is not before the present.
+    fn end_at(&mut self, _to: f64, _step: &mut Self::Step) {}
 
     /// Ends the communication step at the present time.
     fn finish(&mut self, _step: &Self::Step, _remarks: &mut Vec<Remark>) {}

@@ -4,8 +4,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use pushbelt_fmi::model_description;
-use pushbelt_fmi::slave::Version;
+use pushbelt_fmi::{Version, model_description};
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 

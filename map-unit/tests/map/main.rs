@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pushbelt::variator::settings::{Inputs, Outputs};
-use pushbelt_fmi::unit::{Experiment, Remark, StepFailure, Unit};
+use pushbelt_fmi::unit::{Experiment, Remark, Unit};
 use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::unit::MapUnit;
 
@@ -30,17 +30,12 @@ fn start(settings: &Settings) -> MapUnit {
 }
 
 /// A step to a time, s, with inputs that are held or change at `rates`.
-fn try_step(
-    unit: &mut MapUnit,
-    settings: &Settings,
-    to: f64,
-    rates: Option<Inputs>,
-) -> Result<Vec<Remark>, StepFailure> {
+fn try_step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Remark>, String> {
     let mut changing = settings.clone();
     changing.inputs = rates.unwrap_or(Inputs::ZERO);
     let mut remarks = Vec::new();
     let mut step = unit.begin(to, settings, rates.map(|_| &changing))?;
-    unit.advance(&mut step, settings, &mut remarks)?;
+    unit.advance(to, &mut step, settings, &mut remarks)?;
     assert_eq!(unit.time(), to);
     Ok(remarks)
 }

@@ -54,6 +54,7 @@ macro_rules! export_functions {
             $(, $use:ident $($instance:ident)?)? = $body:expr;
     )*) => {
         /// Names of the C functions.
+        #[allow(dead_code, reason = "those of the standard are known")]
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
 
         $(
@@ -80,21 +81,15 @@ macro_rules! __export_for {
                 $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
         )*
     ) => {
-        $(
+        $crate::export_functions! { $(
             /// The standard's function of this name.
             ///
             /// # Safety
     #[doc = concat!("The caller grants what the documentation of `pushbelt_fmi::", stringify!($version), "` lists.")]
             #[allow(clippy::too_many_arguments, reason = "the standard's")]
-            #[cfg_attr(not(test), unsafe(no_mangle))]
-            pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
-                // SAFETY: the caller grants what the function that is called requires.
-                $crate::__here_or_in_variant! {
-                    [$($use $($instance)?)? $(on $c)?] $name($($argument: $type),*) $(-> $result)?,
-                    unsafe { $crate::$version::functions::$name::<$unit>($($argument),*) }
-                }
-            }
-        )*
+            $name($($argument: $type),*) $(-> $result)? $(, $use $($instance)?)? $(, on $c)? =
+                $crate::$version::functions::$name::<$unit>($($argument),*);
+        )* }
     };
 }
 

@@ -102,7 +102,7 @@ macro_rules! fmi2_functions {
         fmi2DoStep(
             c: Component, current_communication_point: f64, communication_step_size: f64,
             no_set_fmu_state_prior_to_current_point: c_int
-        ) -> Status => c, |slave| slave.do_step(current_communication_point, communication_step_size);
+        ) -> Status => c, |slave| slave.begin_step(current_communication_point, communication_step_size).map(drop);
         // No step is ever pending.
         fmi2CancelStep(c: Component) -> Status => c, |slave| slave.allow(Call::CancelStep);
         fmi2GetStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>

@@ -71,7 +71,7 @@ macro_rules! fmi3_functions {
         fmi3GetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *mut f32, n_values: usize) -> Status =>
             c, |slave| slave.no_such_type(Call::Get, array((vr, nvr))?, "32-bit real");
         fmi3GetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *mut f64, n_values: usize) -> Status =>
-            c, |slave| slave.get_float64(array((vr, nvr))?, array_mut((values, n_values))?);
+            c, |slave| slave.get(Type::Real, array((vr, nvr))?, array_mut((values, n_values))?);
         fmi3GetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut i8, n_values: usize) -> Status =>
             c, |slave| slave.no_such_type(Call::Get, array((vr, nvr))?, "8-bit whole number");
         fmi3GetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut u8, n_values: usize) -> Status =>
@@ -100,7 +100,7 @@ macro_rules! fmi3_functions {
         fmi3SetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *const f32, n_values: usize) -> Status =>
             c, |slave| slave.no_such_type(Call::Set, array((vr, nvr))?, "32-bit real");
         fmi3SetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *const f64, n_values: usize) -> Status =>
-            c, |slave| slave.set_float64(array((vr, nvr))?, array((values, n_values))?);
+            c, |slave| slave.set(Type::Real, array((vr, nvr))?, array((values, n_values))?);
         fmi3SetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const i8, n_values: usize) -> Status =>
             c, |slave| slave.no_such_type(Call::Set, array((vr, nvr))?, "8-bit whole number");
         fmi3SetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const u8, n_values: usize) -> Status =>

@@ -3,8 +3,6 @@
 //! The master is called back between two borrows of the instance, never within one, because its callback calls functions on the
 //! same instance.
 
-use std::cell::Cell;
-
 use super::types::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
 use crate::c::floating_point::in_hosts;
@@ -25,41 +23,34 @@ pub(super) unsafe fn do_step<U: Unit>(
     last_successful_time: *mut f64,
 ) -> Status {
     let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
-    let (time, mut ended) = (Cell::new(f64::NAN), None);
+    let mut ended = Ended::at(f64::NAN);
     let status = contain(Status::Error, || {
-        let call = |body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
-            let mut next = None;
+        let mut call = |body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
+            let mut update = None;
             let call = |slave: &mut Slave<U>| {
-                let found = body(slave);
-                time.set(slave.time());
-                next = Some(found?);
+                let next = body(slave);
+                ended = Ended::at(slave.time());
+                match next? {
+                    Next::Update(next) => update = Some(next),
+                    Next::Ended(how) => ended = how,
+                }
                 Ok(())
             };
             // SAFETY: as the caller grants. No reference to the instance exists during a callback.
             let status = unsafe { enter(c, function, call) };
-            (status, next)
+            (status, update)
         };
         let mut now = call(&|slave| match writable {
             true => slave.begin_step(current, step),
             false => refused(NULL_RESULT),
         });
-        loop {
-            now = match now {
-                (Status::Ok, Some(Next::Advance)) => call(&Slave::advance_step),
-                (Status::Ok, Some(Next::Update(update))) => {
-                    // SAFETY: the caller grants that the callback can be called.
-                    let until = unsafe { call_back(update) };
-                    call(&|slave| slave.resume_step(until))
-                }
-                (status, Some(Next::Ended(done))) => {
-                    ended = Some(done);
-                    return status;
-                }
-                (status, _) => return status,
-            };
+        while let (_, Some(update)) = now {
+            // SAFETY: the caller grants that the callback can be called.
+            let until = unsafe { call_back(&update) };
+            now = call(&|slave| slave.resume_step(until));
         }
+        now.0
     });
-    let ended = ended.unwrap_or_else(|| Ended::at(time.get()));
     if writable {
         let [event, terminate, early] = flags;
         // SAFETY: none of the places is null.
@@ -77,12 +68,13 @@ pub(super) unsafe fn do_step<U: Unit>(
 ///
 /// # Safety
 /// The callback can be called with its environment.
-unsafe fn call_back(update: Update) -> Option<f64> {
-    let (time, mut requested, mut until) = (update.time, 0, update.time);
+unsafe fn call_back(update: &Update) -> Option<f64> {
+    let ((function, environment), time) = (update.callback, update.time);
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
-    let (requested_at, until_at) = (&raw mut requested, &raw mut until);
+    let (mut requested, mut until) = (0, time);
+    let places = (&raw mut requested, &raw mut until);
     // SAFETY: as the caller grants; the two places exist during the call.
-    in_hosts(|| unsafe { (update.function)(update.environment, time, set, 1, 1, early, requested_at, until_at) });
+    in_hosts(|| unsafe { function(environment, time, set, 1, 1, early, places.0, places.1) });
     let until = if until.is_finite() { until.max(time) } else { time };
     (update.can_return_early && requested != 0).then_some(until)
 }

@@ -29,10 +29,7 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// The clock at the start of a run.
-    ///
-    /// # Errors
-    /// The master's time is out of range.
+    /// The clock at the start of a run, if the master's time is in range.
     pub fn start(time: f64) -> Result<Self, CallError> {
         // False for NaN.
         if time.abs() <= LATEST {
@@ -47,10 +44,8 @@ impl Clock {
         ))
     }
 
-    /// The clock after a step of size `step` from the master's time `current`, s, which is at most `longest`.
-    ///
-    /// # Errors
-    /// The step is no step forward from this point, or ends after the stop time.
+    /// The clock after a step of size `step` from the master's time `current`, s, which is at most `longest`, if it is one forward from this
+    /// point that does not end after the stop time.
     pub fn after(&self, current: f64, step: f64, longest: f64, stop: Option<f64>) -> Result<Self, CallError> {
         let start = self.point;
         if !(current.is_finite() && step.is_finite() && step > 0.0) {
@@ -78,21 +73,15 @@ impl Clock {
         {
             return refused(format!("the step to {end} s ends after the stop time {stop} s"));
         }
+        let mut clock = Self { point: end, ..*self };
         let rounding = f64::EPSILON * end.abs().max(self.origin.abs());
         if rounding <= LEAST_ROUNDING * step {
-            let elapsed = end - self.origin;
-            return Ok(Self {
-                point: end,
-                elapsed,
-                ..*self
-            });
+            clock.elapsed = end - self.origin;
+        } else {
+            clock.elapsed += step;
+            clock.origin = end - clock.elapsed;
         }
-        let elapsed = self.elapsed + step;
-        Ok(Self {
-            point: end,
-            elapsed,
-            origin: end - elapsed,
-        })
+        Ok(clock)
     }
 
     /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of about a millionth of the step. Masters
@@ -118,8 +107,9 @@ impl Clock {
 
     /// The clock at a time of the unit before this point, s.
     pub fn back_at(&self, elapsed: f64) -> Self {
+        let point = self.of_master(elapsed);
         Self {
-            point: self.of_master(elapsed),
+            point,
             elapsed,
             ..*self
         }

@@ -52,6 +52,8 @@ pub struct Master {
 /// A communication step that has begun.
 pub(super) struct StepInProgress<U: Unit> {
     pub step: U::Step,
+    /// Time of the unit at which it ends, s.
+    pub to: f64,
     /// Time derivatives of the inputs, which a step that can't be done leaves.
     pub rates: Option<U::Settings>,
     /// The communication point at which it ends.
@@ -186,7 +188,7 @@ impl<U: Unit> Slave<U> {
     ) -> Status {
         let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
             // After a panic the unit may be inconsistent.
-            let broken = self.now.unit.take();
+            let broken = (self.now.unit.take(), self.step.take());
             drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
             Err(CallError::Failed(format!(
                 "internal error, please report: {}",

@@ -18,19 +18,17 @@ impl<U: Unit> Slave<U> {
         names: impl IntoIterator<Item = Result<String, CallError>>,
     ) -> Outcome {
         self.allow(Call::Always)?;
-        let mut chosen = 0;
+        let mut chosen = Vec::new();
         for name in names {
-            let name = name?;
+            let (name, known) = (name?, chosen.len());
             let is_chosen = |category: &Category| name == "logAll" || category.name() == name;
-            let bits = Category::ALL.into_iter().filter(is_chosen).map(Category::bit);
-            let found = bits.fold(0, |found, bit| found | bit);
-            if found == 0 {
+            chosen.extend(Category::ALL.into_iter().filter(is_chosen));
+            if chosen.len() == known {
                 let all = Category::ALL.map(Category::name).join(", ");
                 return refused(format!("no log category {name:?}; there are {all}, logAll"));
             }
-            chosen |= found;
         }
-        self.log.choose(on, chosen);
+        self.log.choose(on, &chosen);
         Ok(())
     }
 

@@ -23,4 +23,4 @@ pub use instance::{Environment, IntermediateUpdate, Master, Slave, Version};
 pub use snapshot::Snapshot;
 pub use steps::{Ended, Next, Update};
 pub(crate) use values::TIME;
-pub use values::{Number, Type};
+pub use values::Type;

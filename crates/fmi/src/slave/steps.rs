@@ -4,48 +4,33 @@ use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
 use crate::log::{Category, Status};
 use crate::state::{Call, State};
-use crate::unit::{StepFailure, Unit};
+use crate::unit::Unit;
 
-/// What comes next in a communication step.
-#[derive(Clone, Copy, Debug)]
+/// How a communication step goes on.
 pub enum Next {
-    /// An internal step of the unit.
-    Advance,
-    /// The callback of the master, in intermediate update mode.
+    /// The master is called back, in intermediate update mode.
     Update(Update),
-    /// The communication step has ended.
     Ended(Ended),
 }
 
 /// The callback of the master and its arguments.
-#[derive(Clone, Copy, Debug)]
 pub struct Update {
-    /// The importer's function.
-    pub function: IntermediateUpdate,
-    /// Its environment.
-    pub environment: Environment,
+    pub callback: (IntermediateUpdate, Environment),
     /// Time of the unit, s.
     pub time: f64,
-    /// Whether inputs may be set.
     pub inputs_may_be_set: bool,
-    /// Whether the communication step may end early.
     pub can_return_early: bool,
 }
 
-/// How a communication step ended.
-#[derive(Clone, Copy, Debug)]
+/// How a communication step ended: whether by an event, whether before the end that the master had set, and at which time, s.
 pub struct Ended {
-    /// Whether an event has happened.
     pub event: bool,
-    /// Whether it ended before the end that the master had set.
     pub early: bool,
-    /// Time reached, s.
     pub time: f64,
 }
 
 impl Ended {
-    /// Without an event, at a time, s, that was not early.
-    #[must_use]
+    /// Neither early nor by an event, at a time, s.
     pub fn at(time: f64) -> Self {
         Self {
             event: false,
@@ -56,23 +41,16 @@ impl Ended {
 }
 
 impl<U: Unit> Slave<U> {
-    /// A whole communication step of size `step` from `current`, s, for a master without callback.
-    pub fn do_step(&mut self, current: f64, step: f64) -> Outcome {
-        let mut next = self.begin_step(current, step)?;
-        while let Next::Advance = next {
-            next = self.advance_step()?;
-        }
-        Ok(())
-    }
-
-    /// Begins a communication step of size `step` from `current`, s.
+    /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or until the master is to be called back.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
         let now = &mut self.now;
         let end = now
             .clock
             .after(current, step, U::IDENTITY.longest_step, now.experiment.stop)?;
-        let unit = started(&mut now.unit)?;
+        let Some(unit) = &mut now.unit else {
+            return refused("the unit is not initialised");
+        };
         if !end.is_after(unit.time()) {
             // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
             (now.clock, now.rates, now.state) = (end, None, State::StepComplete);
@@ -82,111 +60,92 @@ impl<U: Unit> Slave<U> {
         let to = end.on_grid(step).max(unit.time());
         let step = match unit.begin(to, &now.settings, now.rates.as_ref()) {
             Ok(step) => step,
-            Err(failure) => return self.fail_step(failure),
+            Err(text) => return self.fail_step(&text),
         };
-        let over = unit.is_over(&step);
-        let step = StepInProgress {
+        self.step = Some(StepInProgress {
             step,
+            to,
             rates: now.rates.take(),
             end,
             shortened: false,
-        };
-        if over {
-            return self.finish_step(&step, None);
-        }
-        self.step = Some(step);
-        Ok(Next::Advance)
+        });
+        self.go_on(false)
     }
 
-    /// One internal step of the unit.
-    pub fn advance_step(&mut self) -> Result<Next, CallError> {
-        let Some(mut step) = self.step.take() else {
-            return refused("no communication step is in progress");
-        };
-        let mut remarks = Vec::new();
-        let unit = started(&mut self.now.unit)?;
-        let advanced = unit.advance(&mut step.step, &self.now.settings, &mut remarks);
-        self.log_remarks(&remarks);
-        if let Err(failure) = advanced {
-            self.now.rates = step.rates;
-            return self.fail_step(failure);
-        }
-        let Some((function, environment)) = self.master.update else {
-            return self.after_internal_step(step);
-        };
-        let unit = started(&mut self.now.unit)?;
-        let over = unit.is_over(&step.step);
-        let time = self.now.clock.of_master(unit.time());
-        self.step = Some(step);
-        self.now.state = State::IntermediateUpdate;
-        Ok(Next::Update(Update {
-            function,
-            environment,
-            time,
-            inputs_may_be_set: self.master.sets_inputs && !over,
-            can_return_early: self.master.early_return && !over,
-        }))
-    }
-
-    /// Continues after the master's callback, which may request that the step ends at a time, s.
+    /// Goes on after the master's callback, which may request that the step ends at a time, s.
     pub fn resume_step(&mut self, until: Option<f64>) -> Result<Next, CallError> {
-        let step = self.step.take();
-        let (State::IntermediateUpdate, Some(mut step)) = (self.now.state, step) else {
+        let (State::IntermediateUpdate, Some(unit), Some(step)) = (self.now.state, &mut self.now.unit, &mut self.step)
+        else {
             return refused("a call within the intermediate update failed");
         };
         self.now.state = State::StepComplete;
         if let Some(until) = until {
-            let until = self.now.clock.of_unit(until);
-            self.end_step_at(&mut step, until)?;
+            step.end_at(unit, self.now.clock.of_unit(until));
         }
-        self.after_internal_step(step)
+        self.go_on(true)
+    }
+
+    /// Internal steps until the end of the communication step, an event after one of them, or the master's callback. `stepped`: whether one
+    /// has just been done.
+    fn go_on(&mut self, mut stepped: bool) -> Result<Next, CallError> {
+        loop {
+            let (Some(unit), Some(step)) = (&mut self.now.unit, &mut self.step) else {
+                return refused("no communication step is in progress");
+            };
+            let mut over = unit.is_over(step.to, &step.step);
+            let watched = stepped && self.master.events && (over || self.master.early_return);
+            let event = watched.then(|| unit.event(&step.step)).flatten();
+            if over || event.is_some() {
+                return self.end_step(event);
+            }
+            let mut remarks = Vec::new();
+            let advanced = unit.advance(step.to, &mut step.step, &self.now.settings, &mut remarks);
+            (over, stepped) = (unit.is_over(step.to, &step.step), true);
+            let time = self.now.clock.of_master(unit.time());
+            self.log_remarks(&remarks);
+            if let Err(text) = advanced {
+                self.now.rates = self.step.take().and_then(|step| step.rates);
+                return self.fail_step(&text);
+            }
+            if let Some(callback) = self.master.update {
+                self.now.state = State::IntermediateUpdate;
+                return Ok(Next::Update(Update {
+                    callback,
+                    time,
+                    inputs_may_be_set: self.master.sets_inputs && !over,
+                    can_return_early: self.master.early_return && !over,
+                }));
+            }
+        }
     }
 
     /// Whether a communication step in progress has reached its end.
     pub(super) fn step_is_over(&self) -> bool {
-        let unit = self.now.unit.as_ref().zip(self.step.as_ref());
-        unit.is_some_and(|(unit, step)| unit.is_over(&step.step))
+        let in_step = self.now.unit.as_ref().zip(self.step.as_ref());
+        in_step.is_some_and(|(unit, step)| unit.is_over(step.to, &step.step))
     }
 
-    /// Ends the communication step at its end or at an event.
-    fn after_internal_step(&mut self, mut step: StepInProgress<U>) -> Result<Next, CallError> {
-        let unit = started(&mut self.now.unit)?;
-        let (over, time) = (unit.is_over(&step.step), unit.time());
-        let watched = self.master.events && (over || self.master.early_return);
-        let event = watched.then(|| unit.event(&step.step)).flatten();
-        if !over && event.is_none() {
-            self.step = Some(step);
-            return Ok(Next::Advance);
+    /// Ends the communication step at the present time of the unit.
+    fn end_step(&mut self, event: Option<String>) -> Result<Next, CallError> {
+        let (Some(unit), Some(mut step)) = (&mut self.now.unit, self.step.take()) else {
+            return refused("no communication step is in progress");
+        };
+        if !unit.is_over(step.to, &step.step) {
+            step.end_at(unit, unit.time());
         }
-        self.end_step_at(&mut step, time)?;
-        self.finish_step(&step, event)
-    }
-
-    /// Shortens a communication step so that it ends at a time of the unit, s, or at the present time if that is later.
-    fn end_step_at(&mut self, step: &mut StepInProgress<U>, time: f64) -> Outcome {
-        let unit = started(&mut self.now.unit)?;
-        if !unit.is_over(&step.step) && time < step.end.elapsed {
-            unit.end_at(&mut step.step, time);
-            step.shortened = true;
-        }
-        Ok(())
-    }
-
-    fn finish_step(&mut self, step: &StepInProgress<U>, event: Option<String>) -> Result<Next, CallError> {
         let mut remarks = Vec::new();
-        let unit = started(&mut self.now.unit)?;
         unit.finish(&step.step, &mut remarks);
-        let clock = match step.shortened {
+        self.now.state = State::StepComplete;
+        self.now.clock = match step.shortened {
             true => self.now.clock.back_at(unit.time()),
             false => step.end,
         };
-        let time = clock.point;
+        let time = self.now.clock.point;
         self.log_remarks(&remarks);
         if let Some(event) = &event {
             let text = format!("event at {time} s: {event}");
             self.log.send(Status::Ok, Category::Events, &text);
         }
-        (self.now.state, self.now.clock) = (State::StepComplete, clock);
         Ok(Next::Ended(Ended {
             event: event.is_some(),
             early: step.shortened,
@@ -195,16 +154,13 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Ends a communication step that was not completed: all is as before, and the next step begins where this one did.
-    fn fail_step(&mut self, failure: StepFailure) -> Result<Next, CallError> {
+    fn fail_step(&mut self, text: &str) -> Result<Next, CallError> {
         self.now.state = State::StepFailed;
-        Err(CallError::Discarded(self.with_start(&failure.to_string()).into_owned()))
+        Err(CallError::Discarded(self.with_start(text).into_owned()))
     }
-}
 
-/// How the last step ended, in FMI 2.0.
-impl<U: Unit> Slave<U> {
-    /// Writes the status to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0 to 3, the one that has a
-    /// value of this type.
+    /// In FMI 2.0, how the last step ended. Writes to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0
+    /// to 3, the one that has a value of this type.
     pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
         if !(0..=3).contains(&kind) {
             return refused(format!("the kind of status {kind} is not one of the standard's"));
@@ -219,8 +175,6 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// How the last step ended.
-    #[must_use]
     pub fn step_status(&self) -> Status {
         match self.now.state {
             State::StepFailed => Status::Discard,
@@ -229,10 +183,13 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-/// The unit, once it has been started.
-fn started<U>(unit: &mut Option<U>) -> Result<&mut U, CallError> {
-    match unit {
-        Some(unit) => Ok(unit),
-        None => refused("the unit is not initialised"),
+impl<U: Unit> StepInProgress<U> {
+    /// Shortens it: it ends at a time of the unit, s, or at the present one if that is later.
+    fn end_at(&mut self, unit: &mut U, time: f64) {
+        if time < self.end.elapsed {
+            self.to = self.to.min(time.max(unit.time()));
+            unit.end_at(self.to, &mut self.step);
+            self.shortened = true;
+        }
     }
 }

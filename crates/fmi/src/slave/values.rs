@@ -13,7 +13,7 @@ use crate::unit::Unit;
 pub(crate) const TIME: u32 = 0;
 
 /// Types of the interface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Type {
     /// `fmi2Real`, `fmi3Float64`.
     Real,
@@ -39,67 +39,7 @@ impl Type {
     }
 }
 
-/// A number that C functions exchange; a truth value is 0 or 1, and all but 0 is true.
-pub trait Number: Copy {
-    /// The number for a value.
-    fn from_value(value: Value) -> Self;
-    /// The value of a variable of a type.
-    fn to_value(self, of: Type) -> Value;
-}
-
-impl Number for f64 {
-    fn from_value(value: Value) -> Self {
-        match value {
-            Value::Real(value) => value,
-            Value::Integer(_) | Value::Boolean(_) => Self::NAN,
-        }
-    }
-
-    fn to_value(self, _: Type) -> Value {
-        Value::Real(self)
-    }
-}
-
-macro_rules! whole_numbers {
-    ($($type:ty),*) => {$(
-        impl Number for $type {
-            fn from_value(value: Value) -> Self {
-                match value {
-                    Value::Integer(value) => Self::try_from(value).unwrap_or_default(),
-                    Value::Boolean(value) => value.into(),
-                    Value::Real(_) => 0,
-                }
-            }
-
-            fn to_value(self, of: Type) -> Value {
-                match of {
-                    Type::Boolean => Value::Boolean(self != 0),
-                    _ => Value::Integer(self.into()),
-                }
-            }
-        }
-    )*};
-}
-
-whole_numbers!(u8, i32, i64);
-
 impl<U: Unit> Slave<U> {
-    /// Reads reals, arrays of reals and the time, in FMI 3.0.
-    pub fn get_float64(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
-        self.allow_intermediate(references)?;
-        let expanded = expand(&self.table, references, values.len())?;
-        self.read(Type::Real, &expanded, values)
-    }
-
-    /// Writes reals and arrays of reals, in FMI 3.0.
-    pub fn set_float64(&mut self, references: &[u32], values: &[f64]) -> Outcome {
-        let expanded = expand(&self.table, references, values.len())?;
-        if expanded.contains(&TIME) {
-            return refused("time can't be set");
-        }
-        self.set(Type::Real, &expanded, values)
-    }
-
     /// Reads or writes variables of a type that no variable has.
     pub fn no_such_type(&mut self, call: Call, references: &[u32], type_name: &str) -> Outcome {
         self.allow(call)?;
@@ -121,19 +61,14 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// Reads variables of a type, one value each.
-    pub fn get<N: Number>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
+    /// Reads variables of a type, in FMI 3.0 the time among them.
+    pub fn get<N: From<Value>>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
-        check_count(references.len(), values.len(), references.len())?;
-        self.read(of, references, values)
-    }
-
-    /// The same for references that are allowed in the present mode, the time in FMI 3.0 among them.
-    fn read<N: Number>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
+        let references = self.of_each_value(references, values.len())?;
         self.allow(Call::Get)?;
         let time = (of == Type::Real && self.master.version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
-        for &reference in references {
+        for &reference in &*references {
             if reference == TIME && time.is_some() {
                 continue;
             }
@@ -159,41 +94,33 @@ impl<U: Unit> Slave<U> {
                 _ => find(&self.table, reference, of)?.value(settings, readings),
             };
             if let Some(found) = found {
-                *value = N::from_value(found);
+                *value = found.into();
             }
         }
         Ok(())
     }
 
-    /// Writes variables of a type, one value each: either all values are set or none.
-    pub fn set<N: Number>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
+    /// Writes variables of a type: either all values are set or none.
+    pub fn set<N: Into<Value> + Copy>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
-        check_count(references.len(), values.len(), references.len())?;
-        let running = self.now.state.is_running();
+        let references = self.of_each_value(references, values.len())?;
         let mut has_tunable = false;
-        for &reference in references {
+        for &reference in &*references {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
+        let mut settings = self.now.settings.clone();
         for (&reference, &value) in references.iter().zip(values) {
-            let admitted = find(&self.table, reference, of)?.admit(value.to_value(of));
-            admitted.map_err(CallError::Discarded)?;
-        }
-        // A tunable parameter is checked against the others at once, because no initialisation follows.
-        let before = (running && has_tunable).then(|| self.now.settings.clone());
-        for (&reference, &value) in references.iter().zip(values) {
-            let set = find(&self.table, reference, of)?.set(&mut self.now.settings, value.to_value(of));
+            let set = find(&self.table, reference, of)?.set(&mut settings, value.into());
             set.map_err(CallError::Discarded)?;
         }
-        if let Some(before) = before
-            && let Err(text) = U::check(&self.now.settings)
-        {
-            self.now.settings = before;
-            return Err(CallError::Discarded(text));
-        }
-        if !running {
+        if !self.now.state.is_running() {
             self.now.unit = None;
+        } else if has_tunable {
+            // Checked against the others at once, because no initialisation follows.
+            U::check(&settings).map_err(CallError::Discarded)?;
         }
+        self.now.settings = settings;
         Ok(())
     }
 
@@ -210,6 +137,41 @@ impl<U: Unit> Slave<U> {
             }
             causality => Ok(causality == Causality::Tunable),
         }
+    }
+
+    /// The value reference of each of `count` values: scalars, the time, and in FMI 3.0 the elements of arrays.
+    fn of_each_value<'a>(&self, references: &'a [u32], count: usize) -> Result<Cow<'a, [u32]>, CallError> {
+        let has_arrays = self.master.version == Version::Three;
+        let array_of = |reference| self.table.array_of(reference).filter(|_| has_arrays);
+        let mut together = 0;
+        for &reference in references {
+            together += match array_of(reference) {
+                Some(array) if array.first != reference => {
+                    return refused(format!(
+                        "the value reference {reference} is that of an element of {}: use the array, value reference {}",
+                        array.name, array.first
+                    ));
+                }
+                array => array.map_or(1, |array| array.elements().len()),
+            };
+        }
+        // Before memory is taken.
+        check_count(references.len(), count, together)?;
+        if together == references.len() {
+            return Ok(references.into());
+        }
+        // As many as a host asks for.
+        let mut expanded = Vec::new();
+        if let Err(error) = expanded.try_reserve_exact(together) {
+            return refused(format!("memory for {together} values: {error}"));
+        }
+        for &reference in references {
+            match array_of(reference) {
+                Some(array) => expanded.extend(array.elements()),
+                None => expanded.push(reference),
+            }
+        }
+        Ok(expanded.into())
     }
 }
 
@@ -236,38 +198,4 @@ pub(super) fn check_count(variables: usize, values: usize, together: usize) -> O
     refused(format!(
         "{values} values for {variables} variables, which have {together} values together"
     ))
-}
-
-/// The value reference of each of `count` values: scalars, the elements of arrays, and the time.
-fn expand<'a, S, R>(table: &Table<S, R>, references: &'a [u32], count: usize) -> Result<Cow<'a, [u32]>, CallError> {
-    let mut together = 0;
-    for &reference in references {
-        match table.array_of(reference) {
-            None => together += 1,
-            Some(array) if array.first == reference => together += array.elements().len(),
-            Some(array) => {
-                return refused(format!(
-                    "the value reference {reference} is that of an element of {}: use the array, value reference {}",
-                    array.name, array.first
-                ));
-            }
-        }
-    }
-    // Before memory is taken.
-    check_count(references.len(), count, together)?;
-    if together == references.len() {
-        return Ok(Cow::Borrowed(references));
-    }
-    // As many as a host asks for.
-    let mut expanded = Vec::new();
-    if let Err(error) = expanded.try_reserve_exact(together) {
-        return refused(format!("memory for {together} values: {error}"));
-    }
-    for &reference in references {
-        match table.array_of(reference) {
-            None => expanded.push(reference),
-            Some(array) => expanded.extend(array.elements()),
-        }
-    }
-    Ok(Cow::Owned(expanded))
 }

@@ -1,4 +1,4 @@
-//! Floating-point environments of hosts, on x86-64: `MXCSR` of SSE and the control word of the x87.
+//! Floating-point environments of hosts, on x86-64: `MXCSR` of SSE, control word and flags of the x87.
 
 #![allow(unsafe_code, reason = "it reads and sets registers")]
 
@@ -9,57 +9,52 @@ use std::arch::asm;
 pub struct Environment {
     pub mxcsr: u32,
     pub x87: u16,
+    pub flags: u16,
+}
+
+impl Environment {
+    const fn of(mxcsr: u32, x87: u16, flags: u16) -> Self {
+        Self { mxcsr, x87, flags }
+    }
 }
 
 /// Without traps, flushing, or flags; rounding to nearest.
-pub const DEFAULT: Environment = Environment {
-    mxcsr: 0x1f80,
-    x87: 0x037f,
-};
-/// Invalid operations, divisions by zero and overflows are trapped.
-pub const TRAPS: Environment = Environment {
-    mxcsr: 0x1900,
-    x87: 0x0372,
-};
-/// Subnormal numbers are taken and given as zero.
-pub const FLUSHES: Environment = Environment {
-    mxcsr: 0x9fc0,
-    x87: 0x037f,
-};
-/// Rounding upward; the x87 in double precision.
-pub const ROUNDS_UPWARD: Environment = Environment {
-    mxcsr: 0x5f80,
-    x87: 0x0a7f,
-};
-/// Flags of earlier operations: invalid, inexact.
-pub const HAS_FLAGS: Environment = Environment {
-    mxcsr: 0x1fa1,
-    x87: 0x037f,
-};
+pub const DEFAULT: Environment = Environment::of(0x1f80, 0x037f, 0);
 
-/// What hosts do.
-pub const HOSTS: [Environment; 4] = [TRAPS, FLUSHES, ROUNDS_UPWARD, HAS_FLAGS];
+/// Of hosts that trap invalid operations, divisions by zero and overflows; that take subnormal numbers as zero; that round upward, on the x87
+/// in double precision; that have flags of earlier operations.
+pub const HOSTS: [Environment; 4] = [
+    Environment::of(0x1900, 0x0372, 0),
+    Environment::of(0x9fc0, 0x037f, 0),
+    Environment::of(0x5f80, 0x0a7f, 0),
+    Environment::of(0x1fa1, 0x037f, 0x21),
+];
 
 /// The present environment.
 #[must_use]
 pub fn present() -> Environment {
-    let mut found = Environment { mxcsr: 0, x87: 0 };
+    let mut found = Environment::of(0, 0, 0);
     // SAFETY: the instructions write to `found`.
     unsafe {
         asm!(
-            "stmxcsr [{}]", "fnstcw [{}]",
-            in(reg) &raw mut found.mxcsr, in(reg) &raw mut found.x87, options(nostack, preserves_flags)
+            "stmxcsr [{}]", "fnstcw [{}]", "fnstsw [{}]",
+            in(reg) &raw mut found.mxcsr, in(reg) &raw mut found.x87, in(reg) &raw mut found.flags,
+            options(nostack, preserves_flags)
         );
     }
+    found.flags &= 0xff;
     found
 }
 
-fn set(environment: Environment) {
-    // SAFETY: the instructions read `environment`. What runs until the former one is set again are calls of C functions.
+pub fn set(environment: Environment) {
+    let mut x87 = [0_u32; 7];
+    // SAFETY: the instructions read and write what is given. What runs until the former environment is set again are calls of C functions.
     unsafe {
+        asm!("fnstenv [{}]", in(reg) &raw mut x87, options(nostack, preserves_flags));
+        (x87[0], x87[1]) = (environment.x87.into(), environment.flags.into());
         asm!(
-            "ldmxcsr [{}]", "fldcw [{}]",
-            in(reg) &raw const environment.mxcsr, in(reg) &raw const environment.x87, options(nostack, preserves_flags)
+            "ldmxcsr [{}]", "fldenv [{}]",
+            in(reg) &raw const environment.mxcsr, in(reg) &raw const x87, options(nostack, preserves_flags)
         );
     }
 }

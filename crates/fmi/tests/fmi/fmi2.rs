@@ -5,28 +5,21 @@
 use std::ffi::{CStr, c_int};
 use std::ptr::{null, null_mut};
 
+use pushbelt_fmi::Version::Two;
 use pushbelt_fmi::fmi2::functions::*;
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
-use pushbelt_fmi::slave::Version::Two;
 
 use crate::importer::token;
 use crate::run::running;
 use crate::tank::*;
 
 #[test]
-fn constants_are_those_of_the_standard() {
-    // SAFETY: constant strings.
+fn an_instance_without_a_logger_fails_silently() {
+    assert_eq!(NAMES.len(), 34);
+    // SAFETY: constant strings, an instance, and a value.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetVersion::<Tank>()), c"2.0");
         assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform::<Tank>()), c"default");
-    }
-    assert_eq!(NAMES.len(), 34);
-}
-
-#[test]
-fn an_instance_without_a_logger_fails_silently() {
-    // SAFETY: an instance, and a value.
-    unsafe {
         let c = fmi2Instantiate::<Tank>(c"mute".as_ptr(), 1, token::<Tank>(Two).as_ptr(), null(), null(), 0, 1);
         assert!(!c.is_null());
         assert_eq!(fmi2DoStep::<Tank>(c, 0.0, 1.0, 1), Error);
@@ -49,14 +42,8 @@ fn null_pointers_are_errors() {
             fmi2GetReal::<Tank>(c, &LEVEL, 1, null_mut()),
             fmi2GetReal::<Tank>(c, null(), usize::MAX, null_mut()),
             fmi2SetReal::<Tank>(c, &INFLOW, 1, null()),
-            fmi2GetInteger::<Tank>(c, null(), 1, null_mut()),
-            fmi2SetInteger::<Tank>(c, null(), 1, null()),
-            fmi2GetBoolean::<Tank>(c, null(), 1, null_mut()),
-            fmi2SetBoolean::<Tank>(c, null(), 1, null()),
             fmi2GetString::<Tank>(c, null(), 1, null_mut()),
-            fmi2SetString::<Tank>(c, null(), 1, null()),
             fmi2SetRealInputDerivatives::<Tank>(c, &INFLOW, 1, null(), &1.0),
-            fmi2SetRealInputDerivatives::<Tank>(c, null(), 1, &1, &1.0),
             fmi2GetRealOutputDerivatives::<Tank>(c, &LEVEL, 1, &1, null_mut()),
             fmi2GetFMUstate::<Tank>(c, null_mut()),
             fmi2SetFMUstate::<Tank>(c, null_mut()),
@@ -70,7 +57,7 @@ fn null_pointers_are_errors() {
             fmi2SetDebugLogging::<Tank>(c, 1, 1, null()),
             fmi2SetDebugLogging::<Tank>(c, 1, 1, &null()),
         ];
-        assert_eq!(refused, [Error; 24]);
+        assert_eq!(refused, [Error; 18]);
         assert_eq!(importer.record.messages.borrow().len(), refused.len(), "each is logged");
         for done in [
             fmi2GetReal::<Tank>(c, null(), 0, null_mut()),
@@ -130,8 +117,7 @@ fn there_are_no_strings_and_no_directional_derivatives() {
             fmi2GetString::<Tank>(c, &START, 1, &raw mut text),
             fmi2SetString::<Tank>(c, &START, 1, &null()),
         ] {
-            assert_eq!(status, Error);
-            importer.assert_logged("no string has the value reference 1");
+            importer.assert(status, Error, "no string has the value reference 1");
         }
         let refused = fmi2GetDirectionalDerivative::<Tank>(c, &LEVEL, 1, &INFLOW, 1, &1.0, &raw mut value);
         assert_eq!(refused, Error);

@@ -10,16 +10,17 @@
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
 use std::rc::Rc;
 
 use crate::layer::Unit;
+use crate::layer::Version::{self, Three, Two};
 use crate::layer::fmi2::functions as f2;
 use crate::layer::fmi2::{CallbackFunctions, Logger};
 use crate::layer::fmi3::functions as f3;
 use crate::layer::log::Status::{self, Discard, Ok as Done};
-use crate::layer::slave::Version::{self, Three, Two};
 use crate::layer::table::Kind;
 use crate::layer::unit::Experiment;
 
@@ -27,7 +28,7 @@ pub const BOTH: [Version; 2] = [Two, Three];
 /// Value reference of the time in FMI 3.0.
 pub const TIME: u32 = 0;
 
-/// A message: status, category, text.
+/// Status, category, text.
 pub type Message = (c_int, String, String);
 
 /// Arguments of the callback in intermediate update mode.
@@ -50,6 +51,8 @@ pub struct Record {
     /// Name of the instance in the last message, in FMI 2.0.
     pub instance: RefCell<String>,
     pub updates: RefCell<Vec<Update>>,
+    /// Stored states that are freed with the instance.
+    states: RefCell<Vec<Stored>>,
     pub answer: RefCell<Option<Answer>>,
     /// Called at each message.
     pub hears: RefCell<Option<Box<dyn FnMut()>>>,
@@ -143,7 +146,6 @@ impl<'a> Handles<'a> {
     }
 }
 
-/// An experiment without tolerance.
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     Experiment {
         tolerance: None,
@@ -152,11 +154,9 @@ pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     }
 }
 
-/// The arguments of an `instantiate` function.
 pub struct Arguments<'a> {
-    pub name: Option<&'a CStr>,
-    pub token: Option<&'a CStr>,
-    pub location: Option<&'a CStr>,
+    /// Name, token, location of the resources.
+    pub texts: [Option<&'a CStr>; 3],
     pub debug: bool,
     /// The kind of instance in FMI 2.0: 1 is co-simulation.
     pub kind: c_int,
@@ -166,9 +166,7 @@ pub struct Arguments<'a> {
 impl<'a> Arguments<'a> {
     pub fn of(token: &'a CStr) -> Self {
         Self {
-            name: Some(c"instance"),
-            token: Some(token),
-            location: None,
+            texts: [Some(c"instance"), Some(token), None],
             debug: false,
             kind: 1,
             handles: Handles::default(),
@@ -180,7 +178,6 @@ pub fn token<U: Unit>(version: Version) -> CString {
     CString::new(crate::layer::token::<U>(version, None)).expect("no zero inside")
 }
 
-/// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ended {
     pub status: Status,
@@ -206,7 +203,6 @@ fn done<T>(status: Status, found: T) -> Result<T, Status> {
     if status == Done { Ok(found) } else { Err(status) }
 }
 
-/// A stored state.
 pub type Stored = *mut c_void;
 
 /// An instance with the importer's data for it.
@@ -226,8 +222,7 @@ impl<U: Unit> Importer<U> {
     pub fn with(version: Version, arguments: &Arguments<'_>) -> Self {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
-        let [name, token, location] =
-            [arguments.name, arguments.token, arguments.location].map(|text| text.map_or(null(), CStr::as_ptr));
+        let [name, token, location] = arguments.texts.map(|text| text.map_or(null(), CStr::as_ptr));
         let Handles {
             events,
             early_return,
@@ -339,12 +334,8 @@ impl<U: Unit> Importer<U> {
         let (mut flags, mut time) = ([9; 5], f64::NAN);
         let [a, b, c, d, e] = flags.each_mut().map(std::ptr::from_mut);
         unsafe {
-            assert_eq!(
-                f3::fmi3UpdateDiscreteStates::<U>(self.c, a, b, c, d, e, &raw mut time),
-                Done,
-                "{}",
-                self.last()
-            );
+            let updated = f3::fmi3UpdateDiscreteStates::<U>(self.c, a, b, c, d, e, &raw mut time);
+            assert_eq!(updated, Done, "{}", self.last());
             assert_eq!(f3::fmi3EnterStepMode::<U>(self.c), Done);
         }
         assert_eq!((flags, time), ([0; 5], 0.0));
@@ -381,7 +372,6 @@ impl<U: Unit> Importer<U> {
         call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
     }
 
-    /// `count` values of real variables.
     pub fn reals(&self, references: &[u32], count: usize) -> Result<Vec<f64>, Status> {
         let (vr, nvr) = (references.as_ptr(), references.len());
         assert!(self.version == Three || nvr == count);
@@ -393,14 +383,9 @@ impl<U: Unit> Importer<U> {
         done(status, values)
     }
 
-    /// Real variables have these values.
     pub fn assert_reals(&self, references: &[u32], values: &[f64]) {
-        assert_eq!(
-            self.reals(references, values.len()).as_deref(),
-            Ok(values),
-            "{}",
-            self.last()
-        );
+        let found = self.reals(references, values.len());
+        assert_eq!(found.as_deref(), Ok(values), "{}", self.last());
     }
 
     pub fn set(&self, reference: u32, value: f64) -> Status {
@@ -412,47 +397,35 @@ impl<U: Unit> Importer<U> {
             .unwrap_or_else(|status| panic!("{status:?}: {}", self.last()))[0]
     }
 
-    fn is_enumeration(reference: u32) -> bool {
-        let table = U::table();
-        table
-            .by_reference(reference)
-            .is_some_and(|one| matches!(one.kind, Kind::Enumeration { .. }))
-    }
-
-    /// Writes a whole number or an item of an enumeration.
-    pub fn set_integer(&self, reference: u32, value: i32) -> Status {
-        let (long, vr) = (i64::from(value), &raw const reference);
-        let (number, wide) = (&raw const value, &raw const long);
-        match Self::is_enumeration(reference) {
-            true => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt64(vr, 1, wide, 1) },
-            false => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt32(vr, 1, number, 1) },
+    /// Writes a whole number, an item of an enumeration or a truth value.
+    pub fn set_number(&self, reference: u32, value: i32) -> Status {
+        let (byte, wide) = (value as u8, i64::from(value));
+        let (vr, number, byte, wide) = (&raw const reference, &raw const value, &raw const byte, &raw const wide);
+        match U::table().by_reference(reference).map(|one| &one.kind) {
+            Some(Kind::Boolean { .. }) => call! { self, fmi2SetBoolean(vr, 1, number), fmi3SetBoolean(vr, 1, byte, 1) },
+            Some(Kind::Enumeration { .. }) => {
+                call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt64(vr, 1, wide, 1) }
+            }
+            _ => call! { self, fmi2SetInteger(vr, 1, number), fmi3SetInt32(vr, 1, number, 1) },
         }
     }
 
-    pub fn integer(&self, reference: u32) -> Result<i64, Status> {
-        let (vr, mut number, mut wide) = (&raw const reference, i32::MIN, i64::MIN);
-        let (to, wide_to) = (&raw mut number, &raw mut wide);
-        let status = match Self::is_enumeration(reference) {
-            true => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt64(vr, 1, wide_to, 1) },
-            false => call! { self, fmi2GetInteger(vr, 1, to), fmi3GetInt32(vr, 1, to, 1) },
+    pub fn number(&self, reference: u32) -> Result<i64, Status> {
+        let (vr, mut value, mut byte, mut wide) = (&raw const reference, 0, 0, 0);
+        let (number, of_byte, of_wide) = (&raw mut value, &raw mut byte, &raw mut wide);
+        let status = match U::table().by_reference(reference).map(|one| &one.kind) {
+            Some(Kind::Boolean { .. }) => {
+                call! { self, fmi2GetBoolean(vr, 1, number), fmi3GetBoolean(vr, 1, of_byte, 1) }
+            }
+            Some(Kind::Enumeration { .. }) => {
+                call! { self, fmi2GetInteger(vr, 1, number), fmi3GetInt64(vr, 1, of_wide, 1) }
+            }
+            _ => call! { self, fmi2GetInteger(vr, 1, number), fmi3GetInt32(vr, 1, number, 1) },
         };
-        done(status, wide.max(number.into()))
+        // Two of them are still 0.
+        done(status, i64::from(value) + i64::from(byte) + wide)
     }
 
-    pub fn set_boolean(&self, reference: u32, value: u8) -> Status {
-        let (vr, wide) = (&raw const reference, c_int::from(value));
-        call! { self, fmi2SetBoolean(vr, 1, &raw const wide), fmi3SetBoolean(vr, 1, &raw const value, 1) }
-    }
-
-    pub fn boolean(&self, reference: u32) -> Result<bool, Status> {
-        let (vr, mut wide, mut value) = (&raw const reference, 0, 0);
-        let (two, three) = (&raw mut wide, &raw mut value);
-        let status = call! { self, fmi2GetBoolean(vr, 1, two), fmi3GetBoolean(vr, 1, three, 1) };
-        assert!(wide + c_int::from(value) <= 1, "{wide} {value}");
-        done(status, wide + c_int::from(value) == 1)
-    }
-
-    /// Time derivatives of outputs, of an order.
     pub fn derivatives(&self, references: &[u32], order: i32) -> Result<Vec<f64>, Status> {
         let (vr, nvr, orders) = (references.as_ptr(), references.len(), vec![order; references.len()]);
         let mut values = vec![f64::NAN; nvr];
@@ -470,7 +443,6 @@ impl<U: Unit> Importer<U> {
         unsafe { f2::fmi2SetRealInputDerivatives::<U>(self.c, vr, 1, order, value) }
     }
 
-    /// Stores the state, in a new object or in an earlier one.
     pub fn store(&self, state: &mut Stored) -> Status {
         call! { self, fmi2GetFMUstate(state), fmi3GetFMUState(state) }
     }
@@ -478,7 +450,7 @@ impl<U: Unit> Importer<U> {
     pub fn stored(&self) -> Stored {
         let mut state = null_mut();
         assert_eq!(self.store(&mut state), Done, "{}", self.last());
-        assert!(!state.is_null());
+        self.record.states.borrow_mut().push(state);
         state
     }
 
@@ -508,16 +480,13 @@ impl<U: Unit> Importer<U> {
         }
     }
 
-    /// The present state as bytes.
     pub fn bytes(&self) -> Vec<u8> {
-        let mut state = self.stored();
+        let state = self.stored();
         let mut bytes = vec![0; self.size(state)];
         assert_eq!(self.write_bytes(state, &mut bytes), Done, "{}", self.last());
-        assert_eq!(self.free(&mut state), Done);
         bytes
     }
 
-    /// The state in these bytes.
     pub fn read_bytes(&self, bytes: &[u8]) -> Result<Stored, Status> {
         let (pointer, size, mut state) = (bytes.as_ptr(), bytes.len(), null_mut());
         let status = call! {
@@ -527,7 +496,6 @@ impl<U: Unit> Importer<U> {
         done(status, state)
     }
 
-    /// Continues from the state in these bytes.
     pub fn continue_from(&self, bytes: &[u8]) -> Status {
         match self.read_bytes(bytes) {
             Ok(mut state) => {
@@ -564,10 +532,15 @@ impl<U: Unit> Importer<U> {
         unsafe { f3::fmi3EnterEventMode::<U>(self.c) }
     }
 
-    /// Text of the last message.
     pub fn last(&self) -> String {
         let messages = self.record.messages.borrow();
         messages.last().map_or_else(String::new, |message| message.2.clone())
+    }
+
+    /// A call ended like this, and the last message has this part.
+    pub fn assert<T: PartialEq + Debug>(&self, found: T, expected: T, part: &str) {
+        assert_eq!(found, expected, "{part}");
+        self.assert_logged(part);
     }
 
     pub fn assert_logged(&self, part: &str) {
@@ -578,6 +551,10 @@ impl<U: Unit> Importer<U> {
 impl<U: Unit> Drop for Importer<U> {
     fn drop(&mut self) {
         if self.owned {
+            for mut state in self.record.states.take() {
+                assert_eq!(self.free(&mut state), Done);
+                assert!(state.is_null());
+            }
             let free: unsafe fn(*mut c_void) = match self.version {
                 Two => f2::fmi2FreeInstance::<U>,
                 Three => f3::fmi3FreeInstance::<U>,

@@ -8,7 +8,6 @@ mod fmi2;
 mod fmi3;
 mod importer;
 mod run;
-mod simple;
 mod stored;
 mod tank;
 mod times;

@@ -2,9 +2,9 @@
 
 use std::ptr::null_mut;
 
+use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
-use pushbelt_fmi::slave::Version::{Three, Two};
 
 use crate::importer::{BOTH, Handles, experiment};
 use crate::run::{ended, running};
@@ -21,8 +21,13 @@ fn go_on(importer: &Importer, from: f64) -> u64 {
 #[test]
 fn a_state_holds_everything_and_fits_every_instance() {
     for version in BOTH {
-        let importer = running(version);
-        assert_eq!(importer.set_reals(&[GAIN, MARK], &[1.0 / 3.0, 7.0]), Ok);
+        let early = Importer::new(version);
+        assert_eq!(early.set_reals(&[GAIN, MARK], &[1.0 / 3.0, 7.0]), Ok);
+        assert_eq!([early.set_number(FLOORS, 5), early.set_number(LOCKED, 1)], [Ok; 2]);
+        // A state before the start is one, too.
+        let importer = Importer::new(version);
+        assert_eq!(importer.continue_from(&early.bytes()), Ok);
+        importer.start();
         assert_eq!(importer.step(0.0, 0.7).status, Ok);
         if version == Two {
             assert_eq!(importer.set_derivative(INFLOW, 1, 0.1), Ok);
@@ -31,6 +36,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
         let expected = go_on(&importer, 0.7);
         assert_eq!(importer.restore(state), Ok);
         importer.assert_reals(&[GAIN, MARK, INFLOW], &[1.0 / 3.0, 7.0, 2.0]);
+        assert_eq!([FLOORS, LOCKED].map(|of| importer.number(of)), [5, 1].map(Result::Ok));
         assert_eq!(importer.bytes(), bytes, "a state at rest is itself");
         assert_eq!(go_on(&importer, 0.7), expected);
         let handle = state;
@@ -44,30 +50,10 @@ fn a_state_holds_everything_and_fits_every_instance() {
             assert_eq!(other.bytes(), bytes);
             assert_eq!(go_on(&other, 0.7), expected);
         }
-        assert_eq!(importer.free(&mut state), Ok);
-        assert!(state.is_null());
-        assert_eq!(importer.free(&mut state), Ok, "null is legal");
+        assert_eq!(importer.free(&mut null_mut()), Ok, "null is legal");
         assert_eq!(importer.restore(null_mut()), Error);
         assert_eq!(importer.read_bytes(&[]), Err(Error));
         assert_eq!(importer.write_bytes(null_mut(), &mut []), Error);
-    }
-}
-
-#[test]
-fn a_state_before_the_start_is_one_too() {
-    for version in BOTH {
-        let importer = Importer::new(version);
-        assert_eq!(importer.set(START, 4.0), Ok);
-        assert_eq!(importer.set_integer(FLOORS, 5), Ok);
-        assert_eq!(importer.set_boolean(LOCKED, 1), Ok);
-        let other = Importer::new(version);
-        assert_eq!(other.continue_from(&importer.bytes()), Ok);
-        other.start();
-        assert_eq!(other.real(LEVEL), 4.0);
-        assert_eq!(
-            (other.integer(FLOORS), other.boolean(LOCKED)),
-            (Result::Ok(5), Result::Ok(true))
-        );
     }
 }
 
@@ -102,8 +88,7 @@ fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
         let other = stopping(version, 2.0);
         assert_eq!(other.continue_from(&bytes), Ok);
         assert_eq!(other.step(1.0, 1.0).status, Ok);
-        assert_eq!(other.step(2.0, 1.0).status, Error);
-        other.assert_logged("stop time 2 s");
+        other.assert(other.step(2.0, 1.0).status, Error, "stop time 2 s");
         // The host goes straight from instantiation to the stored state: no stop time.
         let fresh = Importer::new(version);
         assert_eq!(fresh.continue_from(&bytes), Ok);
@@ -118,35 +103,25 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         let importer = running(version);
         let bytes = importer.bytes();
         let refuses = |bytes: &[u8], why: &str| {
-            assert_eq!(importer.read_bytes(bytes), Err(Error), "{why}");
-            importer.assert_logged(why);
+            importer.assert(importer.read_bytes(bytes), Err(Error), why);
         };
         let damaged = |at: usize| {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x10;
             damaged
         };
-        refuses(b"short", "too early");
-        refuses(
-            b"a file of some other kind, long enough for a head",
-            "not a stored state",
-        );
         refuses(&bytes[1..], "not a stored state");
-        refuses(&bytes[..bytes.len() / 2], "incomplete");
-        refuses(&[&bytes[..], b"x"].concat(), "followed");
+        refuses(&[&bytes[..], b"x"].concat(), "checksum");
         refuses(&damaged(8), "version");
         refuses(&damaged(12), "GUID");
-        refuses(&damaged(bytes.len() / 2), "checksum");
         refuses(&damaged(bytes.len() - 1), "checksum");
         for at in 0..bytes.len() {
             assert_eq!(importer.read_bytes(&damaged(at)), Err(Error), "byte {at}");
             assert_eq!(importer.read_bytes(&bytes[..at]), Err(Error), "{at} bytes");
         }
-        let mut state = importer.stored();
+        let state = importer.stored();
         let mut short = vec![0; bytes.len() - 1];
-        assert_eq!(importer.write_bytes(state, &mut short), Error);
-        importer.assert_logged("but only");
-        assert_eq!(importer.free(&mut state), Ok);
+        importer.assert(importer.write_bytes(state, &mut short), Error, "but only");
         assert_eq!(importer.bytes(), bytes);
     }
 }
@@ -168,7 +143,7 @@ fn wild_numbers_in_a_stored_state_are_refused() {
     };
     let places = |number: f64| -> Vec<usize> {
         let is_there = |at: &usize| good[*at..at + 8] == number.to_le_bytes();
-        (36..content - 7).filter(is_there).collect()
+        (28..content - 7).filter(is_there).collect()
     };
     // Start, point and origin; elapsed and the tank's time; level; flow and inflow.
     for (number, count) in [(5.0, 2), (6.0, 1), (1.0, 2), (3.0, 1), (2.0, 2)] {

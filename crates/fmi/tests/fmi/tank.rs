@@ -1,9 +1,10 @@
 //! A toy unit: a tank that fills at a rate, level' = gain·inflow, with internal steps and an event.
 
+use Causality::{Input, Local, Output, Parameter, Tunable};
 use pushbelt_fmi::table::{
     Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
 };
-use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure};
+use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark};
 use pushbelt_fmi::{Archive, Unit, setting};
 
 /// An importer of it.
@@ -68,13 +69,10 @@ pub struct Gauges {
     depths: [f64; DEPTHS],
 }
 
-/// A communication step: its span and the growth of the inflow, the tank where it began, and the mark.
+/// A communication step: the tank where it began, the growth of the inflow, and the mark.
 pub struct Step {
-    from: f64,
-    to: f64,
+    before: Tank,
     growth: f64,
-    level: f64,
-    flow: [f64; 2],
     mark: f64,
 }
 
@@ -95,6 +93,12 @@ static SHAPES: Enumeration = Enumeration {
     items: &[Item::new("Round", 1, "A cylinder"), Item::new("Square", 2, "A box")],
 };
 
+static RETIRED: [Retired; 1] = [Retired {
+    name: "old",
+    reference: OLD,
+    instead: "use start",
+}];
+
 impl Unit for Tank {
     type Settings = Valves;
     type Readings = Gauges;
@@ -108,14 +112,10 @@ impl Unit for Tank {
     };
 
     fn table() -> Table<Valves, Gauges> {
-        let real = |reference, name, causality, access: Access<Valves, Gauges, f64>| {
-            Variable::real(reference, name, "", causality, "1", access).within(Range {
-                min: Some(-1e3),
-                max: (causality == Causality::Tunable).then_some(10.0),
-                nominal: None,
-            })
-        };
         type Type = Kind<Valves, Gauges>;
+        let real = |reference, name: &str, causality, access: Access<Valves, Gauges, f64>| {
+            Variable::real(reference, name, "", causality, "1", access).within(Range::from(-1e3))
+        };
         let other = |reference, name: &str, causality, kind: Type| Variable {
             reference,
             name: name.into(),
@@ -123,6 +123,7 @@ impl Unit for Tank {
             causality,
             kind,
         };
+        let truth = |access| Type::Boolean { access };
         let floors = Type::Integer {
             range: Some((1, 9)),
             access: setting!(floors),
@@ -131,56 +132,38 @@ impl Unit for Tank {
             of: &SHAPES,
             access: setting!(shape),
         };
-        let locked = Type::Boolean {
-            access: setting!(locked),
-        };
-        let full = Type::Boolean {
-            access: Access::Reading(|gauges| gauges.full),
-        };
         let mut variables = vec![
-            real(START, "start", Causality::Parameter, setting!(start)),
-            real(GAIN, "gain", Causality::Tunable, setting!(gain)),
-            real(INFLOW, "inflow", Causality::Input, setting!(inflow)),
-            real(BRIM, "brim", Causality::Input, setting!(brim)),
-            real(
-                LEVEL,
-                "level",
-                Causality::Output,
-                Access::Reading(|gauges| gauges.level),
-            ),
-            real(MARK, "mark", Causality::Input, setting!(mark)),
-            other(FLOORS, "floors", Causality::Parameter, floors),
-            other(SHAPE, "shape", Causality::Parameter, shape),
-            other(LOCKED, "locked", Causality::Parameter, locked),
-            other(FULL, "full", Causality::Output, full),
+            real(START, "start", Parameter, setting!(start)),
+            real(GAIN, "gain", Tunable, setting!(gain)).within(Range::between(-1e3, 10.0)),
+            real(INFLOW, "inflow", Input, setting!(inflow)),
+            real(BRIM, "brim", Input, setting!(brim)),
+            real(LEVEL, "level", Output, Access::Reading(|gauges| gauges.level)),
+            real(MARK, "mark", Input, setting!(mark)),
+            other(FLOORS, "floors", Parameter, floors),
+            other(SHAPE, "shape", Parameter, shape),
+            other(LOCKED, "locked", Parameter, truth(setting!(locked))),
+            other(FULL, "full", Output, truth(Access::Reading(|gauges| gauges.full))),
         ];
         variables.extend((0..DEPTHS).zip(DEPTH..).map(|(at, reference)| {
             let access = Access::Element(|gauges: &Gauges, at| gauges.depths[at], at);
-            let name = format!("depth[{}]", at + 1);
-            Variable::real(reference, &name, "", Causality::Local, "1", access)
+            real(reference, &format!("depth[{}]", at + 1), Local, access)
         }));
         let depth = Array {
             name: "depth".into(),
             description: String::new(),
             first: DEPTH,
-            size: u32::try_from(DEPTHS).expect("few"),
+            size: DEPTHS as u32,
         };
-        static ENUMERATIONS: &[&Enumeration] = &[&SHAPES];
-        static RETIRED: [Retired; 1] = [Retired {
-            name: "old",
-            reference: OLD,
-            instead: "use start",
-        }];
-        let mut table = Table::new(UNITS, ENUMERATIONS, variables);
+        let mut table = Table::new(UNITS, const { &[&SHAPES] }, variables);
         (table.arrays, table.retired) = (vec![depth], &RETIRED);
         table
     }
 
     fn check(valves: &Valves) -> Result<(), String> {
-        if valves.gain == 0.5 {
-            return Err("gain = 0.5 does not fit".into());
+        match valves.gain {
+            0.5 => Err("gain = 0.5 does not fit".into()),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
@@ -210,48 +193,35 @@ impl Unit for Tank {
         &self.gauges
     }
 
-    fn begin(&mut self, to: f64, valves: &Valves, rates: Option<&Valves>) -> Result<Step, StepFailure> {
+    fn begin(&mut self, _: f64, valves: &Valves, rates: Option<&Valves>) -> Result<Step, String> {
         if valves.mark < 0.0 {
-            return Err(StepFailure::Setting("mark is below 0".into()));
+            return Err("mark is below 0".into());
         }
         Ok(Step {
-            from: self.time,
-            to,
+            before: self.clone(),
             growth: rates.map_or(0.0, |rates| rates.inflow),
-            level: self.level,
-            flow: self.flow,
             mark: valves.mark,
         })
     }
 
-    fn advance(&mut self, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), String> {
         assert!(valves.inflow != BURST, "the tank burst");
-        let to = step.to.min(self.time + LONGEST);
-        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.from));
+        let to = to.min(self.time + LONGEST);
+        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
         self.flow = [valves.gain * after, valves.gain * step.growth];
         let rate = valves.gain * 0.5 * (before + after);
         if self.level + rate * (to - self.time) > valves.brim {
-            (self.time, self.level, self.flow) = (step.from, step.level, step.flow);
-            return Err(StepFailure::Discarded("full".into()));
+            self.clone_from(&step.before);
+            return Err("full".into());
         }
         self.level += rate * (to - self.time);
         self.time = to;
         Ok(())
     }
 
-    fn is_over(&self, step: &Step) -> bool {
-        self.time >= step.to
-    }
-
-    fn end_at(&mut self, step: &mut Step, time: f64) {
-        step.to = step.to.min(time.max(self.time));
-    }
-
     fn event(&self, step: &Step) -> Option<String> {
-        let Step {
-            level: before, mark, ..
-        } = *step;
-        (before < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
+        let mark = step.mark;
+        (step.before.level < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 
     fn moment(&mut self) -> Option<Moment<Gauges>> {

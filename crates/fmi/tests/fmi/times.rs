@@ -1,7 +1,7 @@
 //! Times and steps of hosts.
 
+use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Error, Ok};
-use pushbelt_fmi::slave::Version::{self, Three, Two};
 
 use crate::importer::{BOTH, Handles};
 use crate::run::{ended, running};
@@ -14,30 +14,6 @@ fn running_from(version: Version, start: f64) -> Importer {
     let importer = Importer::new(version);
     importer.start_at(start);
     importer
-}
-
-/// Levels after steps of 0.1 ms under an inflow that changes, by a host that counts time in its way.
-fn levels(start: f64, mut next: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
-    let importer = running_from(Two, start);
-    let mut time = start;
-    let step = |k: u32| {
-        assert_eq!(importer.set(INFLOW, f64::from(k % 7)), Ok);
-        assert_eq!(importer.step(time, 1e-4).status, Ok, "{k}, {time}: {}", importer.last());
-        time = next(time, start + 1e-4 * f64::from(k + 1));
-        importer.real(LEVEL)
-    };
-    (0..3000).map(step).collect()
-}
-
-#[test]
-fn a_late_run_equals_one_from_zero() {
-    let expected = levels(0.0, |time, _| time + 1e-4);
-    for sums in [true, false] {
-        let found = levels(TODAY, |time, product| if sums { time + 1e-4 } else { product });
-        let differences = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
-        let worst = differences.fold(0.0, f64::max);
-        assert!(worst < 1e-9, "{sums}: {worst}");
-    }
 }
 
 #[test]

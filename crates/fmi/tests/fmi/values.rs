@@ -11,19 +11,13 @@ fn every_type_is_written_and_read_back() {
     for version in BOTH {
         let importer = Importer::new(version);
         assert_eq!(importer.set_reals(&[START, INFLOW], &[7.0, 8.0]), Ok);
-        assert_eq!(importer.set_integer(FLOORS, 3), Ok);
-        assert_eq!(importer.set_integer(SHAPE, 2), Ok);
-        assert_eq!(importer.set_boolean(LOCKED, 5), Ok, "all but 0 is true");
+        assert_eq!(importer.set_number(FLOORS, 3), Ok);
+        assert_eq!(importer.set_number(SHAPE, 2), Ok);
+        assert_eq!(importer.set_number(LOCKED, 5), Ok, "all but 0 is true");
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
         importer.assert_reals(&[START, INFLOW, GAIN], &[7.0, 8.0, 1.0]);
-        assert_eq!(
-            [importer.integer(FLOORS), importer.integer(SHAPE)],
-            [Result::Ok(3), Result::Ok(2)]
-        );
-        assert_eq!(
-            [importer.boolean(LOCKED), importer.boolean(FULL)],
-            [Result::Ok(true), Result::Ok(false)]
-        );
+        let numbers = [FLOORS, SHAPE, LOCKED, FULL].map(|of| importer.number(of));
+        assert_eq!(numbers, [3, 2, 1, 0].map(Result::Ok));
         importer.assert_reals(&[], &[]);
     }
 }
@@ -39,8 +33,7 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             (GAIN, 0.5, "gain = 0.5 does not fit"),
         ] {
             let importer = running(version);
-            assert_eq!(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard);
-            importer.assert_logged(why);
+            importer.assert(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard, why);
             let message = importer.record.messages.borrow().last().expect("a message").clone();
             assert_eq!((message.0, &*message.1), (2, "logStatusDiscard"));
             importer.assert_reals(&[BRIM, INFLOW, GAIN], &[1e9, 2.0, 1.0]);
@@ -53,8 +46,7 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             (FLOORS, i32::MIN, "floors = -2147483648 is out of range"),
             (SHAPE, 3, "shape = 3 is out of range: 1 Round, 2 Square"),
         ] {
-            assert_eq!(importer.set_integer(reference, bad), Discard);
-            importer.assert_logged(why);
+            importer.assert(importer.set_number(reference, bad), Discard, why);
         }
     }
 }
@@ -82,16 +74,14 @@ fn a_bad_reference_is_an_error_that_names_it() {
             (OLD, "old (value reference 98) was removed: use start"),
             (FLOORS, "floors (value reference 7) has another type"),
         ] {
-            assert_eq!(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error);
-            importer.assert_logged(why);
+            importer.assert(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error, why);
         }
         assert_eq!(importer.real(INFLOW), 2.0, "all values are set or none");
-        assert_eq!(importer.set_boolean(FULL, 1), Error);
+        assert_eq!(importer.set_number(FULL, 1), Error);
         for found in [
             importer.reals(&[NONE], 1).err(),
             importer.reals(&[FULL], 1).err(),
-            importer.integer(LEVEL).err(),
-            importer.boolean(FLOORS).err(),
+            importer.number(LEVEL).err(),
         ] {
             assert_eq!(found, Some(Error));
         }
