@@ -2,25 +2,20 @@
 
 /// Tangents at the points of a curve with ascending places.
 fn tangents(x: &[f64], y: &[f64]) -> Vec<f64> {
-    let n = x.len();
-    if n < 2 {
-        return vec![0.0; n];
-    }
+    let last = x.len() - 1;
     let step: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let rise: Vec<f64> = (0..n - 1).map(|k| (y[k + 1] - y[k]) / step[k]).collect();
-    if n == 2 {
-        return vec![rise[0]; 2];
-    }
-    let mut found = vec![0.0; n];
-    for k in 1..n - 1 {
-        if rise[k - 1] * rise[k] > 0.0 {
+    let rise: Vec<f64> = (0..last).map(|k| (y[k + 1] - y[k]) / step[k]).collect();
+    let at = |k: usize| match k {
+        _ if last < 2 => rise.first().copied().unwrap_or_default(),
+        0 => end_tangent([step[0], step[1]], [rise[0], rise[1]]),
+        _ if k == last => end_tangent([step[k - 1], step[k - 2]], [rise[k - 1], rise[k - 2]]),
+        _ if rise[k - 1] * rise[k] <= 0.0 => 0.0,
+        _ => {
             let (before, after) = (2.0 * step[k] + step[k - 1], step[k] + 2.0 * step[k - 1]);
-            found[k] = (before + after) / (before / rise[k - 1] + after / rise[k]);
+            (before + after) / (before / rise[k - 1] + after / rise[k])
         }
-    }
-    found[0] = end_tangent([step[0], step[1]], [rise[0], rise[1]]);
-    found[n - 1] = end_tangent([step[n - 2], step[n - 3]], [rise[n - 2], rise[n - 3]]);
-    found
+    };
+    (0..=last).map(at).collect()
 }
 
 /// The tangent at an end by three points, limited so that the curve stays monotone.
@@ -35,62 +30,70 @@ fn end_tangent(step: [f64; 2], rise: [f64; 2]) -> f64 {
     }
 }
 
-/// Values of the curve through `y` at ascending places `x`, at other ascending places; constant beyond the ends.
-#[must_use]
-pub fn resampled(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
-    let tangent = tangents(x, y);
+/// Values of the curve through `y` at ascending places `x`, at another place; constant beyond the ends.
+fn value(x: &[f64], y: &[f64], tangent: &[f64], at: f64) -> f64 {
     let last = x.len() - 1;
-    let mut k = 0;
-    let value = |&place: &f64| {
-        if place <= x[0] {
-            return y[0];
-        }
-        if place >= x[last] {
-            return y[last];
-        }
-        while k + 2 <= last && place > x[k + 1] {
-            k += 1;
-        }
-        let step = x[k + 1] - x[k];
-        let t = (place - x[k]) / step;
-        let (a, b) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t));
-        y[k] + (y[k + 1] - y[k]) * a + step * b * (tangent[k] * (1.0 - t) - tangent[k + 1] * t)
+    let Some(k) = x.windows(2).position(|pair| (pair[0]..pair[1]).contains(&at)) else {
+        return if at < x[0] { y[0] } else { y[last] };
     };
-    at.iter().map(value).collect()
+    let step = x[k + 1] - x[k];
+    let t = (at - x[k]) / step;
+    let (a, b) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t));
+    y[k] + (y[k + 1] - y[k]) * a + step * b * (tangent[k] * (1.0 - t) - tangent[k + 1] * t)
+}
+
+/// Values at other places of an axis. The values of a place on it are `width` numbers, each with a curve of its own, and places of further
+/// axes before it follow one another.
+#[must_use]
+pub fn resampled(x: &[f64], values: &[f64], width: usize, at: impl Iterator<Item = f64>) -> Vec<f64> {
+    let at: Vec<f64> = at.collect();
+    let mut found = vec![0.0; values.len() / x.len() * at.len()];
+    let blocks = values.chunks(x.len() * width).zip(found.chunks_mut(at.len() * width));
+    for (block, found) in blocks {
+        for column in 0..width {
+            let y: Vec<f64> = block.iter().skip(column).step_by(width).copied().collect();
+            let tangent = tangents(x, &y);
+            for (found, at) in found.iter_mut().skip(column).step_by(width).zip(&at) {
+                *found = value(x, &y, &tangent, *at);
+            }
+        }
+    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::resampled;
 
+    fn curve(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
+        resampled(x, y, 1, at.iter().copied())
+    }
+
     #[test]
     fn it_passes_through_its_points_and_stays_monotone() {
         let (x, y) = ([0.0, 0.5, 2.0, 2.2, 4.0], [0.0, 0.1, 0.1, 3.0, 3.1]);
-        assert_eq!(resampled(&x, &y, &x), y);
+        assert_eq!(curve(&x, &y, &x), y);
         let at: Vec<f64> = (0..=400).map(|k| 0.01 * f64::from(k)).collect();
-        let found = resampled(&x, &y, &at);
+        let found = curve(&x, &y, &at);
         assert!(found.windows(2).all(|pair| pair[0] <= pair[1] + 1e-15));
         // Between 0.5 and 2 both values are the same.
         assert!((found[120] - 0.1).abs() < 1e-15);
+        assert_eq!(curve(&[1.0], &[7.0], &[0.0, 1.0, 2.0]), [7.0; 3]);
+        assert_eq!(curve(&[0.0, 2.0], &[1.0, 3.0], &[-1.0, 0.5, 9.0]), [1.0, 1.5, 3.0]);
     }
 
+    /// Two curves, of which the second one is twice the first one.
     #[test]
-    fn few_points_and_places_beyond_them() {
-        assert_eq!(resampled(&[1.0], &[7.0], &[0.0, 1.0, 2.0]), [7.0; 3]);
-        assert_eq!(resampled(&[0.0, 2.0], &[1.0, 3.0], &[-1.0, 0.5, 9.0]), [1.0, 1.5, 3.0]);
-    }
-
-    #[test]
-    fn a_smooth_curve_is_met_to_the_square_of_the_spacing() {
+    fn smooth_curves_are_met_to_the_square_of_the_spacing() {
         let x: Vec<f64> = (0..=20).map(|k| 0.05 * f64::from(k)).collect();
-        let y: Vec<f64> = x.iter().map(|x| x.exp()).collect();
-        let at: Vec<f64> = (0..=1000).map(|k| 1e-3 * f64::from(k)).collect();
-        let found = resampled(&x, &y, &at);
-        let worst = at
-            .iter()
-            .zip(&found)
-            .map(|(x, y)| (x.exp() - y).abs())
-            .fold(0.0, f64::max);
-        assert!(worst < 1e-4, "{worst}");
+        let y: Vec<f64> = x.iter().flat_map(|x| [x.exp(), 2.0 * x.exp()]).collect();
+        let at = |k: usize| 1e-3 * k as f64;
+        let found = resampled(&x, &y, 2, (0..=1000).map(at));
+        for (k, pair) in found.chunks(2).enumerate() {
+            assert!(
+                (at(k).exp() - pair[0]).abs() < 1e-4 && (pair[1] - 2.0 * pair[0]).abs() < 1e-15,
+                "{k}"
+            );
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use pushbelt::variator::settings::{ParameterRows, Parameters, RowValue};
+use pushbelt::variator::settings::{Parameters, parameters};
+use pushbelt_fmi::table::Value as Setting;
 use pushbelt_fmi::{hash, resources};
 use serde_json::Value;
 
@@ -24,16 +25,10 @@ const MOST_VALUES: f64 = (1_u32 << 24) as f64;
 const LEAST_STEP: f64 = 1e-6;
 
 /// Parameters of the variator whose maps these are.
-const PARAMETERS: [&str; 6] = [
-    "geometry.centerDistance",
-    "geometry.beltLength",
-    "geometry.wedgeAngle",
-    "belt.pitchOffset",
-    "friction.fall",
-    "friction.fallSpeed",
-];
+const PARAMETERS: &str = "geometry.centerDistance geometry.beltLength geometry.wedgeAngle belt.pitchOffset \
+                          friction.fall friction.fallSpeed";
 
-/// Least and greatest value of an axis, table or parameter.
+/// Least and greatest value of an axis or table.
 type Range = [f64; 2];
 
 /// Thrust ratios.
@@ -66,108 +61,78 @@ impl Tables {
         if document["format"] != FORMAT || document["version"] != VERSION {
             return Err(format!("it is not of the format {FORMAT:?} in version {VERSION}"));
         }
-        File::new(&document)?.tables(hash::of_bytes(bytes))
-    }
-}
-
-/// The document of a file, with its lines along the ratio and their refinement.
-struct File<'a> {
-    document: &'a Value,
-    forces: Vec<f64>,
-    speeds: Vec<f64>,
-    logs: Vec<f64>,
-    ratios: Even,
-}
-
-impl<'a> File<'a> {
-    fn new(document: &'a Value) -> Result<Self, String> {
-        let [forces, speeds, ratios] = [
-            axis(document, "force", [1e-3, 1e7])?,
-            axis(document, "speed", [1e-3, 1e5])?,
-            axis(document, "ratio", [0.01, 100.0])?,
-        ];
-        let logs: Vec<f64> = ratios.iter().map(|ratio| ratio.ln()).collect();
-        Ok(Self {
-            document,
-            forces,
-            speeds,
-            ratios: Even::between(logs[0], logs[logs.len() - 1], RATIOS),
-            logs,
-        })
-    }
-
-    fn tables(self, hash: u128) -> Result<Tables, String> {
-        let axis = |name: &str, range: Range| axis(self.document, name, range);
-        let (utilisation, share) = (axis("utilisation", UTILISATION)?, axis("slipShare", [-1.0, 1.0])?);
-        let (shift_utilisations, excess) = (axis("shiftUtilisation", UTILISATION)?, axis("excess", [-100.0, 100.0])?);
+        let axis = |name: &str, range: Range| axis(&document, name, range);
+        let (forces, speeds) = (axis("force", [1e-3, 1e7])?, axis("speed", [1e-3, 1e5])?);
+        let (ratios, utilisation) = (axis("ratio", [0.01, 100.0])?, axis("utilisation", UTILISATION)?);
+        let (share, excess) = (axis("slipShare", [-1.0, 1.0])?, axis("excess", [-100.0, 100.0])?);
+        let shift_utilisations = axis("shiftUtilisation", UTILISATION)?;
         if axis("direction", [-1.0, 1.0])? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0 {
             return Err("it is damaged: the axes direction and slipShare must end with -1 and 1".to_owned());
         }
+        let file = File {
+            document: &document,
+            lines: forces.len() * speeds.len(),
+            ratios: ratios.iter().map(|ratio| ratio.ln()).collect(),
+        };
         let count = shift_utilisations.len();
-        self.check_size(count, [utilisation.len(), share.len(), count * excess.len()])?;
-        let of_belt = |name: &str, range: Range| {
-            let values = self.numbers(name, utilisation.len(), range)?;
-            Ok::<_, String>(self.refined(&values, &utilisation, UTILISATIONS))
+        file.check_size([&utilisation, &share, &excess].map(Vec::len), count)?;
+        let of_belt = |name, range| {
+            Ok::<_, String>(file.refined(
+                &file.numbers(name, utilisation.len(), range)?,
+                &utilisation,
+                UTILISATIONS,
+            ))
         };
         let ((along, thrust_ratio), (_, torque_loss), (_, bearing_load)) = (
             of_belt("thrustRatio", THRUST_RATIO)?,
             of_belt("beltTorqueLoss", [-1e4, 1e4])?,
             of_belt("bearingLoad", [0.0, 1e7])?,
         );
-        let rates = self.rising("shiftRate", [count, excess.len()], [-1e3, 1e3])?;
+        let rates = file.rising("shiftRate", [count, excess.len()], [-1e3, 1e3])?;
         let shift_rates = (0..count).map(|k| {
             let rows = rates.chunks(excess.len()).skip(k).step_by(count);
-            self.risen(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES)
+            file.risen(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES)
         });
-        let traction = self.rising("traction", [1, share.len()], UTILISATION)?;
-        let (capacity, slip) = (
-            self.pairs("capacity", CAPACITY)?,
-            self.pairs("capacitySlip", CAPACITY_SLIP)?,
-        );
-        let limits = capacity.chunks(2).zip(slip.chunks(2));
-        Ok(Tables {
-            parameters: self.parameters()?,
-            hash,
+        let traction = file.rising("traction", [1, share.len()], UTILISATION)?;
+        let [[back, ahead], [back_slip, ahead_slip]] = [
+            file.pair("capacity", CAPACITY)?,
+            file.pair("capacitySlip", CAPACITY_SLIP)?,
+        ];
+        Ok(Self {
+            parameters: parameters_of(&document)?,
+            hash: hash::of_bytes(bytes),
             belt: Sheet::of(along, [thrust_ratio, torque_loss, bearing_load]),
-            traction: self.risen(&traction, &share, SHARES),
+            traction: file.risen(&traction, &share, SHARES),
             shift_rates: shift_rates.collect(),
-            limits: limits.map(|(of, at)| [of[0], of[1], at[0], at[1]]).collect(),
-            speeds: self.speeds.iter().map(|speed| speed * speed).collect(),
-            forces: self.forces,
-            ratios: self.ratios,
+            limits: Sheet::of(Even::between(0.0, 0.0, 1), [back, ahead, back_slip, ahead_slip]),
+            forces,
+            speeds: speeds.iter().map(|speed| speed * speed).collect(),
+            ratios: file.even_ratios(),
             shift_utilisations,
         })
     }
+}
 
-    fn parameters(&self) -> Result<Parameters, String> {
-        let mut parameters = Parameters::default();
-        for name in PARAMETERS {
-            let row = ParameterRows::<Parameters>::WHOLE.iter().find(|row| row.name == name);
-            let Some(RowValue::Real(_, _, range, field)) = row.map(|row| &row.value) else {
-                continue;
-            };
-            let found = self.document["parameters"][name].as_f64();
-            let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
-            within(&format!("the parameter {name}"), &[found], *range)?;
-            (field.set)(&mut parameters, found);
-        }
-        parameters.validate_belt().map_err(|error| error.to_string())?;
-        Ok(parameters)
-    }
+/// The document of a file, its number of pairs of force and speed, and its ln i.
+struct File<'a> {
+    document: &'a Value,
+    lines: usize,
+    ratios: Vec<f64>,
+}
 
-    /// Number of pairs of force and speed.
-    fn lines(&self) -> usize {
-        self.forces.len() * self.speeds.len()
+impl File<'_> {
+    fn even_ratios(&self) -> Even {
+        Even::between(self.ratios[0], self.ratios[self.ratios.len() - 1], RATIOS)
     }
 
     /// The numbers of a table, so many for each force, speed and ratio.
     fn numbers(&self, name: &str, width: usize, range: Range) -> Result<Vec<f64>, String> {
-        let count = self.lines() * self.logs.len() * width;
+        let count = self.lines * self.ratios.len() * width;
         let values = flat(&self.document["tables"][name]["values"]);
         if values.len() != count {
+            let found = values.len();
             return Err(format!(
-                "it is damaged: the table {name} has {} numbers instead of {count}",
-                values.len()
+                "it is damaged: the table {name} has {found} numbers instead of {count}"
             ));
         }
         within(&format!("the table {name}"), &values, range)?;
@@ -177,31 +142,29 @@ impl<'a> File<'a> {
     /// The numbers of a table that does not fall along its last axis.
     fn rising(&self, name: &str, [rows, width]: [usize; 2], range: Range) -> Result<Vec<f64>, String> {
         let values = self.numbers(name, rows * width, range)?;
-        let mut rows = values.chunks(width);
-        if rows.all(|row| row.windows(2).all(|pair| pair[0] <= pair[1])) {
+        if values.chunks(width).all(|row| row.is_sorted()) {
             return Ok(values);
         }
         Err(format!("it is damaged: the table {name} falls along its last axis"))
     }
 
-    /// A table with a value for each direction, whose sign is that of the direction; refined along the ratio.
-    fn pairs(&self, name: &str, [least, most]: Range) -> Result<Vec<f64>, String> {
+    /// The values for both directions, whose signs are those of the direction; refined along the ratio.
+    fn pair(&self, name: &str, [least, most]: Range) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
-        for (at, direction, range) in [(0, -1, [-most, -least]), (1, 1, [least, most])] {
+        let of = |at: usize, direction: i32, range: Range| {
             let values: Vec<f64> = values.iter().skip(at).step_by(2).copied().collect();
             within(&format!("the table {name} in direction {direction}"), &values, range)?;
-        }
-        Ok(self.along_ratio(&values, 2))
+            Ok::<_, String>(self.along_ratio(&values, 1))
+        };
+        Ok([of(0, -1, [-most, -least])?, of(1, 1, [least, most])?])
     }
 
-    /// Checks the numbers of values before memory is taken: after the refinement with so many tables of shift rates, and in the file, where
-    /// the last axes have these lengths.
-    fn check_size(&self, shift_rates: usize, widths: [usize; 3]) -> Result<(), String> {
-        let lines = self.lines() as f64;
-        let row = 3 * UTILISATIONS + SHARES + 4;
-        let refined = lines * self.ratios.count as f64 * (row as f64 + EXCESSES as f64 * shift_rates as f64);
-        let given = widths.map(|width| lines * self.logs.len() as f64 * width as f64);
-        let most = given.into_iter().fold(refined, f64::max);
+    /// Checks the number of values before memory is taken, from the lengths of the last axes and the number of tables of shift rates.
+    fn check_size(&self, widths: [usize; 3], shift_rates: usize) -> Result<(), String> {
+        let [belt, traction, rates] = [UTILISATIONS, SHARES, EXCESSES].map(|count| count as f64);
+        let [wide, share, excess] = widths.map(|width| width as f64);
+        let row = 3.0 * belt.max(wide) + traction.max(share) + shift_rates as f64 * rates.max(excess) + 4.0;
+        let most = self.lines as f64 * self.ratios.len().max(RATIOS) as f64 * row;
         if most <= MOST_VALUES {
             // Twice, for values that are refined in one direction only.
             let probe = Vec::<[f64; 2]>::new().try_reserve_exact(most as usize);
@@ -216,10 +179,10 @@ impl<'a> File<'a> {
     /// The refined last axis, and the values refined along it and along the ratio.
     fn refined(&self, values: &[f64], along: &[f64], count: usize) -> (Even, Vec<f64>) {
         let even = Even::between(along[0], along[along.len() - 1], count);
-        let places = even.places();
-        let rows = values.chunks(along.len());
-        let fine: Vec<f64> = rows.flat_map(|row| resampled(along, row, &places)).collect();
-        (even, self.along_ratio(&fine, even.count))
+        (
+            even,
+            self.along_ratio(&resampled(along, values, 1, even.places()), even.count),
+        )
     }
 
     /// A table that rises along its last axis, refined: the refinement along the ratio leaves its rows only nearly rising.
@@ -235,19 +198,24 @@ impl<'a> File<'a> {
 
     /// Refines along the ratio; rows have `width` values.
     fn along_ratio(&self, values: &[f64], width: usize) -> Vec<f64> {
-        let places = self.ratios.places();
-        let mut found = Vec::with_capacity(self.lines() * places.len() * width);
-        for block in values.chunks(self.logs.len() * width) {
-            let columns: Vec<_> = (0..width)
-                .map(|column| {
-                    let curve: Vec<f64> = block.iter().skip(column).step_by(width).copied().collect();
-                    resampled(&self.logs, &curve, &places)
-                })
-                .collect();
-            found.extend((0..places.len()).flat_map(|r| columns.iter().map(move |column| column[r])));
-        }
-        found
+        resampled(&self.ratios, values, width, self.even_ratios().places())
     }
+}
+
+/// The parameters of the file, and the start values otherwise.
+fn parameters_of(document: &Value) -> Result<Parameters, String> {
+    let mut of = Parameters::default();
+    for parameter in parameters::<Parameters, ()>() {
+        let variable = parameter.variable();
+        let name = &variable.name;
+        if PARAMETERS.split(' ').any(|one| one == name) {
+            let found = document["parameters"][name].as_f64();
+            let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
+            variable.set(&mut of, Setting::Real(found))?;
+        }
+    }
+    of.validate_belt().map_err(|error| error.to_string())?;
+    Ok(of)
 }
 
 /// The places of an axis.
@@ -274,12 +242,11 @@ fn flat(value: &Value) -> Vec<f64> {
 
 /// Checks that values are numbers in a range.
 fn within(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String> {
-    match values.iter().position(|value| !(least..=most).contains(value)) {
-        None => Ok(()),
-        Some(at) => Err(format!(
-            "{name} has the value {:?} in place {}, which is out of range: {least} to {most}",
-            values[at],
-            at + 1
-        )),
-    }
+    let Some(at) = values.iter().position(|value| !(least..=most).contains(value)) else {
+        return Ok(());
+    };
+    let (value, place) = (values[at], at + 1);
+    Err(format!(
+        "{name} has the value {value:?} in place {place}, which is out of range: {least} to {most}"
+    ))
 }

@@ -15,12 +15,16 @@
 //! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
 //! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::reference_curve::TwoPulley;
-use pushbelt::shaft::SPEED_SMOOTHING;
-use pushbelt::variator::settings::{Friction, Inputs, Parameters, bisected};
+use pushbelt::shaft::{Drag, SPEED_SMOOTHING};
+use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, bisected};
 
-use crate::tables::{Even, Place, Tables, Traction};
+use crate::settings::Settings;
+use crate::tables::{Even, Place, Tables};
 use crate::tuning::{BEYOND_STOPS, LEAST_FORCE, RADII, SLIP_SPEED};
 
 /// Radii over the ratio, between the end stops.
@@ -38,37 +42,34 @@ pub struct Radii {
 }
 
 impl Radii {
-    /// The radii of a variator with these settings.
+    /// The radii of a variator with these parameters.
     ///
     /// # Errors
     /// The radii at the end stops allow no range of ratios.
     pub fn new(parameters: &Parameters) -> Result<Self, String> {
         let (least, most) = parameters.ratio_range();
-        if least >= most {
-            return Err("the radii at the end stops leave no range of ratios".to_owned());
-        }
         // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
         // pulleys too.
-        let stop = |reference: f64| {
-            let radii = parameters.pitch_radii(reference);
-            let log_ratio = radii.map(|(primary, secondary)| (secondary / primary).ln());
-            log_ratio.ok_or_else(|| format!("no belt fits at the ratio {reference:.3}"))
+        let stop = |reference| {
+            parameters
+                .pitch_radii(reference)
+                .map(|(primary, secondary)| (secondary / primary).ln())
         };
-        let stops = [stop(least)?, stop(most)?];
+        let (true, Some(least), Some(most)) = (least < most, stop(least), stop(most)) else {
+            return Err("the radii at the end stops leave no range of ratios".to_owned());
+        };
         let geometry = &parameters.geometry;
-        let length = geometry.belt_length - std::f64::consts::TAU * parameters.belt.pitch_offset;
+        let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
         let curve = TwoPulley::new(geometry.center_distance, length);
-        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
-            Ok((primary, _)) => Ok(primary),
-            Err(error) => Err(error.to_string()),
-        };
-        let places = Even::between(stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS, RADII);
+        let radius = |log_ratio: f64| curve.radii(log_ratio.exp()).map(|(primary, _)| primary);
+        let places = Even::between(least - BEYOND_STOPS, most + BEYOND_STOPS, RADII);
+        let primary = places.places().map(radius).collect::<Result<_, _>>();
         Ok(Self {
-            primary: places.places().into_iter().map(radius).collect::<Result<_, _>>()?,
             places,
-            at_one: radius(0.0)?,
+            primary: primary.map_err(|error| error.to_string())?,
+            at_one: radius(0.0).map_err(|error| error.to_string())?,
             way: 2.0 * geometry.wedge_angle.tan(),
-            stops,
+            stops: [least, most],
         })
     }
 
@@ -95,16 +96,33 @@ pub struct State {
     pub log_ratio: f64,
 }
 
-/// What is constant over the solution of a stage.
-pub struct Law<'a> {
-    /// The tables.
-    pub tables: &'a Tables,
-    /// Radii over the ratio.
-    pub radii: &'a Radii,
-    /// Parameters.
-    pub parameters: &'a Parameters,
-    /// With a held secondary sheave: the thrust ratio from which it gets its force.
-    pub held_thrust_ratio: Option<f64>,
+/// What acts on a variator.
+#[derive(Clone, Copy, Debug)]
+pub struct Acting {
+    /// Inputs.
+    pub inputs: Inputs,
+    /// Thrust ratio from which a held secondary sheave gets its force.
+    pub thrust_ratio: f64,
+}
+
+/// Utilisation at a sliding speed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Traction {
+    /// Utilisation u.
+    pub value: f64,
+    /// ∂u/∂v, s/m.
+    pub slope: f64,
+    /// Whether the slip is beyond that at capacity: the belt slips through.
+    pub macro_slip: bool,
+}
+
+impl Traction {
+    /// Adds the traction of a direction of running with its share.
+    fn add(&mut self, (sign, share): (f64, f64), one: Self) {
+        self.value += sign * share * one.value;
+        self.slope += share * one.slope;
+        self.macro_slip |= one.macro_slip && share >= 0.5;
+    }
 }
 
 /// What the tables give at a sliding speed.
@@ -146,8 +164,8 @@ pub struct Frame {
     pub speed: f64,
     /// Share of forward running: 1, or 0 for reverse running, and between them near standstill.
     forward: f64,
-    capacity: [f64; 2],
-    capacity_slip: [f64; 2],
+    /// Utilisations and slips at capacity.
+    limits: [f64; 4],
 }
 
 impl Frame {
@@ -157,41 +175,54 @@ impl Frame {
         self.radius * (speeds.primary - self.ratio * speeds.secondary)
     }
 
-    /// Signs of the directions of running with their shares, the larger one first. Reverse running is forward running at −v.
+    /// Signs of the directions of running with their shares. Reverse running is forward running at −v.
     #[inline(always)]
     fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
-        let (sign, share) = if self.forward >= 0.5 {
-            (1.0, self.forward)
-        } else {
-            (-1.0, 1.0 - self.forward)
-        };
-        let both = [(sign, share), (-sign, 1.0 - share)];
+        let both = [(1.0, self.forward), (-1.0, 1.0 - self.forward)];
         both.into_iter().filter(|(_, share)| *share > 0.0)
     }
 }
 
-impl Law<'_> {
-    /// The frame of a state under inputs.
+/// The laws of a variator: tables, radii and parameters.
+#[derive(Clone, Debug)]
+pub struct Law {
+    pub(crate) tables: Arc<Tables>,
+    pub(crate) radii: Arc<Radii>,
+    /// Parameters.
+    pub parameters: Parameters,
+}
+
+impl Law {
+    /// The laws of these settings.
+    ///
+    /// # Errors
+    /// There are no tables, or no range of ratios.
+    pub fn new(settings: &Settings) -> Result<Self, String> {
+        Ok(Self {
+            tables: settings.own.clone().ok_or("the unit has no tables")?,
+            radii: Arc::new(Radii::new(&settings.parameters)?),
+            parameters: settings.parameters.clone(),
+        })
+    }
+
+    /// The frame of a state.
     #[must_use]
-    pub fn frame(&self, state: &State, inputs: &Inputs) -> Frame {
+    pub fn frame(&self, state: &State, acting: &Acting) -> Frame {
         let radii = self.radii.at(state.log_ratio);
         let (radius, _) = radii.primary;
-        let closing = PerPulley::from_fn(|j| {
-            let cylinder = &self.parameters.pulley(j).cylinder;
-            let position = self.radii.way * (radii[j].0 - self.radii.at_one);
-            inputs.pulley(j).force(cylinder) + cylinder.push(position, state.speeds[j])
-        });
-        let force = self
-            .held_thrust_ratio
-            .map_or(closing.secondary, |ratio| closing.primary / ratio);
+        let positions = radii.map(|(radius, _)| self.radii.way * (radius - self.radii.at_one));
+        let Parameters { friction, geometry, .. } = &self.parameters;
+        let closing = self.parameters.closing(&acting.inputs, positions, state.speeds);
+        let force = match self.parameters.secondary.axial {
+            Axial::Held => closing.primary / acting.thrust_ratio,
+            Axial::Force => closing.secondary,
+        };
         let primary = state.speeds.primary;
         let place = self.tables.place(force.max(0.0), primary.abs(), state.log_ratio);
-        let [back, ahead, back_slip, ahead_slip] = self.tables.limits(&place);
         let around = radius * primary;
         let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
         // Slightly steeper than b, so that only one direction is evaluated at running speeds.
         let direction = (1.001 * around / speed).clamp(-1.0, 1.0);
-        let Parameters { friction, geometry, .. } = self.parameters;
         Frame {
             place,
             primary,
@@ -203,8 +234,7 @@ impl Law<'_> {
             torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
             speed,
             forward: 0.5 * (1.0 + direction),
-            capacity: [back, ahead],
-            capacity_slip: [back_slip, ahead_slip],
+            limits: self.tables.limits(&place),
         }
     }
 
@@ -212,7 +242,7 @@ impl Law<'_> {
     #[inline(always)]
     fn one_way(&self, frame: &Frame, sliding: f64) -> Traction {
         let driving = usize::from(sliding >= 0.0);
-        let limit = frame.capacity_slip[driving].abs() * frame.speed;
+        let (capacity, limit) = (frame.limits[driving], frame.limits[2 + driving].abs() * frame.speed);
         let share = sliding / limit;
         if share.abs() <= 1.0 {
             let ([value], [slope]) = self.tables.traction.at(&frame.place, share);
@@ -224,7 +254,6 @@ impl Law<'_> {
         }
         let Friction { fall, fall_speed, .. } = self.parameters.friction;
         let decay = (-(sliding.abs() - limit) / fall_speed).exp();
-        let capacity = frame.capacity[driving];
         Traction {
             value: capacity * (1.0 - fall * (1.0 - decay)),
             slope: -capacity * fall * decay / fall_speed * sliding.signum(),
@@ -237,7 +266,7 @@ impl Law<'_> {
     pub fn traction(&self, frame: &Frame, sliding: f64) -> Traction {
         let mut mean = Traction::default();
         for (sign, share) in frame.directions() {
-            mean.add(sign, share, self.one_way(frame, sign * sliding));
+            mean.add((sign, share), self.one_way(frame, sign * sliding));
         }
         mean
     }
@@ -251,7 +280,7 @@ impl Law<'_> {
             let traction = self.one_way(frame, sign * sliding);
             let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =
                 self.tables.belt.at(&frame.place, traction.value);
-            mean.traction.add(sign, share, traction);
+            mean.traction.add((sign, share), traction);
             mean.forward += share * traction.value;
             mean.thrust_ratio += share * thrust_ratio;
             mean.thrust_slope += share * sign * thrust_slope;
@@ -259,6 +288,12 @@ impl Law<'_> {
             mean.bearing_load += share * bearing_load;
         }
         mean
+    }
+
+    /// Drag of the shafts.
+    #[must_use]
+    pub fn drags(&self, speeds: PerPulley<f64>, point: &Point) -> PerPulley<Drag> {
+        PerPulley::from_fn(|j| self.parameters.pulley(j).drag.at(speeds[j], [point.bearing_load, 0.0]))
     }
 
     /// Friction of the seals of both cylinders along the speeds of the sheaves, m/s; N.
@@ -274,24 +309,19 @@ impl Law<'_> {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
         }
-        let under = |closing: PerPulley<f64>| {
-            let holding = point.thrust_ratio * closing.secondary;
-            let excess = (closing.primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
+        let under = |rubbing: PerPulley<f64>| {
+            let [secondary, primary] = Pulley::BOTH.map(|j| frame.closing[j] - rubbing[j]);
+            let holding = point.thrust_ratio * secondary;
+            let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&frame.place, point.forward, excess);
             let by_utilisation = gain * point.thrust_slope / point.thrust_ratio;
             (-frame.primary.abs() * rate, frame.primary.abs() * by_utilisation)
         };
-        let free = under(frame.closing);
-        if Pulley::BOTH
-            .iter()
-            .all(|j| self.parameters.pulley(*j).cylinder.seal == 0.0)
-        {
+        let free = under(PerPulley::default());
+        if Pulley::BOTH.map(|j| self.parameters.pulley(j).cylinder.seal) == [0.0; 2] {
             return free;
         }
-        let under = |rate: f64| {
-            let rubbing = self.rubbing(frame.ways.map(|way| way * rate));
-            under(PerPulley::from_fn(|j| frame.closing[j] - rubbing[j]))
-        };
+        let under = |rate: f64| under(self.rubbing(frame.ways.map(|way| way * rate)));
         // The friction falls with the rate that it causes: one root, between no motion and that without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
         let near = 1e-2 * self.parameters.friction.velocity / frame.ways.secondary.abs();

@@ -3,31 +3,24 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`cubic`] | monotone cubic interpolation, to refine a table |
+//! | `cubic` | monotone cubic interpolation, to refine a table |
 //! | [`mod@file`] | the file of the tables: read from JSON, checked, refined |
 //! | [`tables`] | the tables, evaluated |
 //! | [`settings`] | what it has of the detailed unit's variables |
-//! | [`law`] | torques, losses and shift rate of a state |
-//! | [`stage`] | one implicit stage |
+//! | [`law`], `stage` | torques, losses and shift rate of a state; one implicit stage |
+//! | `start`, [`mod@unit`] | the state at the start; the FMU: steps, outputs, stored states |
 //! | `tuning` | numbers of steps, iterations and places |
-//! | [`mod@unit`] | the FMU: start, steps, outputs, stored states |
 #![warn(missing_docs)]
+#![deny(unsafe_code)]
 
-#[forbid(unsafe_code)]
-pub mod cubic;
-#[forbid(unsafe_code)]
+mod cubic;
 pub mod file;
-#[forbid(unsafe_code)]
 pub mod law;
-#[forbid(unsafe_code)]
 pub mod settings;
-#[forbid(unsafe_code)]
-pub mod stage;
-#[forbid(unsafe_code)]
+mod stage;
+mod start;
 pub mod tables;
-#[forbid(unsafe_code)]
 mod tuning;
-#[forbid(unsafe_code)]
 pub mod unit;
 
 pushbelt_fmi::export!(crate::unit::MapUnit);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::unit::Rows;
+use pushbelt::unit::shared_variables;
 use pushbelt::variator::settings::{Axial, Drive, Outputs};
 use pushbelt_fmi::si;
 use pushbelt_fmi::table::{Access, Causality, Kind, Table, Variable};
@@ -28,96 +28,45 @@ impl AsRef<Outputs> for Readings {
 }
 
 /// Variables of the whole variator.
-const WHOLE: &[&str] = &[
-    "thrustRatio",
-    "belt.speed",
-    "ratio.speed",
-    "ratio.geometric",
-    "slip",
-    "efficiency",
-    "efficiency.belt",
-    "torqueUtilisation",
-    "macroSlip",
-    "loss.total",
-    "loss.shafts",
-    "loss.seals",
-    "stored.energy",
-    "initial.ratio",
-    "initial.primarySpeed",
-    "initial.steady",
-    "initial.equilibrium",
-    "friction.pulley",
-    "inputs.ramp",
-];
+const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip efficiency efficiency.belt torqueUtilisation \
+                     macroSlip loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
+                     initial.steady initial.equilibrium friction.pulley inputs.ramp";
 
 /// Variables that a pulley of the detailed unit has and one of maps has not.
-const NOT_OF_PULLEY: &[&str] = &[
-    "position",
-    "tilt",
-    "idleArc",
-    "sheaveMass",
-    "sheaveDamping",
-    "tiltStiffness",
-    "tiltClearance",
-    "tiltTime",
-];
+const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
 
-/// Descriptions where those of the detailed unit do not hold; `{}` stands for the pulley.
-const TEXTS: &[(&str, &str)] = &[
-    ("{}.radius", "Running radius on the {} pulley: pitch radius of the arc"),
-    (
-        "{}.cylinder.springStiffness",
-        "Stiffness of the spring of the {} sheaves: its force falls with the position",
-    ),
-    (
-        "{}.cylinder.seal",
-        "Friction of the seals of the {} cylinder, against {}.sheaveVelocity",
-    ),
-    (
-        "efficiency",
-        "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",
-    ),
-    (
-        "torqueUtilisation",
-        "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))",
-    ),
-    (
-        "macroSlip",
-        "True if the slip is beyond that at the capacity: the belt slips through",
-    ),
-    ("stored.energy", "Kinetic energy of both shafts"),
-    (
-        "initial.ratio",
-        "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop",
-    ),
-    (
-        "initial.primarySpeed",
-        "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead",
-    ),
-    (
-        "initial.steady",
-        "True: start with the slip of the steady state, unbalanced torque accelerating the inertias. False: start without slip",
-    ),
-    (
-        "friction.pulley",
-        "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)",
-    ),
-];
+/// Description of a variable, of a pulley without its name, where that of the detailed unit does not hold; `{}` stands for the pulley.
+#[rustfmt::skip]
+fn text(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "radius" => "Running radius on the {} pulley: pitch radius of the arc",
+        "cylinder.springStiffness" => "Stiffness of the spring of the {} sheaves: its force falls with the position",
+        "cylinder.seal" => "Friction of the seals of the {} cylinder, against {}.sheaveVelocity",
+        "efficiency" => "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",
+        "torqueUtilisation" => "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))",
+        "macroSlip" => "True if the slip is beyond that at the capacity: the belt slips through",
+        "stored.energy" => "Kinetic energy of both shafts",
+        "initial.ratio" => "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop",
+        "initial.primarySpeed" => "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead",
+        "initial.steady" => "True: start with the slip of the steady state, unbalanced torque accelerating the inertias. False: start without slip",
+        "friction.pulley" => "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)",
+        _ => return None,
+    })
+}
 
 /// The table of variables: rows of the detailed unit, with their names, references, units, ranges and start values.
 pub(crate) fn table() -> Table<Settings, Readings> {
-    let mut variables = Rows::shared().variables;
-    variables.retain(|variable: &Variable<_, _>| match variable.name.split_once('.') {
-        Some(("primary" | "secondary", name)) => !NOT_OF_PULLEY.contains(&name),
-        _ => WHOLE.contains(&&*variable.name),
-    });
-    for pulley in ["primary", "secondary"] {
-        for (name, text) in TEXTS.iter().map(|(name, text)| (name.replace("{}", pulley), text)) {
-            if let Some(variable) = variables.iter_mut().find(|variable| variable.name == name) {
-                variable.description = text.replace("{}", pulley);
-            }
-        }
-    }
+    let has = |names: &str, name: &str| names.split(' ').any(|one| one == name);
+    let of_maps = |mut variable: Variable<_, _>| {
+        let (pulley, name, of_maps) = match variable.name.split_once('.') {
+            Some((pulley @ ("primary" | "secondary"), name)) => (pulley, name, !has(NOT_OF_PULLEY, name)),
+            _ => ("", &*variable.name, has(WHOLE, &variable.name)),
+        };
+        let text = text(name).map(|text| text.replace("{}", pulley));
+        variable.description = text.unwrap_or(variable.description);
+        of_maps.then_some(variable)
+    };
+    let mut variables: Vec<_> = shared_variables().into_iter().filter_map(of_maps).collect();
     variables.push(Variable {
         name: "map.outside".to_owned(),
         reference: 90,

@@ -7,7 +7,7 @@
 
 use pushbelt::variator::settings::Parameters;
 
-/// Even places on an axis.
+/// Even places on an axis; one if it has no length.
 #[derive(Clone, Copy, Debug)]
 pub struct Even {
     first: f64,
@@ -22,19 +22,14 @@ impl Even {
         Self {
             first,
             last,
-            per_step: if count > 1 {
-                (count - 1) as f64 / (last - first)
-            } else {
-                0.0
-            },
+            per_step: (count - 1) as f64 / (last - first).max(f64::MIN_POSITIVE),
             count,
         }
     }
 
-    pub(crate) fn places(&self) -> Vec<f64> {
-        let inner = (1..self.count.saturating_sub(1)).map(|k| self.first + k as f64 / self.per_step);
-        let last = (self.count > 1).then_some(self.last);
-        [self.first].into_iter().chain(inner).chain(last).collect()
+    pub(crate) fn places(self) -> impl Iterator<Item = f64> {
+        let share = move |k| k as f64 / (self.count - 1).max(1) as f64;
+        (0..self.count).map(move |k| self.first + share(k) * (self.last - self.first))
     }
 
     /// Index of the interval of a place and the share of it below the place; within the axis.
@@ -63,8 +58,8 @@ pub(crate) struct Sheet<const N: usize> {
 
 impl<const N: usize> Sheet<N> {
     pub(crate) fn of(axis: Even, tables: [Vec<f64>; N]) -> Self {
-        let count = tables[0].len();
-        let values = (0..count).map(|k| std::array::from_fn(|n| tables[n][k])).collect();
+        let places = 0..tables[0].len();
+        let values = places.map(|k| std::array::from_fn(|n| tables[n][k])).collect();
         Self { axis, values }
     }
 
@@ -87,26 +82,6 @@ impl<const N: usize> Sheet<N> {
     }
 }
 
-/// Utilisation at a sliding speed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Traction {
-    /// Utilisation u.
-    pub value: f64,
-    /// ∂u/∂v, s/m.
-    pub slope: f64,
-    /// Whether the slip is beyond that at capacity: the belt slips through.
-    pub macro_slip: bool,
-}
-
-impl Traction {
-    /// Adds the traction of a direction of running with its share.
-    pub(crate) fn add(&mut self, sign: f64, share: f64, one: Self) {
-        self.value += sign * share * one.value;
-        self.slope += share * one.slope;
-        self.macro_slip |= one.macro_slip && share >= 0.5;
-    }
-}
-
 /// All tables of a variator.
 #[derive(Clone, Debug)]
 pub struct Tables {
@@ -124,49 +99,42 @@ pub struct Tables {
     pub(crate) traction: Sheet<1>,
     /// Shift rates at each utilisation.
     pub(crate) shift_rates: Vec<Sheet<1>>,
-    /// Utilisations and slips at capacity; of each, where the secondary and where the primary pulley drives.
-    pub(crate) limits: Vec<[f64; 4]>,
+    /// Utilisations and slips at capacity, without another axis.
+    pub(crate) limits: Sheet<4>,
 }
 
 impl Tables {
     /// Where a force (N), a speed (rad/s) and ln i are among the lines.
     #[must_use]
     pub fn place(&self, force: f64, speed: f64, log_ratio: f64) -> Place {
-        let (f, a) = interval(&self.forces, force);
-        let (s, b) = interval(&self.speeds, speed * speed);
-        let (r, c) = self.ratios.find(log_ratio);
-        let count = self.ratios.count;
-        let next = usize::from(count > 1);
-        let mut lines = [(0, 0.0); 8];
-        let mut at = 0;
-        for (f, a) in [(f, 1.0 - a), ((f + 1).min(self.forces.len() - 1), a)] {
-            for (s, b) in [(s, 1.0 - b), ((s + 1).min(self.speeds.len() - 1), b)] {
-                let first = (f * self.speeds.len() + s) * count + r;
-                lines[at] = (first, a * b * (1.0 - c));
-                lines[at + 1] = (first + next, a * b * c);
-                at += 2;
+        let square = speed * speed;
+        let counts = [self.forces.len(), self.speeds.len(), self.ratios.count];
+        let found = [
+            interval(&self.forces, force),
+            interval(&self.speeds, square),
+            self.ratios.find(log_ratio),
+        ];
+        let lines = std::array::from_fn(|corner| {
+            let (mut line, mut weight) = (0, 1.0);
+            for (n, (k, share)) in found.into_iter().enumerate() {
+                let is_next = corner >> (2 - n) & 1 == 1;
+                line = line * counts[n] + if is_next { (k + 1).min(counts[n] - 1) } else { k };
+                weight *= if is_next { share } else { 1.0 - share };
             }
-        }
+            (line, weight)
+        });
         let beyond = |axis: &[f64], value: f64| axis.last().is_some_and(|last| value > *last);
         // Rounding of a ratio at the border is no reason for a remark.
         let slack = 1e-9;
-        let outside = beyond(&self.forces, force)
-            || beyond(&self.speeds, speed * speed)
-            || log_ratio < self.ratios.first - slack
-            || log_ratio > self.ratios.last + slack;
+        let ratios = self.ratios.first - slack..=self.ratios.last + slack;
+        let outside = beyond(&self.forces, force) || beyond(&self.speeds, square) || !ratios.contains(&log_ratio);
         Place { lines, outside }
     }
 
     /// Utilisations and slips at capacity: of each, where the secondary and where the primary pulley drives.
     #[must_use]
     pub fn limits(&self, place: &Place) -> [f64; 4] {
-        let mut mean = [0.0; 4];
-        for (line, weight) in place.lines {
-            for (mean, value) in mean.iter_mut().zip(self.limits[line]) {
-                *mean += weight * value;
-            }
-        }
-        mean
+        self.limits.at(place, 0.0).0
     }
 
     /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.
@@ -195,14 +163,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals() {
-        assert_eq!(interval(&[1.0, 2.0, 4.0], 3.0), (1, 0.5));
-        assert_eq!(interval(&[1.0, 2.0, 4.0], 0.0), (0, 0.0));
-        assert_eq!(interval(&[1.0, 2.0, 4.0], 9.0), (1, 1.0));
+    fn places_are_found_on_long_and_short_axes() {
+        for (at, found) in [(3.0, (1, 0.5)), (0.0, (0, 0.0)), (9.0, (1, 1.0))] {
+            assert_eq!(interval(&[1.0, 2.0, 4.0], at), found);
+        }
         assert_eq!(interval(&[1.0], 9.0), (0, 0.0));
         let even = Even::between(-1.0, 1.0, 5);
-        assert_eq!(even.find(0.25), (2, 0.5));
-        assert_eq!(even.find(7.0), (3, 1.0));
+        assert_eq!([even.find(0.25), even.find(7.0)], [(2, 0.5), (3, 1.0)]);
         assert_eq!(Even::between(2.0, 2.0, 5).find(7.0), (0, 0.0));
     }
 }

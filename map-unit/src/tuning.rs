@@ -18,7 +18,7 @@ pub const LEAST_FORCE: f64 = 1.0;
 
 /// Largest number of iterations of a stage, and within each of those for its sliding speed. Half: 7e-6; double: nothing.
 pub const ITERATIONS: usize = 80;
-/// Relative tolerance of speeds, and tolerance of ln i. Half or double: 4e-6 in a launch, else 4e-7.
+/// Relative tolerance of speeds, and tolerance of ln i and of the utilisation at the start. Half or double: 4e-6 in a launch, else 4e-7.
 pub const TOLERANCE: f64 = 1e-9;
 /// Bound of the coupling of the ratio, as a share of the coupling by the torque. Half or double: nothing.
 pub const LEAST_SHARE: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! The unit of the FMU: start, steps, outputs, stored states.
+//! The unit of the FMU: steps, outputs, stored states.
 //!
 //! Steps are those of an L-stable method of second order (SDIRK2, γ = 1 − 1/√2), at most 10 ms long. Inputs are linear over each step.
 
@@ -9,32 +9,25 @@ use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::unit::VariatorUnit;
 use pushbelt::variator::run::InputProfile;
-use pushbelt::variator::settings::{
-    Axial, BEYOND_STOP, Drive, Inputs, Losses, Outputs, Parameters, PulleyOutputs, SPEED_LAG, bisected,
-};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{Experiment, Identity, Remark, Unit};
 
 use crate::file::THRUST_RATIO;
-use crate::law::{Frame, Law, Point, Radii, State};
+use crate::law::{Acting, Frame, Law, Point, State};
 use crate::settings::{self, Readings, Settings};
-use crate::stage::Stage;
 use crate::tables::Tables;
 use crate::tuning::{LARGEST, LONGEST, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
 pub struct MapUnit {
-    tables: Arc<Tables>,
-    radii: Arc<Radii>,
-    settings: Settings,
-    state: State,
+    pub(crate) law: Law,
+    pub(crate) state: State,
     time: f64,
-    /// The inputs that act at the present time.
-    acting: Inputs,
-    /// Thrust ratio of the last step, from which a held secondary sheave gets its force.
-    thrust_ratio: f64,
+    /// What acts at the present time; the thrust ratio is that of the last step.
+    pub(crate) acting: Acting,
     /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
     logged: bool,
     opened: bool,
@@ -42,176 +35,19 @@ pub struct MapUnit {
 }
 
 impl MapUnit {
-    fn parameters(&self) -> &Parameters {
-        &self.settings.parameters
-    }
-
-    fn drives(&self) -> (Drive, Drive) {
-        (self.parameters().primary.drive, self.parameters().secondary.drive)
-    }
-
-    fn law(&self) -> Law<'_> {
-        let held = self.parameters().secondary.axial == Axial::Held;
-        Law {
-            tables: &self.tables,
-            radii: &self.radii,
-            parameters: self.parameters(),
-            held_thrust_ratio: held.then_some(self.thrust_ratio),
-        }
-    }
-
-    fn frame(&self) -> Frame {
-        self.law().frame(&self.state, &self.acting)
-    }
-
-    /// What the tables give in the present state.
-    fn point(&self, frame: &Frame) -> Point {
-        self.law().point(frame, frame.sliding(self.state.speeds))
-    }
-
-    /// Drag torques of the shafts, N·m.
-    fn drags(&self, point: &Point) -> PerPulley<f64> {
-        let drag = |j| {
-            self.parameters()
-                .pulley(j)
-                .drag
-                .at(self.state.speeds[j], [point.bearing_load, 0.0])
-        };
-        PerPulley::from_fn(|j| drag(j).torque)
-    }
-
-    fn update_thrust_ratio(&mut self) {
-        self.thrust_ratio = self.point(&self.frame()).thrust_ratio;
-    }
-
-    /// The state at the start.
-    fn initialise(&mut self, remarks: &mut Vec<Remark>) {
-        let [least, most] = self.radii.stops;
-        let initial = self.parameters().initial.clone();
-        let wanted = initial.ratio.ln();
-        self.state.log_ratio = wanted.clamp(least, most);
-        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP.ln() {
-            let [least, most] = self.radii.stops.map(f64::exp);
-            remarks.push(Remark::warning(format!(
-                "initial.ratio = {} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop",
-                initial.ratio
-            )));
-        }
-        self.state.speeds.primary = match self.drives().0 {
-            Drive::Speed => self.acting.primary.speed_setpoint,
-            Drive::Torque => initial.primary_speed,
-        };
-        let ([without_torque, ..], _) = self.tables.belt.at(&self.frame().place, 0.0);
-        self.thrust_ratio = without_torque;
-        let settled = self.settle();
-        let settled = if initial.steady && initial.equilibrium && !self.parameters().holds_a_sheave() {
-            self.balance()
-        } else {
-            settled
-        };
-        remarks.extend(settled.err().map(Remark::warning));
-        self.update_thrust_ratio();
-    }
-
-    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip.
-    ///
-    /// # Errors
-    /// The reason why it is without slip though it should not be.
-    fn settle(&mut self) -> Result<(), String> {
-        let ratio = self.state.log_ratio.exp();
-        let (drives, setpoint) = (self.drives(), self.acting.secondary.speed_setpoint);
-        let speeds = &mut self.state.speeds;
-        match drives {
-            (_, Drive::Torque) => speeds.secondary = speeds.primary / ratio,
-            (Drive::Torque, Drive::Speed) => {
-                *speeds = PerPulley {
-                    primary: setpoint * ratio,
-                    secondary: setpoint,
-                }
-            }
-            (Drive::Speed, Drive::Speed) => {
-                speeds.secondary = setpoint;
-                return Ok(());
-            }
-        }
-        if !self.parameters().initial.steady || self.state.speeds.primary == 0.0 {
-            return Ok(());
-        }
-        let (without, frame) = (self.state.speeds, self.frame());
-        // Beyond the capacity the traction falls: only the rising part is searched.
-        let law = self.law();
-        let range = [-0.99, 0.99].map(|mut end: f64| {
-            while law.traction(&frame, end * frame.speed).macro_slip && end.abs() > 1e-6 {
-                end *= 0.98;
-            }
-            end
-        });
-        // Utilisation of the belt at a slip, less that at which this slip would be steady.
-        let mut excess = |slip: f64| {
-            // s = v/q; where the secondary speed is given, q is that of running speed.
-            let speeds = &mut self.state.speeds;
-            if drives.1 == Drive::Speed {
-                speeds.primary = without.primary / (1.0 - slip * without.primary.signum());
-            } else {
-                speeds.secondary = (without.primary - slip * frame.speed / frame.radius) / ratio;
-            }
-            let frame = self.frame();
-            self.point(&frame).traction.value - self.steady_torque(&frame) / frame.torque.max(1e-9)
-        };
-        if excess(range[0]) <= 0.0 && excess(range[1]) >= 0.0 {
-            let slip = bisected(range, |slip| excess(slip) < 0.0);
-            excess(slip);
-            return Ok(());
-        }
-        self.state.speeds = without;
-        let wanted = self.steady_torque(&frame) / frame.torque.max(1e-9);
-        Err(format!(
-            "the belt does not carry a torque utilisation of {wanted:.3}: the run starts without slip"
-        ))
-    }
-
-    /// The torque T_P with which the slip stays constant, N·m: the free shafts accelerate together.
-    fn steady_torque(&self, frame: &Frame) -> f64 {
-        let point = self.point(frame);
-        let (lost, i) = (point.torque_loss, frame.ratio);
-        let drags = self.drags(&point);
-        let [out, into] = Pulley::BOTH.map(|j| self.acting.pulley(j).torque - drags[j]);
-        match self.drives() {
-            (Drive::Torque, Drive::Speed) => into,
-            (Drive::Speed, _) => lost - out / i,
-            // (into − T)/J_P = i (out + i (T − lost))/J_S
-            (Drive::Torque, Drive::Torque) => {
-                let (j_p, j_s) = (self.parameters().primary.inertia, self.parameters().secondary.inertia);
-                (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
-            }
-        }
-    }
-
-    /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
-    fn balance(&mut self) -> Result<(), String> {
-        let found = bisected(self.radii.stops, |log_ratio| {
-            self.state.log_ratio = log_ratio;
-            // What a ratio on the way does not carry is of no interest.
-            let _ = self.settle();
-            self.update_thrust_ratio();
-            // Too small a primary force: the ratio grows.
-            let closing = self.frame().closing;
-            closing.primary < self.thrust_ratio * closing.secondary
-        });
-        self.state.log_ratio = found;
-        self.settle()
+    /// Frame, and what the tables give, in the present state.
+    pub(crate) fn present(&self) -> (Frame, Point) {
+        let frame = self.law.frame(&self.state, &self.acting);
+        (frame, self.law.point(&frame, frame.sliding(self.state.speeds)))
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
-    fn step(&mut self, duration: f64, to: &Inputs) -> bool {
-        let change = to.after(-1.0, &self.acting);
-        let k = GAMMA * duration;
-        let law = &self.law();
-        let start = self.state;
-        let stage = |inputs: Inputs| Stage { law, inputs };
-        let Some(first) = stage(self.acting.after(GAMMA, &change)).solve(&start, k, &start) else {
-            return false;
-        };
+    fn step(&mut self, duration: f64, to: &Inputs) -> Option<()> {
+        let (start, acting, k) = (self.state, self.acting.inputs, GAMMA * duration);
+        let change = to.after(-1.0, &acting);
+        let stage =
+            |inputs, base: &State, guess: &State| self.law.stage(&Acting { inputs, ..self.acting }, base, k, guess);
+        let first = stage(acting.after(GAMMA, &change), &start, &start)?;
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
         let share = (1.0 - GAMMA) / GAMMA;
         let ahead = |start: f64, first: f64| start + share * (first - start);
@@ -219,19 +55,17 @@ impl MapUnit {
             speeds: PerPulley::from_fn(|j| ahead(start.speeds[j], first.speeds[j])),
             log_ratio: ahead(start.log_ratio, first.log_ratio),
         };
-        let Some(second) = stage(*to).solve(&base, k, &first) else {
-            return false;
-        };
-        (self.state, self.acting) = (second, *to);
-        if self.parameters().secondary.axial == Axial::Held {
-            self.update_thrust_ratio();
+        let second = stage(*to, &base, &first)?;
+        (self.state, self.acting.inputs) = (second, *to);
+        if self.law.parameters.secondary.axial == Axial::Held {
+            self.acting.thrust_ratio = self.present().1.thrust_ratio;
         }
-        true
+        Some(())
     }
 
     /// Advances over a communication step.
     fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
-        self.acting = inputs.at(self.time);
+        self.acting.inputs = inputs.at(self.time);
         for end in [inputs.kink.max(self.time).min(to), to] {
             // A count, so that the loop ends whatever the tables and inputs are.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
@@ -241,7 +75,7 @@ impl MapUnit {
                 let count = (left / longest - 1e-9).ceil().max(1.0);
                 let next = if count == 1.0 { end } else { self.time + left / count };
                 steps += 1.0;
-                if self.step(next - self.time, &inputs.at(next)) {
+                if self.step(next - self.time, &inputs.at(next)).is_some() {
                     self.time = next;
                     longest = (2.0 * longest).min(LONGEST);
                 } else {
@@ -254,17 +88,17 @@ impl MapUnit {
                     ));
                 }
             }
-            (self.acting, self.time) = (inputs.at(end), end);
+            (self.acting.inputs, self.time) = (inputs.at(end), end);
         }
         Ok(())
     }
 
     /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
-        let frame = self.frame();
+        let frame = self.law.frame(&self.state, &self.acting);
         for j in [Pulley::Primary, Pulley::Secondary] {
-            let (name, given, force) = (j.name(), self.acting.pulley(j), frame.closing[j]);
-            let is_free = self.parameters().pulley(j).axial == Axial::Force;
+            let (name, given, force) = (j.name(), self.acting.inputs.pulley(j), frame.closing[j]);
+            let is_free = self.law.parameters.pulley(j).axial == Axial::Force;
             if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
                 self.opened = true;
                 remarks.push(Remark::warning(format!(
@@ -286,25 +120,23 @@ impl MapUnit {
 
     /// Speeds of the sheaves at present, closing positive, m/s.
     fn sheave_velocities(&self, frame: &Frame, point: &Point) -> PerPulley<f64> {
-        let (rate, _) = self.law().shift(frame, point);
-        let ([least, most], log_ratio) = (self.radii.stops, self.state.log_ratio);
+        let (rate, _) = self.law.shift(frame, point);
+        let ([least, most], log_ratio) = (self.law.radii.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
-        let rate = if at_stop { 0.0 } else { rate };
-        frame.ways.map(|way| way * rate)
+        frame.ways.map(|way| if at_stop { 0.0 } else { way * rate })
     }
 
     fn read(&self) -> Readings {
-        let (frame, of) = (self.frame(), self.parameters());
-        let (point, speeds) = (self.point(&frame), self.state.speeds);
+        let ((frame, point), speeds, of) = (self.present(), self.state.speeds, &self.law.parameters);
         let torque = frame.torque * point.traction.value;
         // Torques of the shafts on the belt, and of their drag.
         let into = PerPulley {
             primary: torque,
             secondary: -frame.ratio * (torque - point.torque_loss),
         };
-        let drags = self.drags(&point);
+        let drags = self.law.drags(speeds, &point).map(|drag| drag.torque);
         let velocities = self.sheave_velocities(&frame, &point);
-        let rubbing = self.law().rubbing(velocities);
+        let rubbing = self.law.rubbing(velocities);
         let axial = PerPulley {
             primary: match of.primary.axial {
                 Axial::Held => point.thrust_ratio * frame.force,
@@ -313,14 +145,11 @@ impl MapUnit {
             secondary: frame.force - rubbing.secondary,
         };
         let sum = |of: &dyn Fn(Pulley) -> f64| of(Pulley::Primary) + of(Pulley::Secondary);
-        let pulley = |j: Pulley| {
-            let (of, given) = (of.pulley(j), self.acting.pulley(j));
+        let pulley = |j: Pulley, radius: f64| {
+            let (of, given) = (of.pulley(j), self.acting.inputs.pulley(j));
             PulleyOutputs {
                 speed: speeds[j],
-                radius: match j {
-                    Pulley::Primary => frame.radius,
-                    Pulley::Secondary => frame.ratio * frame.radius,
-                },
+                radius,
                 axial_force: axial[j],
                 clamping_force_total: axial[j],
                 sheave_velocity: velocities[j],
@@ -346,8 +175,8 @@ impl MapUnit {
                 ..Losses::default()
             },
             stored_energy: 0.5 * sum(&|j| of.pulley(j).inertia * speeds[j] * speeds[j]),
-            primary: pulley(Pulley::Primary),
-            secondary: pulley(Pulley::Secondary),
+            primary: pulley(Pulley::Primary, frame.radius),
+            secondary: pulley(Pulley::Secondary, frame.ratio * frame.radius),
             ..Outputs::default()
         };
         outputs.set_quotients(PerPulley::from_fn(|j| -into[j] - drags[j]));
@@ -419,14 +248,9 @@ impl Unit for MapUnit {
 
     fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<InputProfile, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let ramp = settings.parameters.solver.input_ramp;
-        Ok(InputProfile::new(
-            ramp,
-            [self.time, to],
-            &self.acting,
-            &settings.inputs,
-            &rates,
-        ))
+        let (ramp, present) = (settings.parameters.solver.input_ramp, &self.acting.inputs);
+        let span = [self.time, to];
+        Ok(InputProfile::new(ramp, span, present, &settings.inputs, &rates))
     }
 
     fn advance(
@@ -436,13 +260,13 @@ impl Unit for MapUnit {
         settings: &Settings,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), String> {
-        let friction = self.settings.parameters.friction.pulley;
-        let before = (self.state, self.time, self.acting, self.thrust_ratio);
-        self.settings.parameters.friction.pulley = settings.parameters.friction.pulley;
+        let wanted = settings.parameters.friction.pulley;
+        let friction = std::mem::replace(&mut self.law.parameters.friction.pulley, wanted);
+        let before = (self.state, self.time, self.acting);
         let advanced = self.advance_to(to, inputs);
         if advanced.is_err() {
-            (self.state, self.time, self.acting, self.thrust_ratio) = before;
-            self.settings.parameters.friction.pulley = friction;
+            (self.state, self.time, self.acting) = before;
+            self.law.parameters.friction.pulley = friction;
         }
         advanced?;
         self.log_limits(remarks);
@@ -450,16 +274,15 @@ impl Unit for MapUnit {
     }
 
     fn blank(settings: &Settings, _: &Experiment) -> Result<Self, String> {
-        let tables = settings.own.clone().ok_or("the unit has no tables")?;
         Self::check(settings)?;
         Ok(Self {
-            tables,
-            radii: Arc::new(Radii::new(&settings.parameters)?),
-            settings: settings.clone(),
+            law: Law::new(settings)?,
             state: State::default(),
             time: 0.0,
-            acting: settings.inputs,
-            thrust_ratio: 1.0,
+            acting: Acting {
+                inputs: settings.inputs,
+                thrust_ratio: 1.0,
+            },
             logged: false,
             opened: false,
             readings: Readings::default(),
@@ -467,16 +290,15 @@ impl Unit for MapUnit {
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
-        let speeds = &mut self.state.speeds;
-        for speed in [&mut speeds.primary, &mut speeds.secondary] {
-            archive.within(speed, -LARGEST, LARGEST);
-        }
-        let [least, most] = self.radii.stops;
+        let PerPulley { primary, secondary } = &mut self.state.speeds;
+        archive.within(primary, -LARGEST, LARGEST);
+        archive.within(secondary, -LARGEST, LARGEST);
+        let [least, most] = self.law.radii.stops;
         archive.within(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
-        archive.within(&mut self.thrust_ratio, least, most);
-        for value in self.acting.each_mut() {
+        archive.within(&mut self.acting.thrust_ratio, least, most);
+        for value in self.acting.inputs.each_mut() {
             archive.within(value, -LARGEST, LARGEST);
         }
         archive.flag(&mut self.logged);

@@ -5,11 +5,11 @@ use crate::centred::Centred;
 use crate::ring::ancf::AncfElement;
 use crate::ring::rcm::RcmElement;
 use pushbelt::fmi::setting;
-use pushbelt::fmi::table::{Access, Enumeration, Item, Retired};
+use pushbelt::fmi::table::{Access, Enumeration, Item, Kind, Retired, Variable};
 use pushbelt::fmi::unit::Identity;
-use pushbelt::unit::{CONTACT_STRAIN, FILM_FORCE, Rings, Rows, Settings, StandardRings, UnitWith};
+use pushbelt::unit::{CONTACT_STRAIN, FILM_FORCE, Rings, Settings, StandardRings, UnitWith, parameter};
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
-use pushbelt::variator::settings::{ParameterError, Parameters, RingModel};
+use pushbelt::variator::settings::{ParameterError, Parameters, Readings, RingModel};
 use std::sync::Arc;
 
 /// The unit of `PushbeltPaper.fmu`.
@@ -89,7 +89,7 @@ impl Rings for PaperRings {
     const RING_MODEL: &'static Enumeration = &RING_MODEL;
     const RETIRED: &'static [Retired] = &[CONTACT_STRAIN, FILM_FORCE];
 
-    fn add_variables(rows: &mut Rows<Self>) {
+    fn variables() -> Vec<Variable<Settings<Self>, Readings>> {
         let model = Access::Setting {
             get: |settings: &Settings<Self>| settings.own.model,
             set: |settings: &mut Settings<Self>, number| {
@@ -101,24 +101,52 @@ impl Rings for PaperRings {
                 };
             },
         };
-        rows.choice("ring.model", 1001, &RING_MODEL, "Model of the ring", model);
-        let text = "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of \
-                    along x, y, z; ring.model ALE with mesh.aligned only";
-        rows.switch(
-            "ring.referenceDirections",
-            1048,
-            text,
-            setting!(own.reference_directions),
-        );
-        let text = "Elements of a ring that travels with its mesh (RCM, ANCF), 16 to 400; 0: 32 for RCM, 40 for ANCF. More \
-                    of them need a finer mesh of the cells, which carry the ring in between";
-        rows.count("ring.elements", 1045, text, setting!(own.elements));
-        let text = "Whether element borders follow the arc borders; if not, as many elements are spaced evenly along the belt \
-                    and arc borders move through them. ring.model ALE0 and ALE";
-        rows.switch("mesh.aligned", 1075, text, setting!(own.aligned));
-        let text = "Whether ALE0 and ALE have derivatives by forward differentiation, as RCM, ANCF and ring.referenceDirections \
-                    have them, instead of derivatives by hand; mesh.aligned only";
-        rows.switch("solver.forward", 1999, text, setting!(own.forward));
+        let of = &RING_MODEL;
+        vec![
+            parameter(
+                "ring.model",
+                1001,
+                "Model of the ring",
+                Kind::Enumeration { of, access: model },
+            ),
+            parameter(
+                "ring.referenceDirections",
+                1048,
+                "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of \
+                 along x, y, z; ring.model ALE with mesh.aligned only",
+                Kind::Boolean {
+                    access: setting!(own.reference_directions),
+                },
+            ),
+            parameter(
+                "ring.elements",
+                1045,
+                "Elements of a ring that travels with its mesh (RCM, ANCF), 16 to 400; 0: 32 for RCM, 40 for ANCF. More \
+                 of them need a finer mesh of the cells, which carry the ring in between",
+                Kind::Integer {
+                    range: None,
+                    access: setting!(own.elements),
+                },
+            ),
+            parameter(
+                "mesh.aligned",
+                1075,
+                "Whether element borders follow the arc borders; if not, as many elements are spaced evenly along the belt \
+                 and arc borders move through them. ring.model ALE0 and ALE",
+                Kind::Boolean {
+                    access: setting!(own.aligned),
+                },
+            ),
+            parameter(
+                "solver.forward",
+                1999,
+                "Whether ALE0 and ALE have derivatives by forward differentiation, as RCM, ANCF and ring.referenceDirections \
+                 have them, instead of derivatives by hand; mesh.aligned only",
+                Kind::Boolean {
+                    access: setting!(own.forward),
+                },
+            ),
+        ]
     }
 
     fn check(&self) -> Result<(), ParameterError> {

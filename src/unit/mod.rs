@@ -3,7 +3,6 @@
 
 mod linear;
 mod rings;
-mod rows;
 mod settings;
 mod table;
 mod terminals;
@@ -11,7 +10,7 @@ mod variator_unit;
 
 pub use linear::linear_model;
 pub use rings::{CONTACT_STRAIN, FILM_FORCE, Rings};
-pub use rows::Rows;
 pub use settings::{Settings, StandardRings};
+pub use table::{parameter, shared_variables};
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

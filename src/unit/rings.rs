@@ -1,11 +1,13 @@
 //! The rings that a unit offers, and the variables that choose among them.
 
-use super::rows::Rows;
 use super::settings::{Settings, StandardRings};
-use crate::fmi::table::{Access, Enumeration, Retired};
+use super::table::parameter;
+use crate::fmi::table::{Access, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
-use crate::variator::settings::{Axial, BeltKind, Drive, Mode, ParameterError, Parameters, RingModel, StartState};
+use crate::variator::settings::{
+    Axial, BeltKind, Drive, Mode, ParameterError, Parameters, Readings, RingModel, StartState,
+};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -30,8 +32,8 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     /// Variables of earlier versions that the unit no longer has.
     const RETIRED: &'static [Retired];
 
-    /// Adds the variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
-    fn add_variables(rows: &mut Rows<Self>);
+    /// The variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
+    fn variables() -> Vec<Variable<Settings<Self>, Readings>>;
 
     /// Checks these parameters among themselves.
     ///
@@ -90,20 +92,15 @@ impl Rings for StandardRings {
         of_paper("ring.elements", 1045),
     ];
 
-    fn add_variables(rows: &mut Rows<Self>) {
+    fn variables() -> Vec<Variable<Settings, Readings>> {
         let access = Access::Setting {
             get: |settings: &Settings| settings.parameters.ring_model as i32,
             set: |settings: &mut Settings, number| {
                 settings.parameters.ring_model = RingModel::from_number(number).unwrap_or_default();
             },
         };
-        rows.choice(
-            "ring.model",
-            1001,
-            Self::RING_MODEL,
-            "Level of detail of the ring",
-            access,
-        );
+        let (of, text) = (Self::RING_MODEL, "Level of detail of the ring");
+        vec![parameter("ring.model", 1001, text, Kind::Enumeration { of, access })]
     }
 
     fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing> {

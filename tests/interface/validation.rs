@@ -1,7 +1,8 @@
 //! Bad parameters and inputs: each is refused with a message that names variable, value and allowed range.
 
+use pushbelt::fmi::table::{Access, Kind};
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Inputs, ParameterError, ParameterRows, Parameters, RingModel, RowValue, range_of};
+use pushbelt::variator::settings::{Inputs, ParameterError, Parameters, RingModel, parameters, range_of};
 
 fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     let mut parameters = Parameters::default();
@@ -20,29 +21,41 @@ fn accepted(change: impl FnOnce(&mut Parameters)) {
 
 #[test]
 fn every_parameter_refuses_what_is_beyond_its_range() {
-    let rows = [ParameterRows::WHOLE, ParameterRows::PRIMARY, ParameterRows::SECONDARY];
     let mut numbers = 0;
-    for row in rows.into_iter().flatten() {
+    for parameter in parameters::<Parameters, ()>() {
+        let (name, range) = (parameter.name(), parameter.range());
         let named = |error: ParameterError, value: String| {
-            assert_eq!((error.variable, error.value), (row.name, value));
+            assert_eq!((&error.variable, error.value), (&name, value));
             assert!(!error.range.is_empty());
         };
-        match &row.value {
-            RowValue::Real(_, _, [min, max], field) => {
+        match (parameter.variable().kind, range) {
+            (
+                Kind::Real {
+                    access: Access::Setting { set, .. },
+                    ..
+                },
+                Some([min, max]),
+            ) => {
                 let margin = |limit: f64| 0.1 * limit.abs().max(1e-3);
-                let beyond = [min - margin(*min), max + margin(*max)];
+                let beyond = [min - margin(min), max + margin(max)];
                 for bad in [&beyond[..], &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]].concat() {
-                    named(refused(|p| (field.set)(p, bad)), bad.to_string());
+                    named(refused(|p| set(p, bad)), bad.to_string());
                 }
                 numbers += 1;
             }
-            RowValue::Count(_, [min, max], field) => {
+            (
+                Kind::Integer {
+                    access: Access::Setting { set, .. },
+                    range: Some((min, max)),
+                },
+                _,
+            ) => {
                 for bad in [min - 1, max + 1, -4] {
-                    named(refused(|p| (field.set)(p, bad)), bad.to_string());
+                    named(refused(|p| set(p, bad)), bad.to_string());
                 }
                 numbers += 1;
             }
-            RowValue::Switch(..) | RowValue::Choice(..) => {}
+            _ => {}
         }
     }
     assert!(numbers > 70, "{numbers} numbers");

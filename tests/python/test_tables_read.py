@@ -185,8 +185,8 @@ def test_spellings_of_units(spelling: str, dimension: str, si: float | None) -> 
 
 def test_units_in_other_cases_have_the_same_factor_or_none() -> None:
     """A prefix in the wrong case never changes the factor silently."""
-    for dimension, known in units.spellings().items():
-        for spelling, unit in known.items():
+    for dimension, spellings in units.spellings().items():
+        for spelling, unit in spellings.items():
             assert units.find(spelling, dimension) == unit
             for other in (spelling.lower(), spelling.upper(), spelling.capitalize()):
                 assert units.find(other, dimension) in (unit, None) or other in known

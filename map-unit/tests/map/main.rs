@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use pushbelt::variator::settings::{Inputs, Outputs};
-use pushbelt_fmi::Archive;
 use pushbelt_fmi::unit::{Experiment, Remark, Unit};
 use pushbelt_map_unit::settings::Settings;
 use pushbelt_map_unit::unit::MapUnit;
 
 mod cylinder;
 mod files;
+mod laws;
 mod runs;
 mod states;
 
@@ -31,43 +31,24 @@ fn start(settings: &Settings) -> MapUnit {
 
 /// A step to a time, s, with inputs that are held or change at `rates`.
 fn try_step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Remark>, String> {
-    let rates = rates.map(|inputs| Settings {
-        inputs,
-        ..settings.clone()
-    });
+    let mut changing = settings.clone();
+    changing.inputs = rates.unwrap_or(Inputs::ZERO);
     let mut remarks = Vec::new();
-    let mut step = unit.begin(to, settings, rates.as_ref())?;
+    let mut step = unit.begin(to, settings, rates.map(|_| &changing))?;
     unit.advance(to, &mut step, settings, &mut remarks)?;
     assert_eq!(unit.time(), to);
     Ok(remarks)
 }
 
-fn step(unit: &mut MapUnit, settings: &Settings, to: f64) -> Vec<Remark> {
-    try_step(unit, settings, to, None).expect("a step")
-}
-
-/// Steps of a length over a duration, s.
-fn run(unit: &mut MapUnit, settings: &Settings, length: f64, duration: f64) -> Outputs {
-    let begin = unit.time();
+/// Steps of a length over a duration, s; the outputs then, and all remarks.
+fn run(unit: &mut MapUnit, settings: &Settings, length: f64, duration: f64) -> (Outputs, Vec<Remark>) {
+    let (begin, mut remarks) = (unit.time(), Vec::new());
     for k in 1..=(duration / length).round() as usize {
-        step(unit, settings, begin + length * k as f64);
+        remarks.extend(try_step(unit, settings, begin + length * k as f64, None).expect("a step"));
     }
-    outputs(unit)
+    (outputs(unit), remarks)
 }
 
 fn outputs(unit: &mut MapUnit) -> Outputs {
     unit.readings(false).outputs.clone()
-}
-
-fn written(unit: &mut MapUnit) -> Vec<u8> {
-    let mut archive = Archive::writer();
-    unit.serialize(&mut archive);
-    archive.into_bytes()
-}
-
-fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
-    let mut unit = MapUnit::blank(settings, &Experiment::default()).expect("a blank unit");
-    let mut archive = Archive::reader(bytes);
-    unit.serialize(&mut archive);
-    archive.finish().ok().map(|()| unit)
 }

@@ -6,7 +6,7 @@ use crate::variator::belt::Belt;
 use crate::variator::belt::equations::Assembly;
 use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
 use crate::variator::mesh::layout::RingUnknowns;
-use crate::variator::settings::error::ParameterError;
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use nalgebra::Vector2;
 use std::fmt::Debug;

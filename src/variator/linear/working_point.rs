@@ -8,7 +8,7 @@ use crate::variator::linear::STEADY;
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::tuning::STANDSTILL;
 use crate::variator::run::{InitialisationError, Variator};
-use crate::variator::settings::error::ParameterError;
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::system::VariatorSystem;

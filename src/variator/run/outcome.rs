@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::settings::error::ParameterError;
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::signals::Outputs;
 
 /// A remark for the user's log.

@@ -16,7 +16,7 @@ use crate::variator::run::simulation::Simulation;
 use crate::variator::run::start::find_start;
 use crate::variator::run::stepper::{Accurate, Stepper};
 use crate::variator::run::tuning::{CHATTER, COLD_STEP, FIRST_STEP, MOMENT, QUIET};
-use crate::variator::settings::error::ParameterError;
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
 use crate::variator::steady::solve::geometric_ratio;

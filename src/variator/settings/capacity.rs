@@ -5,7 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::range_of;
-use crate::variator::settings::{BEYOND, BROKEN, FAR, PLAUSIBLE_FORCE, PLAUSIBLE_TORQUE};
+use crate::variator::settings::{BEYOND, FAR, PLAUSIBLE, RING_STEEL};
 
 /// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
 #[derive(Clone, Copy, Debug)]
@@ -36,11 +36,8 @@ impl Demand {
         let torque = match (p.drive, s.drive) {
             // Speeds in proportion: J_P ω̇_P = T_P + M, J_S ω̇_P/i = T_S − i M.
             (Drive::Torque, Drive::Torque) => {
-                let (own, other) = (
-                    p.inertia * ratio * inputs.secondary.torque,
-                    s.inertia * inputs.primary.torque,
-                );
-                (own - other) / (s.inertia + ratio * ratio * p.inertia)
+                let own = p.inertia * ratio * inputs.secondary.torque;
+                (own - s.inertia * inputs.primary.torque) / (s.inertia + ratio * ratio * p.inertia)
             }
             (Drive::Torque, Drive::Speed) => -inputs.primary.torque,
             (Drive::Speed, Drive::Torque) => inputs.secondary.torque / ratio,
@@ -81,7 +78,7 @@ impl Demand {
     pub fn may_be_another_unit(inputs: &Inputs, pulley: Pulley) -> bool {
         let force = inputs.pulley(pulley).clamping_force;
         let torque = inputs.primary.torque.abs().max(inputs.secondary.torque.abs());
-        force > 0.0 && (force < PLAUSIBLE_FORCE || torque >= PLAUSIBLE_TORQUE)
+        force > 0.0 && (force < PLAUSIBLE.0 || torque >= PLAUSIBLE.1)
     }
 
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
@@ -92,37 +89,26 @@ impl Demand {
 
     /// The unit that is meant then.
     fn other_unit(&self) -> String {
-        let (force, torque) = (self.force, self.torque.abs());
-        if force < PLAUSIBLE_FORCE {
+        let (force, torque, pulley) = (self.force, self.torque.abs(), self.pulley.name());
+        if force < PLAUSIBLE.0 {
             let carried = short(1.0e3 * self.carried());
-            return format!(
-                "is {}.clampingForce in kN? {force} kN carry {carried} N·m",
-                self.pulley.name()
-            );
+            return format!("is {pulley}.clampingForce in kN? {force} kN carry {carried} N·m");
         }
-        format!(
-            "are the torques in N·mm? {0} N·mm are {1} N·m",
-            short(torque),
-            short(1.0e-3 * torque)
-        )
+        let [torque, in_newton_metres] = [torque, 1.0e-3 * torque].map(short);
+        format!("are the torques in N·mm? {torque} N·mm are {in_newton_metres} N·m")
     }
 }
 
 /// What the force carries, what the torques demand, and which force would do: the reason why there is no steady state.
 impl std::fmt::Display for Demand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (pulley, name, force) = (self.pulley.name(), self.name, self.force);
+        let [carried, ratio, torque] = [self.carried(), self.ratio, self.torque.abs()].map(short);
+        let [primary, secondary] = self.torques.map(short);
         write!(
             f,
-            "{}.{} = {} N carries at most {} N·m at ratio {}, and the torques (primary {}, secondary {} N·m) load the belt \
-             with {} N·m: ",
-            self.pulley.name(),
-            self.name,
-            self.force,
-            short(self.carried()),
-            short(self.ratio),
-            short(self.torques[0]),
-            short(self.torques[1]),
-            short(self.torque.abs()),
+            "{pulley}.{name} = {force} N carries at most {carried} N·m at ratio {ratio}, and the torques (primary {primary}, \
+             secondary {secondary} N·m) load the belt with {torque} N·m: "
         )?;
         let least = (self.torque.abs() / self.carried_per_force).ceil();
         if !self.is_beyond(1.0) {
@@ -140,25 +126,31 @@ impl std::fmt::Display for Demand {
 }
 
 impl Parameters {
-    /// Forces of spring and rotating oil on the sheaves, N, at a ratio and a primary speed, rad/s.
-    pub(crate) fn pushes(&self, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
-        let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
-        let place = 2.0 * self.geometry.wedge_angle.tan();
-        PerPulley {
-            secondary: self.secondary.cylinder.push(place * (here.1 - at_one.1), speed / ratio),
-            primary: self.primary.cylinder.push(place * (here.0 - at_one.0), speed),
-        }
+    /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
+    #[must_use]
+    pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
+        PerPulley::from_fn(|j| {
+            let cylinder = &self.pulley(j).cylinder;
+            inputs.pulley(j).force(cylinder) + cylinder.push(position[j], speed[j])
+        })
     }
 
-    /// Forces of clamp and cylinder on sheaves that stand still, N, at a ratio and a primary speed, rad/s.
-    pub(crate) fn closing_forces(&self, inputs: &Inputs, at: [f64; 2]) -> PerPulley<f64> {
-        let pushes = self.pushes(at);
-        PerPulley::from_fn(|pulley| inputs.pulley(pulley).force(&self.pulley(pulley).cylinder) + pushes[pulley])
+    /// The same at a ratio and a primary speed, rad/s.
+    pub(crate) fn closing_forces(&self, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
+        let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
+        let place = 2.0 * self.geometry.wedge_angle.tan();
+        let [primary, secondary] = [here.0 - at_one.0, here.1 - at_one.1].map(|radius| place * radius);
+        let speeds = PerPulley {
+            primary: speed,
+            secondary: speed / ratio,
+        };
+        self.closing(inputs, PerPulley { primary, secondary }, speeds)
     }
 
     /// Name of the variable of a pulley that has this force.
     pub(crate) fn name_of_closing(&self, pulley: Pulley) -> &'static str {
-        if self.pulley(pulley).cylinder == Cylinder::default() {
+        let is_plain = self.pulley(pulley).cylinder == Cylinder::default();
+        if is_plain {
             "clampingForce"
         } else {
             "clampingForceTotal"
@@ -182,15 +174,14 @@ pub(crate) fn excessive_speed(parameters: &Parameters, inputs: &Inputs, [ratio, 
     let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
     let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
     let (name, value) = given_speed(parameters, inputs);
-    (stretch > BROKEN).then(|| {
+    let (.., most) = RING_STEEL;
+    let [belt, ratio, percent, slower] =
+        [belt, ratio, 100.0 * stretch, value.abs() * (most / stretch).sqrt()].map(short);
+    (stretch > most).then(|| {
         format!(
-            "{name} = {value} rad/s is a belt speed of {} m/s at ratio {}, whose centrifugal tension stretches the ring by {} %: below {} \
-             rad/s it stretches by less than {} %",
-            short(belt),
-            short(ratio),
-            short(100.0 * stretch),
-            short(value.abs() * (BROKEN / stretch).sqrt()),
-            100.0 * BROKEN
+            "{name} = {value} rad/s is a belt speed of {belt} m/s at ratio {ratio}, whose centrifugal tension stretches the ring by \
+             {percent} %: below {slower} rad/s it stretches by less than {} %",
+            100.0 * most
         )
     })
 }
@@ -202,11 +193,8 @@ pub(crate) fn short(value: f64) -> f64 {
     }
     #[expect(clippy::cast_possible_truncation, reason = "within ±308")]
     let digits = 2 - value.abs().log10().floor() as i32;
-    if digits > 0 {
-        (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits)
-    } else {
-        value.round()
-    }
+    let factor = 10_f64.powi(digits.max(0));
+    (value * factor).round() / factor
 }
 
 /// The clamping forces that act: of sheaves that are not held.

@@ -51,54 +51,38 @@ pub struct Parameters {
 
 /// Geometry of the drive.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Geometry {
-    /// Distance of the pulley axes d_A, m.
     pub center_distance: f64,
-    /// Length L of the unstretched ring centre line, m.
     pub belt_length: f64,
-    /// Half wedge angle β of the sheaves, rad.
     pub wedge_angle: f64,
-    /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable
-    /// primary sheave stands, m. It acts on a ring in space.
     pub pulley_offset: f64,
 }
 
 /// Parameters of a pulley with its shaft.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyParameters {
-    /// Drive of the shaft.
     pub drive: Drive,
-    /// Support of the movable sheave.
     pub axial: Axial,
-    /// Moment of inertia J of the pulley and what is rigidly connected to it, kg·m².
     pub inertia: f64,
-    /// Mass m_z of the movable sheave, kg.
     pub sheave_mass: f64,
-    /// Viscous damping d_z of the sheave's axial motion, N·s/m.
     pub sheave_damping: f64,
-    /// Tilt of one sheave: the mean of both.
     pub tilt: Tilt,
-    /// Pitch radius at the opening stop, m.
     pub min_radius: f64,
-    /// Pitch radius at the closing stop, m.
     pub max_radius: f64,
-    /// Drag of the shaft in seals, oil and bearings.
     pub drag: ShaftDrag,
-    /// Hydraulic cylinder; all zero: clamping forces alone act.
     pub cylinder: Cylinder,
 }
 
 /// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
 /// strand, primary arc, lower strand, half secondary arc).
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Mesh {
-    /// Ring elements on the primary arc.
     pub primary_arc: i32,
-    /// Ring elements on the secondary arc; even, since ξ = 0 divides it in two.
     pub secondary_arc: i32,
-    /// Ring elements on each strand.
     pub strand: i32,
-    /// Chain cells in each ring element; in `ALE0`, whose ring has no elements of its own, it is one.
     pub cells_per_element: i32,
 }
 
@@ -117,30 +101,22 @@ impl Mesh {
 
 /// Parameters of time integration and of the ramps of inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Solver {
-    /// How a run is integrated.
     pub mode: Mode,
-    /// Work of a millisecond of [`Mode::RealTime`]: so many times 15.5 residuals with their corrections.
     pub effort: i32,
-    /// Relative tolerance of the error control.
     pub tolerance: f64,
-    /// Longest internal step, s.
     pub max_step: f64,
-    /// Time over which a held input ramps to a new value, s, at most the communication step; 0: it jumps,
-    /// −1: the whole communication step.
     pub input_ramp: f64,
 }
 
 /// State that a run starts from.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Initial {
-    /// Geometric ratio i_g = r_S/r_P at the start.
     pub ratio: f64,
-    /// Speed ω_P of the primary pulley at the start, rad/s. 0 is a standstill, negative runs in reverse.
     pub primary_speed: f64,
-    /// Start from the steady state at this ratio and speed.
     pub steady: bool,
-    /// With `steady`: solve for the ratio too, from the two clamping forces.
     pub equilibrium: bool,
 }
 

@@ -1,4 +1,5 @@
-//! Inputs and outputs of a variator at every communication step.
+//! Inputs and outputs of a variator at every communication step, in SI units. What each one is, its unit and its limits are in its row:
+//! of inputs in [`table`](super::table), of outputs in [`unit`](crate::unit).
 
 use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
@@ -10,14 +11,11 @@ pub const PROFILE_POINTS: usize = 72;
 
 /// Inputs of one pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyInputs {
-    /// External shaft torque, positive in the direction of positive speed, N·m.
     pub torque: f64,
-    /// Closing force on the movable sheave, ≥ 0, N.
     pub clamping_force: f64,
-    /// Speed set point, used in speed drive only, rad/s.
     pub speed_setpoint: f64,
-    /// Pressure in the cylinder above ambient, Pa.
     pub pressure: f64,
 }
 
@@ -104,53 +102,34 @@ impl Inputs {
 
 /// Outputs of one pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyOutputs {
-    /// Angular speed ω, rad/s.
     pub speed: f64,
-    /// Pressure-weighted mean pitch radius of the arc, m.
     pub radius: f64,
-    /// Movable-sheave displacement, closing positive, 0 at ratio 1, m.
     pub position: f64,
-    /// Its rate, m/s.
     pub sheave_velocity: f64,
-    /// Axial force on the movable sheave from outside the belt: clamp and cylinder, or the reaction of a held sheave, N.
     pub clamping_force_total: f64,
-    /// Flow into the cylinder, m³/s.
     pub flow: f64,
-    /// Axial belt force on one sheave, N.
     pub axial_force: f64,
-    /// Torque of the belt on the pulley, N·m.
     pub shaft_torque: f64,
-    /// External torque at the shaft: the input, or the reaction in speed drive, N·m.
     pub external_torque: f64,
-    /// −shaft_torque·ω, power into the belt, W.
     pub power: f64,
-    /// Spread of the running radius within the arc, m.
     pub spiral: f64,
-    /// Tilt of one sheave, the mean of both, rad.
     pub tilt: f64,
-    /// Idle arc: from the entry to where the push force has changed by a tenth of the difference of the strands, rad.
     pub idle_arc: f64,
 }
 
 /// Losses, each from its own law, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Losses<L = f64> {
-    /// Friction between element flanks and sheaves.
     pub sheaves: L,
-    /// Friction between ring and elements.
     pub ring: L,
-    /// Friction between the layers of the ring.
     pub layers: L,
-    /// Friction in the joints of a pull chain.
     pub joints: L,
-    /// Elements that start and stop turning where they enter and leave an arc.
     pub spin: L,
-    /// Drag of the shafts in seals, oil and bearings.
     pub shafts: L,
-    /// Friction of the cylinders' seals.
     pub seals: L,
-    /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
     pub other: L,
 }
 
@@ -164,24 +143,16 @@ impl Losses {
 
 /// Fields along the belt at ξ_k = (k−1)L/[`PROFILE_POINTS`].
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Profile {
-    /// Place ξ_k, m.
     pub position: [f64; PROFILE_POINTS],
-    /// Push force Q between the elements, N.
     pub push_force: [f64; PROFILE_POINTS],
-    /// Ring tension T, N.
     pub ring_tension: [f64; PROFILE_POINTS],
-    /// Normal force per flank and length, N/m.
     pub normal_force: [f64; PROFILE_POINTS],
-    /// Radius less the arc's mean radius; on strands the normal distance from the tangent line (outward positive), m.
     pub radial_deviation: [f64; PROFILE_POINTS],
-    /// Tangential sliding speed of the flanks on the nearer pulley; 0 where there is no contact, m/s.
     pub sliding_speed: [f64; PROFILE_POINTS],
-    /// Deflection w along z from the middle between the two belt planes, m; 0 of a planar ring.
     pub lateral_deflection: [f64; PROFILE_POINTS],
-    /// Gap between neighbouring elements, 0 in contact, m.
     pub gap: [f64; PROFILE_POINTS],
-    /// Stress of the most loaded face of the ring's layers, Pa.
     pub ring_stress: [f64; PROFILE_POINTS],
 }
 
@@ -204,74 +175,45 @@ impl Default for Profile {
 
 /// Work of a run since its start, and the remaining error of its last communication step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Work {
-    /// Steps of the integrator, including rejected ones.
     pub steps: i32,
-    /// Jacobians formed and factored.
     pub jacobians: i32,
-    /// Residuals evaluated.
     pub residuals: i32,
-    /// Largest remaining Newton correction of the last communication step, relative to the limit of accurate steps.
     pub defect: f64,
-    /// Delay of the outputs behind the communication point, s; 0 in accurate steps.
     pub behind: f64,
-    /// Steps in real time that had no solution and were begun again with half the length.
     pub rollbacks: i32,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
 /// except `external_torque` in torque drive and `clamping_force_total`, which have the inputs as held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Outputs {
-    /// Outputs of the primary pulley.
     pub primary: PulleyOutputs,
-    /// Outputs of the secondary pulley.
     pub secondary: PulleyOutputs,
-    /// Axial belt force primary / secondary; 0 where the secondary force is below 1 N, at most 100.
     pub thrust_ratio: f64,
-    /// Mean pitch-line speed of the elements, m/s.
     pub belt_speed: f64,
-    /// Drift rate ṡ of the ring, m/s.
     pub ring_speed: f64,
-    /// ω_P/ω_S, 0 at standstill.
     pub ratio_speed: f64,
-    /// r_S/r_P of the pressure-weighted radii.
     pub ratio_geometric: f64,
-    /// Θ, the ratio coordinate of the reference curve.
     pub reference_theta: f64,
-    /// 1 − (ω_S/ω_P)·ratio_geometric; 0 near standstill, clamped to ±2.
     pub slip: f64,
-    /// Losses by their causes.
     pub losses: Losses,
-    /// Driven / driving shaft power, 0 where no power flows. The drag of the shafts is in it.
     pub efficiency: f64,
-    /// Driven / driving power at the belt, 0 where no power flows. The drag of the shafts is not in it.
     pub belt_efficiency: f64,
-    /// abs(belt torque on P) cosβ/(2 μ F_S r_P), at most 10.
     pub torque_utilisation: f64,
-    /// All loaded cells of a pulley slide one way.
     pub macro_slip: bool,
-    /// Largest push force, N.
     pub push_force_max: f64,
-    /// Largest ring tension, N.
     pub ring_tension_max: f64,
-    /// Smallest ring tension, N.
     pub ring_tension_min: f64,
-    /// Stress in the layers of the ring.
     pub ring_stress: RingStress,
-    /// Middle of the primary pulley less that of the secondary along z, m.
     pub misalignment: f64,
-    /// Largest lateral deflection from the middle between the two belt planes, either way, m; 0 of a planar ring.
     pub lateral_max: f64,
-    /// Mean inclination w' of the strands from S to P, rad; 0 of a planar ring.
     pub skew: f64,
-    /// Kinetic and elastic energy of belt and pulleys, J.
     pub stored_energy: f64,
-    /// Energy balance since the start: supplied − lost − stored, J.
     pub energy_residual: f64,
-    /// State that the run started from.
     pub start_state: StartState,
-    /// Work of the run.
     pub work: Work,
 }
 

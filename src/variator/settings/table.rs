@@ -1,78 +1,113 @@
 //! Every parameter and input once: name, value reference, type with start value and range, field, description. The interface, the
 //! defaults and the checks of ranges follow.
 //!
-//! Rows of a pulley are written once: its name comes before theirs and replaces `{}` in the text, and 100 or 200 is added to the reference.
+//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
 //! The ranges are wide: they exclude only values that can't be intended, and limit cases of theory are admissible.
 
-use crate::fmi::table::{Causality, Enumeration};
+use crate::fmi::table::{Access, Causality, Kind, Range, Value, Variable};
+use crate::variator::settings::ParameterError;
 use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode};
-use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
-use std::marker::PhantomData;
+
+/// The pulley of a row: the name that replaces `{}`, and the number that is added to the reference.
+pub(crate) type Owner = (&'static str, u32);
+pub(crate) const WHOLE: Owner = ("", 0);
+pub(crate) const PRIMARY: Owner = ("primary", 100);
+pub(crate) const SECONDARY: Owner = ("secondary", 200);
+
+/// A row of a table: name, value reference, causality, description, type with field.
+pub(crate) struct Row<'a, S, Q>(pub &'a str, pub u32, pub Causality, pub &'a str, pub Kind<S, Q>);
+
+impl<S, Q> Row<'_, S, Q> {
+    /// The variable of a pulley or of the whole variator.
+    pub fn variable(self, (owner, base): Owner) -> Variable<S, Q> {
+        let Self(name, reference, causality, text, mut kind) = self;
+        if let Kind::Real { unit, display_unit, .. } = &mut kind {
+            *display_unit = shown_in(name, unit);
+        }
+        Variable {
+            name: name.replace("{}", owner),
+            reference: base + reference,
+            description: text.replace("{}", owner),
+            causality,
+            kind,
+        }
+    }
+}
+
+/// Shares of a whole, which are shown in per cent.
+const SHARES: [&str; 4] = ["slip", "efficiency", "efficiency.belt", "friction.fall"];
+
+fn shown_in(name: &str, unit: &str) -> Option<&'static str> {
+    match unit {
+        "rad" => Some("deg"),
+        "rad/s" => Some("rpm"),
+        "m" => Some("mm"),
+        "N" => Some("kN"),
+        "Pa" if name.ends_with("pressure") => Some("bar"),
+        "Pa" => Some("MPa"),
+        "1" if SHARES.contains(&name) => Some("%"),
+        _ => None,
+    }
+}
 
 /// A parameter or input, whose value is in `S`.
-pub struct Row<S> {
+pub struct Setting<S, Q = ()> {
+    row: Row<'static, S, Q>,
+    owner: Owner,
+    start: Value,
+}
+
+impl<S, Q> Setting<S, Q> {
+    /// The variable.
+    #[must_use]
+    pub fn variable(self) -> Variable<S, Q> {
+        self.row.variable(self.owner)
+    }
+
     /// Name in the interface.
-    pub name: &'static str,
-    /// Value reference; of a pulley's row less that of its pulley, 100 or 200.
-    pub reference: u32,
-    /// Who sets it, and when.
-    pub causality: Causality,
-    /// Type and value.
-    pub value: RowValue<S>,
-    /// Description; `{}` stands for the pulley.
-    pub text: &'static str,
-}
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.row.0.replace("{}", self.owner.0)
+    }
 
-/// Start value and range of a row, and its field.
-pub enum RowValue<S> {
-    /// A number in a unit.
-    Real(&'static str, f64, [f64; 2], RowField<S, f64>),
-    /// A whole number.
-    Count(i32, [i32; 2], RowField<S, i32>),
-    /// True or false.
-    Switch(bool, RowField<S, bool>),
-    /// An item of an enumeration, by its number.
-    Choice(&'static Enumeration, i32, RowField<S, i32>),
-}
+    pub(crate) fn is_tunable(&self) -> bool {
+        self.row.2 == Causality::Tunable
+    }
 
-/// A field of `S`: how it is read and written.
-pub struct RowField<S, T> {
-    /// Reads it.
-    pub get: fn(&S) -> T,
-    /// Writes it.
-    pub set: fn(&mut S, T),
-}
-
-impl<S> Row<S> {
     /// Sets the start value.
-    fn start(&self, of: &mut S) {
-        match &self.value {
-            RowValue::Real(_, start, _, field) => (field.set)(of, *start),
-            RowValue::Count(start, _, field) | RowValue::Choice(_, start, field) => (field.set)(of, *start),
-            RowValue::Switch(start, field) => (field.set)(of, *start),
+    fn reset(self, of: &mut S) {
+        let start = self.start;
+        let set = self.variable().set(of, start);
+        debug_assert_eq!(set, Ok(()));
+    }
+
+    /// Smallest and largest value of a number; infinity where there is no limit.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        match self.row.4 {
+            Kind::Real { range, .. } => Some([range.min?, range.max.unwrap_or(f64::INFINITY)]),
+            Kind::Integer { range, .. } => range.map(|(min, max)| [min, max].map(f64::from)),
+            Kind::Boolean { .. } | Kind::Enumeration { .. } => None,
         }
     }
 
-    /// Smallest and largest value of a number.
-    fn range(&self) -> Option<[f64; 2]> {
-        match self.value {
-            RowValue::Real(_, _, range, _) => Some(range),
-            RowValue::Count(_, range, _) => Some(range.map(f64::from)),
-            RowValue::Switch(..) | RowValue::Choice(..) => None,
-        }
-    }
-
-    /// Checks the value against its range.
+    /// Checks the value against its range, without memory from the heap: inputs are checked in each step.
     ///
     /// # Errors
     /// It is out of its range.
     pub(crate) fn check(&self, of: &S) -> Result<(), ParameterError> {
-        let value = match &self.value {
-            RowValue::Real(.., field) => (field.get)(of),
-            RowValue::Count(.., field) => (field.get)(of).into(),
-            RowValue::Switch(..) | RowValue::Choice(..) => return Ok(()),
+        let value = match &self.row.4 {
+            Kind::Real {
+                access: Access::Setting { get, .. },
+                ..
+            } => get(of),
+            Kind::Integer {
+                access: Access::Setting { get, .. },
+                ..
+            } => get(of).into(),
+            _ => return Ok(()),
         };
         let Some([min, max]) = self.range() else { return Ok(()) };
         if value.is_finite() && value >= min && value <= max {
@@ -83,7 +118,7 @@ impl<S> Row<S> {
         } else {
             format!("{min} to {max}")
         };
-        Err(ParameterError::new(self.name, value, range))
+        Err(ParameterError::new(self.name(), value, range))
     }
 }
 
@@ -91,153 +126,125 @@ impl<S> Row<S> {
 /// there is no limit.
 #[must_use]
 pub fn range_of(name: &str) -> Option<(f64, f64)> {
-    fn find<S>(rows: [&[Row<S>]; 3], name: &str) -> Option<[f64; 2]> {
-        rows.into_iter().flatten().find(|row| row.name == name)?.range()
-    }
-    let parameter = find(
-        [
-            ParameterRows::<Parameters>::WHOLE,
-            ParameterRows::PRIMARY,
-            ParameterRows::SECONDARY,
-        ],
-        name,
-    );
-    let range = parameter.or_else(|| find([InputRows::<Inputs>::PRIMARY, InputRows::SECONDARY, &[]], name));
-    range.map(|[min, max]| (min, max))
+    let [min, max] = match parameters::<Parameters, ()>().find(|one| one.name() == name) {
+        Some(parameter) => parameter.range(),
+        None => inputs::<Inputs, ()>().find(|one| one.name() == name)?.range(),
+    }?;
+    Some((min, max))
 }
 
 impl Default for Parameters {
     /// The start values of the interface: the laboratory variator `bench168`.
     fn default() -> Self {
-        let mut parameters = Self::blank();
-        for row in ParameterRows::<Self>::all() {
-            row.start(&mut parameters);
-        }
-        parameters
+        let mut of = Self::blank();
+        parameters::<_, ()>().for_each(|parameter| parameter.reset(&mut of));
+        of
     }
 }
 
 impl Default for Inputs {
     /// The start values of the interface.
     fn default() -> Self {
-        let mut inputs = Self::ZERO;
-        for row in InputRows::<Self>::all() {
-            row.start(&mut inputs);
-        }
-        inputs
+        let mut of = Self::ZERO;
+        inputs::<_, ()>().for_each(|input| input.reset(&mut of));
+        of
     }
 }
 
+/// A row with its start value, by name, value reference, causality, type(start value, ..), field and description. `S` is the type of the
+/// settings in which it is.
 macro_rules! row {
-    ($pulley:ident $name:literal, $reference:literal, $($rest:tt)*) => {
-        row!(@ concat!(stringify!($pulley), ".", $name), $reference, $($rest)*)
-    };
-    ($name:literal, $($rest:tt)*) => {
-        row!(@ $name, $($rest)*)
-    };
-    (@ $name:expr, $reference:expr, $causality:ident, $kind:ident($($value:tt)*), $($field:ident).+, $text:literal) => {
-        Row {
-            name: $name,
-            reference: $reference,
-            causality: Causality::$causality,
-            value: value!($kind, [$($value)*], $($field).+),
-            text: $text,
-        }
-    };
+    ($name:literal, $reference:literal, $causality:ident, $kind:ident($($value:tt)*), $($field:ident).+, $text:literal) => {{
+        let (start, kind) = value!($kind($($value)*), $($field).+);
+        (Row($name, $reference, Causality::$causality, $text, kind), start)
+    }};
 }
 
 macro_rules! value {
-    (Choice, [$of:ident::$start:ident], $($field:ident).+) => {
-        RowValue::Choice(
-            $of::TYPE,
-            $of::$start as i32,
-            RowField {
-                get: |of| of.as_ref().$($field).+ as i32,
-                set: |of, number| of.as_mut().$($field).+ = $of::from_number(number).unwrap_or_default(),
-            },
-        )
+    (Real($unit:literal, $start:expr, [$min:expr, $max:expr]), $($field:ident).+) => {{
+        let max: f64 = $max;
+        let range = Range { min: Some($min), max: if max.is_finite() { Some(max) } else { None }, nominal: None };
+        (Value::Real($start), Kind::Real { unit: $unit, display_unit: None, range, access: field!($($field).+) })
+    }};
+    (Count($start:literal, [$min:literal, $max:literal]), $($field:ident).+) => {
+        (Value::Integer($start), Kind::Integer { range: Some(($min, $max)), access: field!($($field).+) })
     };
-    ($kind:ident, [$($value:tt)*], $($field:ident).+) => {
-        RowValue::$kind(
-            $($value)*,
-            RowField { get: |of| of.as_ref().$($field).+, set: |of, value| of.as_mut().$($field).+ = value },
-        )
+    (Switch($start:literal), $($field:ident).+) => {
+        (Value::Boolean($start), Kind::Boolean { access: field!($($field).+) })
     };
+    (Choice($of:ident::$start:ident), $($field:ident).+) => {{
+        let access = Access::Setting {
+            get: |of: &S| of.as_ref().$($field).+ as i32,
+            set: |of: &mut S, number| of.as_mut().$($field).+ = $of::from_number(number).unwrap_or_default(),
+        };
+        (Value::Integer($of::$start as i64), Kind::Enumeration { of: $of::TYPE, access })
+    }};
+}
+
+macro_rules! field {
+    ($($field:ident).+) => {
+        Access::Setting { get: |of: &S| of.as_ref().$($field).+, set: |of: &mut S, value| of.as_mut().$($field).+ = value }
+    };
+}
+
+/// The variables of rows.
+fn of<S, Q, const N: usize>(
+    owner: Owner,
+    rows: [(Row<'static, S, Q>, Value); N],
+) -> impl Iterator<Item = Setting<S, Q>> {
+    rows.into_iter().map(move |(row, start)| Setting { row, owner, start })
 }
 
 #[rustfmt::skip]
 macro_rules! inputs {
     ($pulley:ident, $torque:literal, $force:literal) => {
-        &[
-            row!($pulley "torque", 1, Input, Real("N.m", $torque, [-1e4, 1e4]), $pulley.torque, "External torque on the {} shaft, positive in the direction of positive speed; a load is negative"),
-            row!($pulley "clampingForce", 2, Input, Real("N", $force, [0.0, 5e5]), $pulley.clamping_force, "Clamping force that closes the {} sheaves"),
-            row!($pulley "speedSetpoint", 3, Input, Real("rad/s", 209.44, [-1e4, 1e4]), $pulley.speed_setpoint, "Speed set point of the {} shaft; used only with {}.drive = Speed"),
-            row!($pulley "pressure", 4, Input, Real("Pa", 0.0, [-1e5, 2e7]), $pulley.pressure, "Pressure in the cylinder of the {} pulley above ambient, which acts on {}.cylinder.area in addition to {}.clampingForce"),
-        ]
+        const { [
+            row!("{}.torque", 1, Input, Real("N.m", $torque, [-1e4, 1e4]), $pulley.torque, "External torque on the {} shaft, positive in the direction of positive speed; a load is negative"),
+            row!("{}.clampingForce", 2, Input, Real("N", $force, [0.0, 5e5]), $pulley.clamping_force, "Clamping force that closes the {} sheaves"),
+            row!("{}.speedSetpoint", 3, Input, Real("rad/s", 209.44, [-1e4, 1e4]), $pulley.speed_setpoint, "Speed set point of the {} shaft; used only with {}.drive = Speed"),
+            row!("{}.pressure", 4, Input, Real("Pa", 0.0, [-1e5, 2e7]), $pulley.pressure, "Pressure in the cylinder of the {} pulley above ambient, which acts on {}.cylinder.area in addition to {}.clampingForce"),
+        ] }
     };
 }
 
 #[rustfmt::skip]
 macro_rules! pulley_parameters {
     ($pulley:ident) => {
-        &[
-            row!($pulley "drive", 31, Parameter, Choice(Drive::Torque), $pulley.drive, "Boundary condition of the {} shaft: torque or speed"),
-            row!($pulley "axial", 32, Parameter, Choice(Axial::Force), $pulley.axial, "Boundary condition of the movable {} sheave: force or held"),
-            row!($pulley "inertia", 33, Parameter, Real("kg.m2", 0.03, [1e-6, 1e6]), $pulley.inertia, "Moment of inertia of the {} pulley and everything rigidly connected to it"),
-            row!($pulley "sheaveMass", 34, Parameter, Real("kg", 2.0, [1e-3, 1e6]), $pulley.sheave_mass, "Mass of the movable {} sheave"),
-            row!($pulley "sheaveDamping", 35, Parameter, Real("N.s/m", 1.2e4, [0.0, 1e9]), $pulley.sheave_damping, "Viscous damping of the axial motion of the {} sheave"),
-            row!($pulley "tiltStiffness", 36, Parameter, Real("N.m/rad", 1.79e6, [1e3, f64::INFINITY]), $pulley.tilt.stiffness, "Tilt stiffness of one {} sheave beyond its clearance, mean of both sheaves; rigid from 1e12 on"),
-            row!($pulley "tiltClearance", 40, Parameter, Real("rad", 0.624e-3, [0.0, 0.1]), $pulley.tilt.clearance, "Angle by which one {} sheave tilts as soon as it is loaded, mean of both sheaves; 0: the tilt is linear in the moment"),
-            row!($pulley "tiltTime", 37, Parameter, Real("s", 2.0e-3, [1e-6, 10.0]), $pulley.tilt.time, "Relaxation time of the tilt of the {} sheaves"),
-            row!($pulley "minRadius", 38, Parameter, Real("m", 0.030, [1e-3, 10.0]), $pulley.min_radius, "Pitch radius at the opening stop of the {} sheaves"),
-            row!($pulley "maxRadius", 39, Parameter, Real("m", 0.082, [1e-3, 10.0]), $pulley.max_radius, "Pitch radius at the closing stop of the {} sheaves"),
+        const { [
+            row!("{}.drive", 31, Parameter, Choice(Drive::Torque), $pulley.drive, "Boundary condition of the {} shaft: torque or speed"),
+            row!("{}.axial", 32, Parameter, Choice(Axial::Force), $pulley.axial, "Boundary condition of the movable {} sheave: force or held"),
+            row!("{}.inertia", 33, Parameter, Real("kg.m2", 0.03, [1e-6, 1e6]), $pulley.inertia, "Moment of inertia of the {} pulley and everything rigidly connected to it"),
+            row!("{}.sheaveMass", 34, Parameter, Real("kg", 2.0, [1e-3, 1e6]), $pulley.sheave_mass, "Mass of the movable {} sheave"),
+            row!("{}.sheaveDamping", 35, Parameter, Real("N.s/m", 1.2e4, [0.0, 1e9]), $pulley.sheave_damping, "Viscous damping of the axial motion of the {} sheave"),
+            row!("{}.tiltStiffness", 36, Parameter, Real("N.m/rad", 1.79e6, [1e3, f64::INFINITY]), $pulley.tilt.stiffness, "Tilt stiffness of one {} sheave beyond its clearance, mean of both sheaves; rigid from 1e12 on"),
+            row!("{}.tiltClearance", 40, Parameter, Real("rad", 0.624e-3, [0.0, 0.1]), $pulley.tilt.clearance, "Angle by which one {} sheave tilts as soon as it is loaded, mean of both sheaves; 0: the tilt is linear in the moment"),
+            row!("{}.tiltTime", 37, Parameter, Real("s", 2.0e-3, [1e-6, 10.0]), $pulley.tilt.time, "Relaxation time of the tilt of the {} sheaves"),
+            row!("{}.minRadius", 38, Parameter, Real("m", 0.030, [1e-3, 10.0]), $pulley.min_radius, "Pitch radius at the opening stop of the {} sheaves"),
+            row!("{}.maxRadius", 39, Parameter, Real("m", 0.082, [1e-3, 10.0]), $pulley.max_radius, "Pitch radius at the closing stop of the {} sheaves"),
             // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and bearings splash,
             // μ_b between the catalogue values of ball bearings, 0.0015, and roller bearings, 0.002, at half the bore.
-            row!($pulley "drag.constant", 41, Parameter, Real("N.m", 0.15, [0.0, 1e3]), $pulley.drag.constant, "Drag torque of the {} shaft that does not depend on speed or load, as of seals"),
-            row!($pulley "drag.viscous", 42, Parameter, Real("N.m.s/rad", 4.0e-4, [0.0, 10.0]), $pulley.drag.viscous, "Drag torque of the {} shaft per speed, as of oil"),
-            row!($pulley "bearing.friction", 43, Parameter, Real("1", 1.8e-3, [0.0, 1.0]), $pulley.drag.bearing_friction, "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings"),
-            row!($pulley "bearing.radius", 44, Parameter, Real("m", 0.02, [0.0, 1.0]), $pulley.drag.bearing_radius, "Mean radius of the bearings of the {} shaft"),
-            row!($pulley "cylinder.area", 45, Parameter, Real("m2", 0.0, [0.0, 1.0]), $pulley.cylinder.area, "Area of the {} piston, on which {}.pressure acts; 0: no cylinder"),
-            row!($pulley "cylinder.springForce", 46, Parameter, Real("N", 0.0, [-1e5, 1e5]), $pulley.cylinder.spring_force, "Force at ratio 1 of the spring that closes the {} sheaves"),
-            row!($pulley "cylinder.springStiffness", 47, Parameter, Real("N/m", 0.0, [0.0, 1e7]), $pulley.cylinder.spring_stiffness, "Stiffness of the spring of the {} sheaves: its force falls with {}.position"),
-            row!($pulley "cylinder.centrifugal", 48, Parameter, Real("N.s2/rad2", 0.0, [-10.0, 10.0]), $pulley.cylinder.centrifugal, "Closing force of the oil that rotates with the {} pulley per square of the speed; negative with an overcompensated cylinder"),
-            row!($pulley "cylinder.seal", 49, Parameter, Real("N", 0.0, [0.0, 1e4]), $pulley.cylinder.seal, "Friction of the seals of the {} cylinder, against {}.sheaveVelocity, regularised by friction.velocity"),
-        ]
+            row!("{}.drag.constant", 41, Parameter, Real("N.m", 0.15, [0.0, 1e3]), $pulley.drag.constant, "Drag torque of the {} shaft that does not depend on speed or load, as of seals"),
+            row!("{}.drag.viscous", 42, Parameter, Real("N.m.s/rad", 4.0e-4, [0.0, 10.0]), $pulley.drag.viscous, "Drag torque of the {} shaft per speed, as of oil"),
+            row!("{}.bearing.friction", 43, Parameter, Real("1", 1.8e-3, [0.0, 1.0]), $pulley.drag.bearing_friction, "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings"),
+            row!("{}.bearing.radius", 44, Parameter, Real("m", 0.02, [0.0, 1.0]), $pulley.drag.bearing_radius, "Mean radius of the bearings of the {} shaft"),
+            row!("{}.cylinder.area", 45, Parameter, Real("m2", 0.0, [0.0, 1.0]), $pulley.cylinder.area, "Area of the {} piston, on which {}.pressure acts; 0: no cylinder"),
+            row!("{}.cylinder.springForce", 46, Parameter, Real("N", 0.0, [-1e5, 1e5]), $pulley.cylinder.spring_force, "Force at ratio 1 of the spring that closes the {} sheaves"),
+            row!("{}.cylinder.springStiffness", 47, Parameter, Real("N/m", 0.0, [0.0, 1e7]), $pulley.cylinder.spring_stiffness, "Stiffness of the spring of the {} sheaves: its force falls with {}.position"),
+            row!("{}.cylinder.centrifugal", 48, Parameter, Real("N.s2/rad2", 0.0, [-10.0, 10.0]), $pulley.cylinder.centrifugal, "Closing force of the oil that rotates with the {} pulley per square of the speed; negative with an overcompensated cylinder"),
+            row!("{}.cylinder.seal", 49, Parameter, Real("N", 0.0, [0.0, 1e4]), $pulley.cylinder.seal, "Friction of the seals of the {} cylinder, against {}.sheaveVelocity, regularised by friction.velocity"),
+        ] }
     };
 }
 
 /// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and are clamped with.
-pub struct InputRows<S>(PhantomData<S>);
-
-impl<S: AsRef<Inputs> + AsMut<Inputs> + 'static> InputRows<S> {
-    /// Of the primary pulley.
-    pub const PRIMARY: &'static [Row<S>] = inputs!(primary, 50.0, 13e3);
-    /// Of the secondary pulley.
-    pub const SECONDARY: &'static [Row<S>] = inputs!(secondary, -49.0, 10e3);
-
-    /// All rows.
-    pub(crate) fn all() -> impl Iterator<Item = &'static Row<S>> {
-        [Self::PRIMARY, Self::SECONDARY].into_iter().flatten()
-    }
+pub fn inputs<S: AsRef<Inputs> + AsMut<Inputs>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
+    of(PRIMARY, inputs!(primary, 50.0, 13e3)).chain(of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
 }
 
 /// The parameters in settings `S`, but for `ring.model`.
-pub struct ParameterRows<S>(PhantomData<S>);
-
-impl<S: AsRef<Parameters> + AsMut<Parameters> + 'static> ParameterRows<S> {
-    /// Of the primary pulley.
-    pub const PRIMARY: &'static [Row<S>] = pulley_parameters!(primary);
-    /// Of the secondary pulley.
-    pub const SECONDARY: &'static [Row<S>] = pulley_parameters!(secondary);
-
-    /// All rows.
-    pub(crate) fn all() -> impl Iterator<Item = &'static Row<S>> {
-        [Self::WHOLE, Self::PRIMARY, Self::SECONDARY].into_iter().flatten()
-    }
-
-    /// Of the whole variator.
-    #[rustfmt::skip]
-    pub const WHOLE: &'static [Row<S>] = &[
+#[rustfmt::skip]
+pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
+    let whole = const { [
         row!("initial.ratio", 1011, Parameter, Real("1", 1.0, [1e-2, 100.0]), initial.ratio, "Geometric ratio secondary radius / primary radius at the start, between the end stops. A loaded belt rests up to some 5 % beyond them; a value up to 6 % beyond starts at the stop"),
         row!("initial.primarySpeed", 1012, Parameter, Real("rad/s", 209.44, [-1e4, 1e4]), initial.primary_speed, "Speed of the primary pulley at the start; 0: standstill, the belt starts clamped. A shaft with drive = Speed starts at its set point instead"),
         row!("initial.steady", 1013, Parameter, Switch(true), initial.steady, "True: start from the steady state at this ratio and speed, solved with the primary sheave held and unbalanced torque accelerating the inertias. False: start from the unloaded kinematic state"),
@@ -296,7 +303,9 @@ impl<S: AsRef<Parameters> + AsMut<Parameters> + 'static> ParameterRows<S> {
         row!("solver.tolerance", 1081, Parameter, Real("1", 1.0e-4, [1e-10, 1e-1]), solver.tolerance, "Relative tolerance of the error control. At its default the tolerance of the experiment is used instead, if there is one. A coarser tolerance is faster under loads that jump, not under smooth loads, where steps are as long as the communication steps. Output derivatives of forces and losses need 1e-6"),
         row!("solver.maxStep", 1082, Parameter, Real("s", 1.0e-2, [1e-6, 10.0]), solver.max_step, "Longest internal step; with solver.mode = RealTime steps are 0.2 ms or shorter"),
         row!("inputs.ramp", 1083, Parameter, Real("s", 1.0e-3, [-1.0, 10.0]), solver.input_ramp, "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead"),
-    ];
+    ] };
+    let pulleys = of(PRIMARY, pulley_parameters!(primary)).chain(of(SECONDARY, pulley_parameters!(secondary)));
+    of(WHOLE, whole).chain(pulleys)
 }
 
 /// References to a part of settings, in which rows find their fields.

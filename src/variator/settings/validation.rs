@@ -3,14 +3,36 @@
 //! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table); and values must fit each other (the belt
 //! around the pulleys, the stops, the wedge above the friction angle).
 
-use crate::fmi::table::Causality;
 use crate::reference_curve::TwoPulley;
-use crate::variator::settings::error::ParameterError;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
-use crate::variator::settings::table::{InputRows, ParameterRows};
-use crate::variator::settings::{BEYOND_STOP, RING_STEEL, STEEL_SCATTER};
+use crate::variator::settings::table::{Setting, inputs, parameters};
+use crate::variator::settings::{BEYOND_STOP, RING_STEEL};
 use std::f64::consts::PI;
+
+/// A value out of its range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{variable} = {value} is out of range: {range}")]
+pub struct ParameterError {
+    /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
+    pub variable: String,
+    /// The value that was set.
+    pub value: String,
+    /// The allowed range in words.
+    pub range: String,
+}
+
+impl ParameterError {
+    /// The error of a value that is out of its `range`, in words.
+    #[must_use]
+    pub fn new(variable: impl Into<String>, value: impl ToString, range: impl Into<String>) -> Self {
+        Self {
+            variable: variable.into(),
+            value: value.to_string(),
+            range: range.into(),
+        }
+    }
+}
 
 impl Parameters {
     /// Checks every parameter against its range, and all against each other.
@@ -18,13 +40,21 @@ impl Parameters {
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        for row in ParameterRows::all() {
-            row.check(self)?;
-        }
+        parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
-        self.validate_mesh()?;
-        self.validate_ramp()?;
-        self.validate_ring()?;
+        let elements = self.mesh.secondary_arc;
+        require(elements % 2 == 0, "mesh.secondaryArc", elements, || {
+            "an even number, since ξ = 0 divides this arc in two".to_owned()
+        })?;
+        let ramp = self.solver.input_ramp;
+        require(ramp >= 0.0 || ramp == -1.0, "inputs.ramp", ramp, || {
+            "0 to 10, or -1 for the whole communication step".to_owned()
+        })?;
+        // Only the deflecting ring leaves the plane.
+        let spatial = !self.spatial || self.ring_model == RingModel::Ale;
+        require(spatial, "ring.spatial", true, || {
+            "false, unless ring.model is ALE".to_owned()
+        })?;
         self.validate_belt()?;
         self.validate_stops()
     }
@@ -34,9 +64,8 @@ impl Parameters {
     /// # Errors
     /// The one that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
-        for row in ParameterRows::all().filter(|row| row.causality == Causality::Tunable) {
-            row.check(self)?;
-        }
+        let mut tunable = parameters::<_, ()>().filter(Setting::is_tunable);
+        tunable.try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge().map_err(|_| {
             let highest = self.geometry.wedge_angle.tan();
             let range =
@@ -50,8 +79,9 @@ impl Parameters {
     pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
         let area = 2.0 * f64::from(self.layers.count) * self.layers.width * self.layers.thickness;
         let (modulus, density) = (self.ring.axial_stiffness / area, self.ring.mass_per_length / area);
-        let (stiff, heavy) = (modulus / RING_STEEL.0, density / RING_STEEL.1);
-        let off = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
+        let (steel_modulus, steel_density, scatter, _) = RING_STEEL;
+        let (stiff, heavy) = (modulus / steel_modulus, density / steel_density);
+        let off = stiff.max(heavy) < 1.0 - scatter || stiff.min(heavy) > 1.0 + scatter;
         (area > 0.0 && off).then_some((modulus, density))
     }
 
@@ -64,30 +94,6 @@ impl Parameters {
                 "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
             )
         })
-    }
-
-    fn validate_ramp(&self) -> Result<(), ParameterError> {
-        let ramp = self.solver.input_ramp;
-        require(ramp >= 0.0 || ramp == -1.0, "inputs.ramp", ramp, || {
-            "0 to 10, or -1 for the whole communication step".to_owned()
-        })
-    }
-
-    fn validate_mesh(&self) -> Result<(), ParameterError> {
-        let elements = self.mesh.secondary_arc;
-        require(elements % 2 == 0, "mesh.secondaryArc", elements, || {
-            "an even number, since ξ = 0 divides this arc in two".to_owned()
-        })
-    }
-
-    /// Only the deflecting ring leaves the plane.
-    fn validate_ring(&self) -> Result<(), ParameterError> {
-        require(
-            !self.spatial || self.ring_model == RingModel::Ale,
-            "ring.spatial",
-            true,
-            || "false, unless ring.model is ALE".to_owned(),
-        )
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
@@ -139,22 +145,16 @@ impl Parameters {
     pub fn ratio_range(&self) -> (f64, f64) {
         let (p, s) = (&self.primary, &self.secondary);
         // A ratio at which no belt closes is an extreme one.
-        let is_too_low = |ratio: f64| {
-            let radii = self.pitch_radii(ratio);
-            radii.map_or(ratio <= 1.0, |(primary, secondary)| {
-                primary > p.max_radius || secondary < s.min_radius
-            })
+        let is_too_low = |ratio: f64| match self.pitch_radii(ratio) {
+            Some((primary, secondary)) => primary > p.max_radius || secondary < s.min_radius,
+            None => ratio <= 1.0,
         };
-        let is_not_too_high = |ratio: f64| {
-            let radii = self.pitch_radii(ratio);
-            radii.map_or(ratio < 1.0, |(primary, secondary)| {
-                primary >= p.min_radius && secondary <= s.max_radius
-            })
+        let is_not_too_high = |ratio: f64| match self.pitch_radii(ratio) {
+            Some((primary, secondary)) => primary >= p.min_radius && secondary <= s.max_radius,
+            None => ratio < 1.0,
         };
-        let boundary = |is_below: &dyn Fn(f64) -> bool| {
-            let range = [0.01_f64.ln(), 100.0_f64.ln()];
-            bisected(range, |log_ratio| is_below(log_ratio.exp())).exp()
-        };
+        let range = [0.01_f64, 100.0].map(f64::ln);
+        let boundary = |is_below: &dyn Fn(f64) -> bool| bisected(range, |log_ratio| is_below(log_ratio.exp())).exp();
         (boundary(&is_too_low), boundary(&is_not_too_high))
     }
 
@@ -175,21 +175,15 @@ fn require(
     value: impl ToString,
     range: impl FnOnce() -> String,
 ) -> Result<(), ParameterError> {
-    match holds {
-        true => Ok(()),
-        false => Err(ParameterError::new(variable, value, range())),
-    }
+    let error = || ParameterError::new(variable, value, range());
+    if holds { Ok(()) } else { Err(error()) }
 }
 
 /// The place between two others up to which `is_below` holds, by bisection.
 pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if is_below(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        *(if is_below(middle) { &mut low } else { &mut high }) = middle;
     }
     0.5 * (low + high)
 }
@@ -200,7 +194,7 @@ impl Inputs {
     /// # Errors
     /// The first input that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        InputRows::all().try_for_each(|row| row.check(self))
+        inputs::<_, ()>().try_for_each(|input| input.check(self))
     }
 }
 

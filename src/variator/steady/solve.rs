@@ -12,6 +12,7 @@ use crate::solver::{State, View};
 use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use crate::variator::settings::Inputs;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::tuning::{
@@ -158,7 +159,9 @@ pub(super) fn cold_start(
     speeds: PerPulley<f64>,
 ) -> Result<State, GeometryError> {
     let belt = &system.belt;
-    let pushes = system.parameters.pushes([task.ratio, speeds.primary]);
+    let pushes = system
+        .parameters
+        .closing_forces(&Inputs::ZERO, [task.ratio, speeds.primary]);
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
