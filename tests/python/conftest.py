@@ -146,9 +146,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Removes the second tier. pytest prints how many tests that are."""
+    """Removes the second tier, and pytest prints how many tests that are; or runs files with such tests first, so that the processes end
+    together."""
+    second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
+    long = {one.path for one in second}
+    items.sort(key=lambda one: one.path not in long)
     if config.getoption("--first-tier"):
-        second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
         config.hook.pytest_deselected(items=second)
         items[:] = [one for one in items if one not in second]
 
