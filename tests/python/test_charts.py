@@ -145,3 +145,8 @@ def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
     outputs = {f"{p}.radius": curve.radius(p) - pitch + 2e-4 for p in ("primary", "secondary")}
     offset = belt_view.belt_offset(BeltState(outputs, Profile(position, none, none, none, outward, none, none)), curve, pitch)
     assert set(np.round(offset, 9)) == {1e-4, 3e-4}
+
+
+def test_the_lowest_of_stacked_panels_has_the_x_label() -> None:
+    rows = [(title, [Series(title, [0.0, 1.0], [0.0, 1.0])], {}) for title in "ab"]
+    assert [panel.x_label for panel in charts.stack(rows, "time (s)")] == ["", "time (s)"]

@@ -18,7 +18,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
 from pushbelt.fmu.load_cases import NotFoundError, find_load
-from pushbelt.fmu.results import Trace, intervals
+from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, SteadyState, Trace, intervals
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
@@ -105,6 +105,20 @@ def test_events_that_do_not_occur_are_shown() -> None:
     slip = np.where(trace.time > 8.505, 0.5, 0.01)
     found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
     assert [event.name for event in found if not event.occurred] == ["Recovery"], "persistent slip"
+
+
+def test_push_force_must_build_up_and_decay() -> None:
+    curve = data.curve_of(BENCH, 0.0)
+    position = np.linspace(0.0, curve.length, 500)
+
+    def passes(*at_borders: float) -> bool:
+        fields = [np.interp(position, curve.borders, at_borders), *[np.zeros(500)] * 5]
+        state = SteadyState({"reference.theta": 0.0}, Profile(position, *fields), 0.0)
+        return events._push_force_gains((LoadCaseResult(LoadCase("medium", 0.0, 100.0, 1e4), state, 0.0),), BENCH).passed
+
+    assert passes(5e2, 0.0, 0.0, 1e3, 1e3, 5e2)
+    assert not passes(5e2, 0.0, 1.3e3, 1e3, 1e3, 5e2), "it only decays"
+    assert not passes(5e2, 1.3e3, 0.0, 1e3, 1e3, 5e2), "it only builds up"
 
 
 def test_intervals_close_small_gaps() -> None:

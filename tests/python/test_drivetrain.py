@@ -124,6 +124,10 @@ def test_locked_engine_follows_the_pulley() -> None:
         clutch = powertrain.advance(40.0, pulley, STEP)
     assert powertrain.locked and powertrain.speed == pytest.approx(pulley, abs=1.0)
     assert clutch == pytest.approx(40.0 - 20.0 * CAR.engine_inertia, abs=1.5)
+    # Below another speed than that at which it locks, it opens.
+    for pulley, locked in ((95.0, True), (85.0, False)):
+        powertrain.advance(0.0, pulley, STEP)
+        assert powertrain.locked == locked
 
 
 def test_driver_follows_a_ramp() -> None:

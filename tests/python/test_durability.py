@@ -150,7 +150,9 @@ def test_more_clamping_costs_more_and_bending_stays(tmp_path: Path) -> None:
 def test_classes_share_all_damage(tmp_path: Path) -> None:
     columns = run()
     columns |= {"ratio.geometric": np.linspace(0.5, 2.0, 101), "primary.shaftTorque": np.linspace(20.0, -150.0, 101)}
+    columns[AMPLITUDE.format("primary")] = np.linspace(2e8, 5e8, 101)
     found = computed(tmp_path / "a.csv", columns)
+    assert 0.0 < found.total < 0.99 * found.total_without_limit
     for kind in ("ratio", "torque", "speed of the ring"):
         shares = [found.share(one.rows) for one in found.classes() if one.kind == kind]
         assert len(shares) >= 3 and sum(shares) == pytest.approx(1.0)

@@ -56,8 +56,9 @@ def test_a_model_is_about_the_requested_point(coarse: Variator) -> None:
 def test_loads_are_those_that_act(fmu: Path) -> None:
     held = {**COARSE, "secondary.drive": "Speed", "primary.axial": "Held"}
     with Variator("bench168", held, fmu=fmu) as variator:
-        model = variator.linearize(1.0, 40.0, force=9e3, frequency=200.0)
+        model = variator.linearize(0.7, 40.0, force=9e3, frequency=200.0)
     assert model.inputs == ("primary.torque", "secondary.speedSetpoint", "secondary.clampingForce")
+    assert model.values["primary.speed"] == pytest.approx(200.0, rel=1e-5), "the set point has the slip of the point"
     assert model.units["secondary.speedSetpoint"] == "rad/s"
     assert model.held["secondary.speedSetpoint"] == pytest.approx(model.values["secondary.speed"], rel=1e-6)
 

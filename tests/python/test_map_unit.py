@@ -50,6 +50,19 @@ def test_both_versions_are_valid_and_agree(map_fmu: Path, map_fmu3: Path) -> Non
     assert np.ptp(results[0][0]) > 0.01
 
 
+def test_an_array_from_maps_runs_backwards_as_forwards() -> None:
+    """Each has the states of one that runs alone, the other way round."""
+    found = []
+    for signs in ([1.0], [1.0, -1.0]):
+        variators, sign = MapVariator(count=len(signs)), np.array(signs)
+        variators.start(1.2, 200.0 * sign)
+        for _ in range(20):
+            variators.step(0.01, 60.0 * sign, -58.0 * sign, 14e3, 10e3)
+        found += np.transpose([variators.ratio, sign * variators.primary_speed, sign * variators.secondary_speed]).tolist()
+    assert found[1] == pytest.approx(found[0], rel=1e-12) and found[2] == pytest.approx(found[0], rel=1e-12)
+    assert abs(found[0][0] - 1.2) > 0.01
+
+
 def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -> None:
     """Other tables need another token; those that are put back have the first one."""
     with zipfile.ZipFile(map_fmu) as archive:

@@ -117,6 +117,7 @@ HABITS = {
     "remarks": "# rig 3\n#; made by hand\n" + joined([TITLES, *rows_of()]).replace("\n", "\n# between\n", 2),
     "header in a remark": "# rig 3\n# " + joined([TITLES, *rows_of()]),
     "preamble": "Rig;3\nOperator;N. N.\n\n" + joined([TITLES, *rows_of(",")], ";"),
+    "as many names with another separator": "; ".join(COLUMNS) + "\n" + joined([TITLES, *rows_of()], "\t"),
     "title over two lines": joined([['"primary.speed\n[rpm]"' if "n_P" in t else t for t in TITLES], *rows_of()]),
     "per cent in the cells": joined([[t.replace(" [%]", "") for t in MEASURED], *([*r[:5], r[5] + "%", r[6] + " %"] for r in LONG)]),
     "per cent without a sign": joined([[*MEASURED[:5], "Schlupf", "Wirkungsgrad"], *LONG]),

@@ -1,4 +1,4 @@
-"""The drive report: one self-contained HTML file."""
+"""The drive report, one self-contained HTML file: figures of merit of the runs, and their figures."""
 
 from __future__ import annotations
 
