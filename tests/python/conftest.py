@@ -96,12 +96,6 @@ def pip_of(python: Path) -> list[str | Path]:
     return [sys.executable, "-m", "pip", "--python", python, "--quiet", "--disable-pip-version-check"]
 
 
-def needs(package: str) -> None:
-    """Skips a test whose package has no wheel for this Python and machine."""
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} has no wheel for this Python and machine")
-
-
 @pytest.fixture(scope="module")
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A cache of the tests of a module."""

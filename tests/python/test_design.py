@@ -116,14 +116,11 @@ def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], te
 def test_study_refuses_a_design(fmu: Path, columns: tuple[str, ...], row: tuple[float, ...], why: str) -> None:
     with pytest.raises(ValueError, match=re.escape(why)):
         Study(fmu, variator("bench168"), Design("list", columns, (row,)))
-
-
-@pytest.mark.parametrize(("name", "value"), [("belt.colour", 1.0), ("initial.ratio", 2.0), ("belt.play", math.nan)])
-@pytest.mark.parametrize("grid", [Grid(), Design("list", ("utilisation",), ((0.5,),))])
-def test_study_refuses_parameters(fmu: Path, grid: Grid | Design, name: str, value: float) -> None:
-    """Unknown, set by the points, not finite."""
-    with pytest.raises(ValueError, match=name):
-        Study(fmu, {**variator("bench168"), name: value}, grid)
+    # Parameters that are unknown, set by the points, not finite.
+    for name, value in (("belt.colour", 1.0), ("initial.ratio", 2.0), ("belt.play", math.nan)):
+        for grid in (Grid(), Design("list", ("utilisation",), ((0.5,),))):
+            with pytest.raises(ValueError, match=name):
+                Study(fmu, {**variator("bench168"), name: value}, grid)
 
 
 def test_a_point_follows_from_its_own_parameters() -> None:

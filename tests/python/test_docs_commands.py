@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import page_programs
 import pytest
 
 from pushbelt import cli
@@ -19,7 +18,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "READ
 TOOL = (ROOT / "fmu-build" / "src" / "commands" / "program.rs").read_text(encoding="utf-8")
 
 sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
-reference = importlib.import_module("book")
+reference, page_programs = map(importlib.import_module, ("book", "page_programs"))
 
 
 def modules() -> dict[tuple[str, str], str]:

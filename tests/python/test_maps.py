@@ -137,7 +137,7 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
     assert np.max(np.abs(by_torque - by_law)[maps.valid] / power[maps.valid]) < 2e-3
 
 
-@pytest.mark.parametrize("place", [(1, 0, 2, 3), (0, 1, 0, 4)])
+@pytest.mark.parametrize("place", [(0, 0, 1, 4), (0, 1, 0, 4), (1, 0, 2, 3), (1, 1, 1, 1)])
 def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps, place: tuple[int, ...]) -> None:
     """Lines are measured without the drag of the shafts, which the maps add: at the torque of a point."""
     torque = maps["primaryTorque"][place]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pictures
 import pytest
 import reports
 from conftest import ROOT
@@ -19,6 +19,9 @@ from pushbelt.fmu.results import BeltState, Profile
 from pushbelt.report import belt_view, charts, style
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.report.page import write_html
+
+sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
+import pictures  # noqa: E402
 
 X = np.linspace(0.0, 1800.0, 50)
 NARROW = [

@@ -95,7 +95,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     # The variant is as `cargo fmu test --all` has compiled it, for AVX2.
     fast = Path(shutil.copy(built(["--workspace", "--exclude=fmu-build"], "lag")["lag"], folder / "Lag-avx2.so"))
     flags = {"CARGO_TARGET_DIR": str(ROOT / "target" / "variant"), "CARGO_ENCODED_RUSTFLAGS": "", "PUSHBELT_VARIANT": hash_of(fast.read_bytes())}
-    return Path(shutil.copy(built(["--release", "--package=pushbelt-fmi"], "lag", **flags)["lag"], folder / "Lag.so")), fast
+    return Path(shutil.copy(built(["--profile=tool", "--package=pushbelt-fmi"], "lag", **flags)["lag"], folder / "Lag.so")), fast
 
 
 @pytest.fixture

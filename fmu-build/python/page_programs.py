@@ -1,5 +1,5 @@
 """Programs of the book's pages with what they print. `PUSHBELT_FMU=target/PushbeltVariator.fmu PYTHONPATH=python target/venv/bin/python
-tests/python/page_programs.py` renews the pages."""
+fmu-build/python/page_programs.py` renews the pages."""
 
 from __future__ import annotations
 

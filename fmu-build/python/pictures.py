@@ -1,4 +1,4 @@
-"""Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python tests/python/pictures.py demo`; the same for paper,
+"""Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python fmu-build/python/pictures.py demo`; the same for paper,
 validate and drive.
 
 It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
@@ -11,10 +11,12 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import reports
 from playwright.sync_api import Browser
 
 ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT / "python"), str(ROOT / "tests" / "python")]
+import reports  # noqa: E402
+
 WIDTH, HEIGHT = 1206, 1090  # Size of the part of the page, px
 MARGIN = 50  # Empty height above the belt that is left out, px
 FIGURES = {
