@@ -61,20 +61,12 @@ pub fn set(environment: Environment) {
 
 /// Runs calls of a host in its environment, and checks that they leave it as it is. `calls` computes nothing itself.
 pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
-    /// Sets the default again, after a panic too.
-    struct Reset;
-    impl Drop for Reset {
-        fn drop(&mut self) {
-            set(DEFAULT);
-        }
-    }
-    let reset = Reset;
     set(host);
-    let result = not_inlined(calls);
+    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| not_inlined(calls)));
     let after = present();
-    drop(reset);
+    set(DEFAULT);
     assert_eq!(after, host, "the environment after the calls");
-    result
+    result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// A function of its own, so that no arithmetic moves out of it.

@@ -164,9 +164,9 @@ pub struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
-    pub fn of(token: &'a CStr) -> Self {
+    pub fn of(texts: [Option<&'a CStr>; 3]) -> Self {
         Self {
-            texts: [Some(c"instance"), Some(token), None],
+            texts,
             debug: false,
             kind: 1,
             handles: Handles::default(),
@@ -278,7 +278,7 @@ impl<U: Unit> Importer<U> {
         let arguments = Arguments {
             debug: version == Three,
             handles,
-            ..Arguments::of(&token)
+            ..Arguments::of([Some(c"instance"), Some(&token), None])
         };
         let importer = Self::with(version, &arguments);
         assert!(!importer.c.is_null(), "{}", importer.last());

@@ -102,9 +102,7 @@ fn wrong_bytes_are_refused_and_change_nothing() {
     for version in BOTH {
         let importer = running(version);
         let bytes = importer.bytes();
-        let refuses = |bytes: &[u8], why: &str| {
-            importer.assert(importer.read_bytes(bytes), Err(Error), why);
-        };
+        let refuses = |bytes: &[u8], why: &str| importer.assert(importer.read_bytes(bytes), Err(Error), why);
         let damaged = |at: usize| {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x10;
@@ -137,8 +135,7 @@ fn wild_numbers_in_a_stored_state_are_refused() {
     let forged = |at: usize, number: f64| {
         let mut bytes = good[..content].to_vec();
         bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
-        let checksum = hash::of_words(&bytes);
-        bytes.extend(checksum.to_le_bytes());
+        bytes.extend(hash::of_words(&bytes).to_le_bytes());
         importer.continue_from(&bytes)
     };
     let places = |number: f64| -> Vec<usize> {
