@@ -6,7 +6,7 @@ use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::{BOTH, Handles, experiment};
+use crate::importer::{BOTH, Handles, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -108,6 +108,8 @@ fn wrong_bytes_are_refused_and_change_nothing() {
             damaged[at] ^= 0x10;
             damaged
         };
+        let guid = hash::of_bytes(token::<Tank>(Two).as_bytes());
+        assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
         refuses(&damaged(8), "version");
