@@ -160,6 +160,15 @@ fn an_unusable_file_is_an_error_that_names_it() {
     importer.assert_logged("not a file");
 }
 
+#[test]
+fn data_come_from_the_first_folder_that_has_them() {
+    let token = token::<Tank>(Two);
+    let at = |location| Arguments::of([Some(c"instance"), Some(&*token), Some(location)]);
+    assert_refused(Two, &at(c"file:///a/none"), "there are no data");
+    // It may be percent-encoded or not.
+    assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
+}
+
 /// A copy of the FMU with start values has a token of its own, and does not start without them.
 #[test]
 fn a_copy_with_start_values_needs_its_file() {

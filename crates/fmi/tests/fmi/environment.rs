@@ -46,6 +46,15 @@ pub fn present() -> Environment {
     found
 }
 
+/// The present environment is the default one, but for flags of calculations.
+pub fn assert_default() {
+    let found = present();
+    assert_eq!(
+        (found.mxcsr & !0x3f, found.x87, found.flags),
+        (DEFAULT.mxcsr, DEFAULT.x87, 0)
+    );
+}
+
 pub fn set(environment: Environment) {
     let mut x87 = [0_u32; 7];
     // SAFETY: the instructions read and write what is given. What runs until the former environment is set again are calls of C functions.
