@@ -4,6 +4,7 @@
 #![allow(unsafe_code, reason = "it calls C functions")]
 
 mod derivatives;
+#[allow(dead_code, reason = "it has more than these tests use")]
 #[cfg(target_arch = "x86_64")]
 #[path = "../../crates/fmi/tests/fmi/environment.rs"]
 mod environment;

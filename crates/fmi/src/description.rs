@@ -102,18 +102,14 @@ fn default_experiment(identity: &Identity) -> Element {
 
 /// A unit, with its display units.
 fn unit_definition(unit: &UnitDefinition) -> Element {
-    let exponents = unit.exponents.iter();
-    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, exponent)| {
-        base.with(name, exponent)
-    });
-    let display = unit.display.iter().map(|(name, factor)| {
+    let (exponents, display) = (unit.exponents.iter(), unit.display.iter());
+    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| base.with(name, value));
+    let display = display.map(|(name, factor)| {
         let display = Element::new("DisplayUnit").with("name", name);
         display.with("factor", Number(*factor))
     });
-    Element::new("Unit")
-        .with("name", unit.name)
-        .child(base)
-        .children(display)
+    let unit = Element::new("Unit").with("name", unit.name);
+    unit.child(base).children(display)
 }
 
 fn type_definition(version: Version, enumeration: &Enumeration) -> Element {

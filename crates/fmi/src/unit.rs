@@ -193,7 +193,7 @@ pub trait Unit: Clone + Sized {
         None
     }
 
-    /// The communication step is shortened: it ends at the time `to`, s, which is not before the present.
+    /// The communication step is shortened: it ends at the time `to`, s, or at the present if that is later.
     fn end_at(&mut self, _to: f64, _step: &mut Self::Step) {}
 
     /// Ends the communication step at the present time.

@@ -36,8 +36,7 @@ pub(crate) unsafe fn create<U: Unit>(
 ) -> *mut c_void {
     contain(ptr::null_mut(), || {
         let texts = texts.map(|pointer| text(pointer).map_err(|error| error.to_string()));
-        let name = texts[0].as_ref().ok().cloned().flatten().unwrap_or_default();
-        let sink = messages(&name);
+        let sink = messages(texts[0].as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
         let function = match version {
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
@@ -54,12 +53,8 @@ pub(crate) unsafe fn create<U: Unit>(
                 report(Status::Warning, Category::Warning, warning);
             }
         }
-        let (master, start) = match started {
-            Ok(started) => started,
-            Err(why) => {
-                report(Status::Error, Category::Error, &why);
-                return ptr::null_mut();
-            }
+        let Ok((master, start)) = started.map_err(|why| report(Status::Error, Category::Error, &why)) else {
+            return ptr::null_mut();
         };
         let log = Log::new(version, sink, debug);
         if let Some((status, category, text)) = dispatch::remark() {
@@ -116,12 +111,7 @@ fn start<U: Unit>(
 
 /// The settings of a new instance with the data of the first folder that has them.
 fn load<U: Unit>(folders: &[PathBuf]) -> Result<U::Settings, String> {
-    let mut refused = None;
-    for folder in folders {
-        match U::load(Some(folder)) {
-            Ok(found) => return Ok(found),
-            Err(why) => refused = refused.or(Some(why)),
-        }
-    }
-    refused.map_or_else(|| U::load(None), Err)
+    let mut found = folders.iter().map(|folder| U::load(Some(folder)));
+    let first = found.next().unwrap_or_else(|| U::load(None));
+    first.or_else(|why| found.find_map(Result::ok).ok_or(why))
 }

@@ -203,17 +203,13 @@ mod tests {
         });
         let own = || INSTANCES[0].load(SeqCst);
         assert_eq!(own(), 1);
-        let free_it = || {
-            // SAFETY: it is from `create`.
-            unsafe {
-                free(c, "free", |found, _| {
-                    assert_eq!(found, instance);
-                    freed.set(freed.get() + 1);
-                });
-            }
-        };
         // SAFETY: it is from `create`, and null is legal.
         unsafe {
+            let free_it = || {
+                free(c, "free", |found, _| {
+                    freed.set(freed.get() + u8::from(found == instance))
+                })
+            };
             on(c, "call", |_, _| free_it());
             assert_eq!((freed.get(), own()), (0, 1));
             free_it();

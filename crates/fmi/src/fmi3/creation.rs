@@ -1,7 +1,9 @@
 //! Creation of an instance.
 
-use libc::c_int;
+use std::collections::BTreeSet;
 use std::ptr;
+
+use libc::c_int;
 
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::{c_string, create};
@@ -65,22 +67,18 @@ pub(super) unsafe fn instantiate<U: Unit>(
 /// them. The others are a warning: some masters name all outputs, and access is refused.
 fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
-    let (mut usable, mut others, mut sets_inputs) = (Vec::new(), Vec::new(), false);
-    for &reference in required {
+    let (mut usable, mut sets_inputs) = (Vec::new(), false);
+    // A master may name a variable more than once.
+    for reference in required.iter().copied().collect::<BTreeSet<_>>() {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
             ));
         };
-        // A master may name a variable more than once.
-        if usable.contains(&reference) || others.contains(&reference) {
-            continue;
-        }
         if variable.is_intermediate() {
             usable.push(reference);
             sets_inputs |= variable.causality == Causality::Input;
         } else {
-            others.push(reference);
             warnings.push(format!(
                 "{} can't be set or read in intermediate update mode: only real inputs and outputs can",
                 variable.name

@@ -13,11 +13,9 @@ use crate::hash;
 const VERSION: u32 = 16;
 
 /// The first bytes of a stored state of the FMU with this GUID.
-fn head(guid: &str) -> [u8; 28] {
-    let mut head = *b"FMUstate....................";
-    head[8..12].copy_from_slice(&VERSION.to_le_bytes());
-    head[12..].copy_from_slice(&hash::of_bytes(guid.as_bytes()).to_le_bytes());
-    head
+fn head(guid: &str) -> Vec<u8> {
+    let guid = hash::of_bytes(guid.as_bytes());
+    [&b"FMUstate"[..], &VERSION.to_le_bytes(), &guid.to_le_bytes()].concat()
 }
 
 /// The content as a stored state of the FMU with this GUID.
@@ -40,7 +38,7 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// The reason, as a sentence.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
-    let Some(rest) = bytes.strip_prefix(&head(guid)) else {
+    let Some(rest) = bytes.strip_prefix(&*head(guid)) else {
         return Err(format!(
             "these bytes are not a stored state of the FMU with the GUID {guid} in version {VERSION} of the layout"
         ));

@@ -187,7 +187,7 @@ impl<U: Unit> StepInProgress<U> {
     /// Shortens it: it ends at a time of the unit, s, or at the present one if that is later.
     fn end_at(&mut self, unit: &mut U, time: f64) {
         if time < self.end.elapsed {
-            self.to = self.to.min(time.max(unit.time()));
+            self.to = self.to.min(time);
             unit.end_at(self.to, &mut self.step);
             self.shortened = true;
         }

@@ -11,53 +11,43 @@ use pushbelt_fmi::start_file::FILE;
 use crate::importer::{Arguments, BOTH, experiment, token};
 use crate::tank::*;
 
-fn function(version: Version) -> &'static str {
-    match version {
-        Two => "fmi2Instantiate: ",
-        Three => "fmi3InstantiateCoSimulation: ",
-    }
-}
-
 /// There is no instance, for this reason.
 fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
     let importer = Importer::with(version, arguments);
     assert!(importer.c.is_null(), "{why}");
     importer.assert_logged(why);
-    importer.assert_logged(function(version));
+    importer.assert_logged(match version {
+        Two => "fmi2Instantiate: ",
+        Three => "fmi3InstantiateCoSimulation: ",
+    });
 }
 
 #[test]
 fn an_instance_needs_a_name_the_right_token_and_kind() {
+    let name = Some(c"tank");
     for version in BOTH {
         let right = token::<Tank>(version);
-        let of = |name, token| Arguments {
-            texts: [name, token, None],
-            ..Arguments::of(&right)
-        };
-        let name = Some(c"tank");
-        assert_refused(version, &of(None, Some(&right)), "the instance name is missing");
-        assert_refused(version, &of(Some(c""), Some(&right)), "the instance name is missing");
-        assert_refused(version, &of(name, None), " is missing");
-        assert_refused(version, &of(name, Some(c"{0}")), " {0} is not that of this binary");
-        // What is not UTF-8 in a text is replaced.
-        assert_refused(version, &of(name, Some(c"a\xffb")), "a\u{fffd}b is not that");
-        let importer = Importer::with(version, &of(name, Some(&right)));
+        for (name, token, why) in [
+            (None, Some(&*right), "the instance name is missing"),
+            (Some(c""), Some(&right), "the instance name is missing"),
+            (name, None, " is missing"),
+            (name, Some(c"{0}"), " {0} is not that of this binary"),
+            // What is not UTF-8 in a text is replaced.
+            (name, Some(c"a\xffb"), "a\u{fffd}b is not that"),
+        ] {
+            assert_refused(version, &Arguments::of([name, token, None]), why);
+        }
+        let importer = Importer::with(version, &Arguments::of([name, Some(&right), None]));
         assert!(!importer.c.is_null() && importer.last().is_empty());
     }
-    let two = token::<Tank>(Two);
-    let exchange = Arguments {
-        kind: 0,
-        ..Arguments::of(&two)
-    };
+    let [two, three] = BOTH.map(token::<Tank>);
+    let mut exchange = Arguments::of([name, Some(&two), None]);
+    exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
-    let three = token::<Tank>(Three);
-    let mut of_three = Arguments::of(&three);
+    let mut of_three = Arguments::of([name, Some(&three), None]);
     of_three.handles.required = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
-    let blank = Arguments {
-        texts: [Some(c" "), Some(&three), None],
-        ..Arguments::of(&three)
-    };
+    let blank = Arguments::of([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");
 }
 
@@ -68,21 +58,12 @@ fn a_text_without_end_is_refused() {
     let longest = CStr::from_bytes_with_nul(&long.as_bytes_with_nul()[1..]).expect("a zero at the end");
     for version in BOTH {
         let right = token::<Tank>(version);
-        let texts = [Some(c"instance"), Some(&*right), None];
         for which in 0..3 {
-            let mut texts = texts;
+            let mut texts = [Some(c"instance"), Some(&right), None];
             texts[which] = Some(&long);
-            let arguments = Arguments {
-                texts,
-                ..Arguments::of(&right)
-            };
-            assert_refused(version, &arguments, "a text has more than 1048576 bytes");
+            assert_refused(version, &Arguments::of(texts), "a text has more than 1048576 bytes");
         }
-        let arguments = Arguments {
-            texts: [Some(longest), Some(&right), None],
-            ..Arguments::of(&right)
-        };
-        let importer = Importer::with(version, &arguments);
+        let importer = Importer::with(version, &Arguments::of([Some(longest), Some(&right), None]));
         assert!(!importer.c.is_null(), "{}", importer.last());
         importer.assert(importer.log(true, &[&long]), Error, "1048576 bytes");
         importer.assert(importer.log(true, &[c"logEvents", longest]), Error, "no log category");
@@ -108,12 +89,10 @@ impl Resources {
             Three => path.to_owned(),
         };
         let location = CString::new(location).expect("no zero inside");
-        let arguments = Arguments {
-            texts: [Some(c"instance"), Some(token), Some(&location)],
-            debug: true,
-            ..Arguments::of(token)
-        };
-        Importer::with(version, &arguments)
+        Importer::with(
+            version,
+            &Arguments::of([Some(c"instance"), Some(token), Some(&location)]),
+        )
     }
 
     fn write(&self, content: impl AsRef<[u8]>) {
@@ -181,6 +160,15 @@ fn an_unusable_file_is_an_error_that_names_it() {
     importer.assert_logged("not a file");
 }
 
+#[test]
+fn data_come_from_the_first_folder_that_has_them() {
+    let token = token::<Tank>(Two);
+    let at = |location| Arguments::of([Some(c"instance"), Some(&*token), Some(location)]);
+    assert_refused(Two, &at(c"file:///a/none"), "there are no data");
+    // It may be percent-encoded or not.
+    assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
+}
+
 /// A copy of the FMU with start values has a token of its own, and does not start without them.
 #[test]
 fn a_copy_with_start_values_needs_its_file() {
@@ -203,13 +191,11 @@ fn a_copy_with_start_values_needs_its_file() {
         importer.assert_logged(resources.0.to_str().expect("UTF-8"));
         let long = text(format!("file:///tmp/{}", "x".repeat(5000)));
         for (location, why) in [(c"", ""), (c"http://a/b", "is not a file: URI"), (&long, "")] {
-            let at = |token| Arguments {
-                texts: [Some(c"instance"), Some(token), Some(location)],
-                debug: true,
-                ..Arguments::of(token)
-            };
-            assert_refused(version, &at(&copy), "this copy of the FMU has start values of its own");
-            let importer = Importer::with(version, &at(&text(token.clone())));
+            let mut arguments = Arguments::of([Some(c"instance"), Some(&copy), Some(location)]);
+            assert_refused(version, &arguments, "this copy of the FMU has start values of its own");
+            let original = text(token.clone());
+            (arguments.texts[1], arguments.debug) = (Some(&*original), true);
+            let importer = Importer::with(version, &arguments);
             assert!(!importer.c.is_null(), "a location that cannot be searched is skipped");
             importer.assert_logged(why);
         }
@@ -219,7 +205,8 @@ fn a_copy_with_start_values_needs_its_file() {
 #[test]
 fn errors_are_logged_always_and_the_rest_on_request() {
     for version in BOTH {
-        let importer = Importer::with(version, &Arguments::of(&token::<Tank>(version)));
+        let arguments = [Some(c"instance"), Some(&*token::<Tank>(version)), None];
+        let importer = Importer::with(version, &Arguments::of(arguments));
         let taken = || std::mem::take(&mut *importer.record.messages.borrow_mut());
         // In FMI 2.0 warnings and discarded values are no debug messages.
         let quiet = version == Three;

@@ -46,6 +46,15 @@ pub fn present() -> Environment {
     found
 }
 
+/// The present environment is the default one, but for flags of calculations.
+pub fn assert_default() {
+    let found = present();
+    assert_eq!(
+        (found.mxcsr & !0x3f, found.x87, found.flags),
+        (DEFAULT.mxcsr, DEFAULT.x87, 0)
+    );
+}
+
 pub fn set(environment: Environment) {
     let mut x87 = [0_u32; 7];
     // SAFETY: the instructions read and write what is given. What runs until the former environment is set again are calls of C functions.
@@ -61,20 +70,12 @@ pub fn set(environment: Environment) {
 
 /// Runs calls of a host in its environment, and checks that they leave it as it is. `calls` computes nothing itself.
 pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
-    /// Sets the default again, after a panic too.
-    struct Reset;
-    impl Drop for Reset {
-        fn drop(&mut self) {
-            set(DEFAULT);
-        }
-    }
-    let reset = Reset;
     set(host);
-    let result = not_inlined(calls);
+    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| not_inlined(calls)));
     let after = present();
-    drop(reset);
+    set(DEFAULT);
     assert_eq!(after, host, "the environment after the calls");
-    result
+    result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// A function of its own, so that no arithmetic moves out of it.

@@ -31,13 +31,11 @@ pub const TIME: u32 = 0;
 /// Status, category, text.
 pub type Message = (c_int, String, String);
 
-/// Arguments of the callback in intermediate update mode.
+/// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and an early return be requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     pub time: f64,
-    /// Whether inputs may be set.
     pub set: bool,
-    /// Whether an early return may be requested.
     pub can_return: bool,
 }
 
@@ -164,9 +162,9 @@ pub struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
-    pub fn of(token: &'a CStr) -> Self {
+    pub fn of(texts: [Option<&'a CStr>; 3]) -> Self {
         Self {
-            texts: [Some(c"instance"), Some(token), None],
+            texts,
             debug: false,
             kind: 1,
             handles: Handles::default(),
@@ -210,7 +208,6 @@ pub struct Importer<U: Unit> {
     pub version: Version,
     pub c: *mut c_void,
     pub record: Rc<Record>,
-    /// Whether it goes through event mode.
     events: bool,
     /// Whether the instance is freed with this.
     owned: bool,
@@ -278,18 +275,18 @@ impl<U: Unit> Importer<U> {
         let arguments = Arguments {
             debug: version == Three,
             handles,
-            ..Arguments::of(&token)
+            ..Arguments::of([Some(c"instance"), Some(&token), None])
         };
         let importer = Self::with(version, &arguments);
         assert!(!importer.c.is_null(), "{}", importer.last());
         importer
     }
 
-    /// From instantiated to step mode, by way of event mode if the importer handles events.
     pub fn start(&self) {
         self.start_at(0.0);
     }
 
+    /// From instantiated to step mode, by way of event mode if the importer handles events.
     pub fn start_at(&self, time: f64) {
         assert_eq!(self.enter(experiment(time, None)), Done, "{}", self.last());
         assert_eq!(self.exit(), Done, "{}", self.last());

@@ -6,7 +6,7 @@ use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::{BOTH, Handles, experiment};
+use crate::importer::{BOTH, Handles, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -102,14 +102,14 @@ fn wrong_bytes_are_refused_and_change_nothing() {
     for version in BOTH {
         let importer = running(version);
         let bytes = importer.bytes();
-        let refuses = |bytes: &[u8], why: &str| {
-            importer.assert(importer.read_bytes(bytes), Err(Error), why);
-        };
+        let refuses = |bytes: &[u8], why: &str| importer.assert(importer.read_bytes(bytes), Err(Error), why);
         let damaged = |at: usize| {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x10;
             damaged
         };
+        let guid = hash::of_bytes(token::<Tank>(Two).as_bytes());
+        assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
         refuses(&damaged(8), "version");
@@ -137,8 +137,7 @@ fn wild_numbers_in_a_stored_state_are_refused() {
     let forged = |at: usize, number: f64| {
         let mut bytes = good[..content].to_vec();
         bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
-        let checksum = hash::of_words(&bytes);
-        bytes.extend(checksum.to_le_bytes());
+        bytes.extend(hash::of_words(&bytes).to_le_bytes());
         importer.continue_from(&bytes)
     };
     let places = |number: f64| -> Vec<usize> {
