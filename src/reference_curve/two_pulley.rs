@@ -109,22 +109,20 @@ impl TwoPulley {
 mod tests {
     use super::*;
 
-    fn curve() -> TwoPulley {
-        TwoPulley::new(0.168, 0.703)
-    }
-
+    /// Those that are published for a variator, and those of the paper.
     #[test]
     fn published_radii() {
-        let (r_p, r_s) = curve().radii(1.0).unwrap();
-        assert!((r_p - 0.05841).abs() < 1e-5 && (r_s - r_p).abs() < 1e-15);
-        let (r_p, r_s) = curve().radii(1.0 / 2.25).unwrap();
-        assert!((r_p - 0.07837).abs() < 1e-5 && (r_s - 0.03483).abs() < 1e-5);
+        for (distance, length, ratio, [primary, secondary], error) in [
+            (0.168, 0.703, 1.0, [0.05841; 2], 1e-5),
+            (0.168, 0.703, 1.0 / 2.25, [0.07837, 0.03483], 1e-5),
+            (0.2, 1.0, ratio_of_theta(0.4), [0.127_690, 0.054_724], 5e-7),
+        ] {
+            let (r_p, r_s) = TwoPulley::new(distance, length).radii(ratio).unwrap();
+            assert!(
+                (r_p - primary).abs() < error && (r_s - secondary).abs() < error,
+                "{r_p} {r_s}"
+            );
+        }
         assert!(TwoPulley::new(0.4, 0.703).radii(1.0).is_err());
-    }
-
-    #[test]
-    fn paper_radii() {
-        let (r_p, r_s) = TwoPulley::new(0.2, 1.0).radii(ratio_of_theta(0.4)).unwrap();
-        assert!((r_p - 0.127_690).abs() < 5e-7 && (r_s - 0.054_724).abs() < 5e-7);
     }
 }

@@ -26,8 +26,8 @@
 //! runs through it, so damping with the pointwise γ' excites waves as short as an element (at 57 m/s they grew by a
 //! factor of four in a millisecond). The mean is second-order accurate and dissipative in every motion.
 
+use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
-use super::parameters::Ring;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 

@@ -100,22 +100,20 @@ pub(crate) fn direction<T: Real>(speed: T) -> T {
 mod tests {
     use super::*;
 
-    const LAYERS: Layers = Layers {
-        count: 9,
-        thickness: 1.85e-4,
-        friction: 0.05,
-        width: 9.0e-3,
-        residual_curvature: 0.0,
-    };
-
     #[test]
     fn drag_is_on_the_smaller_pulley_and_vanishes_at_ratio_1() {
-        let [secondary, primary] = LAYERS.drag_shares([0.036, 0.072]);
+        let layers = Layers {
+            count: 9,
+            thickness: 1.85e-4,
+            friction: 0.05,
+            ..Layers::default()
+        };
+        let [secondary, primary] = layers.drag_shares([0.036, 0.072]);
         let expected = 0.05 * 1.85e-4 * 4.0 * (1.0 / 0.036 - 1.0 / 0.072);
         assert!((secondary / expected - 1.0).abs() < 0.005, "{secondary} {expected}");
         assert!(primary >= 0.0 && primary < 0.002 * secondary, "{primary}");
-        assert_eq!(LAYERS.drag_shares([0.072, 0.036]), [primary, secondary]);
-        let near = LAYERS.drag_shares([0.058, 0.058 * 1.0001]);
+        assert_eq!(layers.drag_shares([0.072, 0.036]), [primary, secondary]);
+        let near = layers.drag_shares([0.058, 0.058 * 1.0001]);
         assert!(near[0] < 1e-4 * secondary, "{near:?}");
     }
 }

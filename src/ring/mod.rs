@@ -5,9 +5,30 @@ pub mod joints;
 pub mod kinematics;
 pub mod layers;
 pub mod mesh;
-mod parameters;
 pub mod stress;
 
 pub use joints::Joints;
 pub use layers::Layers;
-pub use parameters::Ring;
+
+/// The ring sets, modelled as one beam.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ring {
+    /// Mass m_r per length, kg/m.
+    pub mass_per_length: f64,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: f64,
+    /// Bending stiffness EI_n in the plane of the drive, N·m².
+    pub bending_stiffness: f64,
+    /// Bending stiffness EI_b out of the plane of the drive, N·m²; used by rings that deflect in space.
+    pub lateral_bending_stiffness: f64,
+    /// Kelvin–Voigt damping time η of the axial strain, s.
+    pub damping: f64,
+}
+
+impl Ring {
+    /// EA η, N·s.
+    #[must_use]
+    pub fn viscosity(&self) -> f64 {
+        self.axial_stiffness * self.damping
+    }
+}

@@ -9,7 +9,6 @@
 pub mod arrow;
 mod broyden;
 pub mod continuation;
-pub mod differences;
 mod kernels;
 pub mod newton;
 pub mod scalar;

@@ -366,8 +366,7 @@ impl Newton {
                 self.rate = self.rate.max(off).max(f64::EPSILON).powf(AGEING);
                 self.rate
             } else {
-                let earlier = if iteration == 1 { 0.0 } else { self.rate };
-                self.rate = contraction.max(earlier);
+                self.rate = contraction.max(if iteration == 1 { 0.0 } else { self.rate });
                 (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;

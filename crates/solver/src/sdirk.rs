@@ -232,9 +232,8 @@ impl Sdirk {
         let mut repeats = false;
         loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
-            let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
-            let h = rest / ((rest - MIN_STEP) / preferred).ceil().max(1.0);
+            let h = rest / ((rest - MIN_STEP) / self.step.min(longest)).ceil().max(1.0);
             let outcome = self.solve(system, state.view(), *time, h);
             // A stage that is not solved has no error in bounds.
             let error = outcome.map_or(f64::INFINITY, |()| self.error(system, state.view(), h));

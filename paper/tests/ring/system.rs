@@ -1,7 +1,6 @@
 //! The equations of the ring alone: Jacobians against differences, and packs against their elements.
 
 use pushbelt::solver::System as _;
-use pushbelt::solver::differences::compare;
 use pushbelt_paper::reference_curve::TwoPulley;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
@@ -10,6 +9,7 @@ use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
 use pushbelt_paper_lab::RingSystem;
+use pushbelt_support::differences::compare;
 use pushbelt_support::noise;
 
 fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingFormulation<D, N>) {

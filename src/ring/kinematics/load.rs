@@ -1,10 +1,6 @@
 //! Forces at a point, and generalised forces of an element.
 
-use super::hermite::Hermite;
-use super::motion::{ElementMotion, Node};
-use super::point::RingPoint;
-use super::variation::RingVariation;
-use super::vectors::{embed, in_plane};
+use super::{ElementMotion, Hermite, Node, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
 

@@ -13,27 +13,48 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `vectors` | vectors in the plane of the drive and in space |
-//! | `hermite` | shape functions |
-//! | `motion` | motion of nodes, elements and the reference degrees of freedom |
+//! | `motion` | shape functions; motion of nodes, elements and the reference degrees of freedom |
 //! | `point` | the ring at a mesh point |
 //! | `variation` | the derivatives of a point in one direction |
 //! | `load` | forces at a point, and generalised forces of an element |
 
-mod hermite;
 mod load;
 mod motion;
 mod point;
 mod variation;
-mod vectors;
 
-pub use hermite::Hermite;
-pub use hermite::combine;
-pub use load::ElementLoad;
-pub use load::LineLoad;
-pub use motion::{ElementMotion, Node};
-pub use motion::{Motion, ReferenceMotion};
+pub use load::{ElementLoad, LineLoad};
+pub use motion::{ElementMotion, Hermite, Motion, Node, ReferenceMotion, combine};
 pub use point::RingPoint;
 pub use variation::RingVariation;
-pub use vectors::embed;
-pub use vectors::{in_plane, inward_normal};
+
+use crate::scalar::{Real, turn_right};
+use nalgebra::{SVector, Vector2};
+
+/// Components in the plane of the drive.
+#[inline(always)]
+pub fn in_plane<T: Real, const D: usize>(v: &SVector<T, D>) -> Vector2<T> {
+    Vector2::new(v[0], v[1])
+}
+
+/// A vector in the plane of the drive, extended to D components.
+#[inline(always)]
+pub fn embed<T: Real, const D: usize>(v: Vector2<T>) -> SVector<T, D> {
+    SVector::from_fn(|i, _| if i < 2 { v[i] } else { T::zero() })
+}
+
+/// a × b in space.
+#[inline(always)]
+fn cross<T: Real, const D: usize>(a: &SVector<T, D>, b: &SVector<T, D>) -> SVector<T, D> {
+    SVector::from_fn(|i, _| {
+        let (j, k) = ((i + 1) % D, (i + 2) % D);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+/// Inward normal n̂ of a curve of D components in the plane of the drive, ⊥ to the unit tangent `t`.
+#[inline(always)]
+pub fn inward_normal<T: Real, const D: usize>(t: &SVector<T, D>) -> SVector<T, D> {
+    let n = turn_right(in_plane(t));
+    embed(if D == 2 { n } else { n * n.dot(&n).sqrt().recip() })
+}

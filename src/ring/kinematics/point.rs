@@ -1,8 +1,6 @@
 //! The ring at a mesh point.
 
-use super::hermite::{Hermite, combine};
-use super::motion::{ElementMotion, ReferenceMotion};
-use super::vectors::{cross, embed, inward_normal};
+use super::{ElementMotion, Hermite, ReferenceMotion, combine, cross, embed, inward_normal};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;

@@ -1,9 +1,6 @@
 //! The derivatives of a point in one direction.
 
-use super::hermite::Hermite;
-use super::motion::{ElementMotion, Motion, ReferenceMotion};
-use super::point::RingPoint;
-use super::vectors::{cross, embed, in_plane};
+use super::{ElementMotion, Hermite, Motion, ReferenceMotion, RingPoint, cross, embed, in_plane};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::solver::differences::compare;
 use pushbelt::solver::{State, System};
 use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantSlopes};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
@@ -13,6 +12,7 @@ use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 
+use crate::differences::compare;
 use crate::noise;
 
 /// Time of the residual, s: the loads are constant.

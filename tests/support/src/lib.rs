@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod checks;
 pub mod curves;
+pub mod differences;
 pub mod disturbed;
 pub mod film;
 pub mod fingerprint;

@@ -77,12 +77,6 @@ impl Lanes {
     pub fn max(self, other: Self) -> Self {
         Self(other.0.fast_max(self.0))
     }
-
-    /// Whether all numbers are above `bound`.
-    #[inline(always)]
-    fn all_above(self, bound: f64) -> bool {
-        self.0.simd_gt(Pack::splat(bound)).all()
-    }
 }
 
 impl From<f64> for Lanes {
@@ -190,7 +184,7 @@ impl Real for Lanes {
         let per = 1.0 / delta;
         let size = Self(self.0.abs()) * per;
         // Most cells in the strands are far from the sheaves.
-        let [tail, inverse, logarithm] = if size.all_above(FAR) {
+        let [tail, inverse, logarithm] = if size.0.simd_gt(Pack::splat(FAR)).all() {
             [Self::from((-FAR).exp()), Self::one(), Self::from((-FAR).exp())]
         } else {
             soft_tail(size.min(Self::from(FAR)), |of| {

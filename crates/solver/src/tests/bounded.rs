@@ -40,17 +40,11 @@ fn a_step_without_error_control_is_one_with_it() {
     assert_eq!(first, second);
 }
 
-/// An oscillator that is far from its limit cycle.
-fn oscillator() -> (Test<VanDerPol, 1>, State) {
+/// Where a step of an oscillator far from its limit cycle leads with so much more work at a time, and how often it was open.
+fn in_parts(more: f64, stored: bool) -> (State, u32) {
     let mut system = Test::new(VanDerPol { damping: 1.0 });
     system.newton_scale = [1e-5];
-    let state = system.at([30.0], [0.0], [2.0]);
-    (system, state)
-}
-
-/// Where a step of the oscillator leads with so much more work at a time, and how often it was open.
-fn in_parts(more: f64, stored: bool) -> (State, u32) {
-    let (mut system, mut state) = oscillator();
+    let mut state = system.at([30.0], [0.0], [2.0]);
     let mut sdirk = bounded(&system, work(0.0));
     let start = state.clone();
     for open in 0..100 {

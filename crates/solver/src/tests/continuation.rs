@@ -26,7 +26,7 @@ fn settled<E: Equations<1>>(
     equations: E,
     [y, q]: [f64; 2],
     settings: &Settling,
-    longest_change: f64,
+    [longest_change, longest_step]: [f64; 2],
 ) -> ([f64; 2], Result<Settled, Settled>, usize) {
     let mut system = Test::new(equations);
     let mut newton = Newton::new(&system);
@@ -36,17 +36,15 @@ fn settled<E: Equations<1>>(
     let mut before_refusal = f64::INFINITY;
     let outcome = settle(&mut system, &mut newton, &mut state, settings, |_, trial| {
         let change = |a: &[f64], b: &[f64]| (a[first] - b[first]).abs();
-        assert!(
-            trial.step < before_refusal,
-            "the next step after one that was refused is shorter"
-        );
+        // After a step that was refused comes a shorter one.
+        assert!(trial.step < before_refusal && trial.step <= longest_step);
         if change(trial.after.y, trial.before.y).max(change(trial.after.q, trial.before.q)) > longest_change {
             refused += 1;
             before_refusal = trial.step;
             return None;
         }
         before_refusal = f64::INFINITY;
-        Some(f64::INFINITY)
+        Some(longest_step)
     });
     ([state.y[first], state.q[first]], outcome, refused)
 }
@@ -56,7 +54,8 @@ fn the_stable_branch_is_found_from_either_side() {
     for parameter in [1.0_f64, 1e-2, 1e-4] {
         let root = parameter.sqrt();
         for start in [30.0 * root, 2.0 * root, 0.5 * root, -0.5 * root] {
-            let ([y, _], outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, 0.5 * root);
+            let ([y, _], outcome, _) =
+                settled(Fold { parameter }, [start, 0.0], &SETTINGS, [0.5 * root, f64::INFINITY]);
             let report = outcome.unwrap();
             assert!((y - root).abs() < 1e-9 * root, "λ = {parameter}, from {start}: {y}");
             assert_eq!(report.step, SETTINGS.last_step);
@@ -68,7 +67,7 @@ fn the_stable_branch_is_found_from_either_side() {
 fn nothing_is_found_beyond_the_fold() {
     for parameter in [-1e-4, -1.0] {
         for start in [2.0, -2.0] {
-            let (_, outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, 0.1);
+            let (_, outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, [0.1, f64::INFINITY]);
             let report = outcome.unwrap_err();
             assert!(
                 report.solves == SETTINGS.max_solves || report.step < MIN_STEP,
@@ -84,19 +83,24 @@ fn an_arch_stands_until_it_snaps() {
     let edge = -1.0 / 3.0_f64.sqrt();
     let snap = (4.0 / 27.0_f64).sqrt();
     let load = 0.999 * snap;
-    let ([y, q], outcome, _) = settled(Arch { load }, [0.0, -1.0], &SETTINGS, 0.05);
+    let ([y, q], outcome, _) = settled(Arch { load }, [0.0, -1.0], &SETTINGS, [0.05, f64::INFINITY]);
     outcome.unwrap();
     assert!(y.abs() < 1e-9 && q < edge, "{y} {q}");
     assert!((q.powi(3) - q - load).abs() < 1e-9);
     // Just beyond it is found on the far one.
-    let ([y, q], outcome, _) = settled(Arch { load: 1.001 * snap }, [0.0, -1.0], &SETTINGS, 0.05);
+    let ([y, q], outcome, _) = settled(
+        Arch { load: 1.001 * snap },
+        [0.0, -1.0],
+        &SETTINGS,
+        [0.05, f64::INFINITY],
+    );
     outcome.unwrap();
     assert!(y.abs() < 1e-9 && q > 1.0, "{y} {q}");
 }
 
 #[test]
 fn who_refuses_every_step_ends_it() {
-    let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 0.0);
+    let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, [0.0, f64::INFINITY]);
     let report = outcome.unwrap_err();
     assert_eq!(y, 30.0);
     assert!(report.step < MIN_STEP && refused == report.solves, "{report:?}");
@@ -105,24 +109,18 @@ fn who_refuses_every_step_ends_it() {
 #[test]
 fn the_system_is_evaluated_at_the_time_that_was_set() {
     let settings = Settling { time: 3.0, ..SETTINGS };
-    let ([y, _], outcome, _) = settled(Fold { parameter: 1.0 }, [1.0, 0.0], &settings, 0.5);
+    let ([y, _], outcome, _) = settled(Fold { parameter: 1.0 }, [1.0, 0.0], &settings, [0.5, f64::INFINITY]);
     outcome.unwrap();
     assert!((y - 2.0).abs() < 1e-9, "{y}");
 }
 
 #[test]
 fn the_longest_step_is_kept_to() {
-    let mut system = Test::new(Fold { parameter: 1.0 });
-    let mut newton = Newton::new(&system);
-    let mut state = system.at([0.0], [0.0], [0.0]);
     let settings = Settling {
         max_solves: 20,
         ..SETTINGS
     };
-    let outcome = settle(&mut system, &mut newton, &mut state, &settings, |_, trial| {
-        assert!(trial.step <= 0.1);
-        Some(0.1)
-    });
+    let (_, outcome, _) = settled(Fold { parameter: 1.0 }, [0.0; 2], &settings, [f64::INFINITY, 0.1]);
     // It never got as far as the step that counts as steady.
     assert_eq!(outcome, Err(Settled { solves: 20, step: 0.1 }));
 }

@@ -1,7 +1,7 @@
-//! A Jacobian beside differences of its residual, for tests.
+//! A Jacobian beside differences of its residual.
 
-use super::arrow::Arrow;
-use super::{State, System};
+use pushbelt::solver::arrow::Arrow;
+use pushbelt::solver::{State, System};
 
 /// An entry of the Jacobian.
 #[derive(Clone, Copy, Debug)]
