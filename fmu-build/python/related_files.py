@@ -17,10 +17,9 @@ import fmpy
 import numpy as np
 from lxml import etree
 
-from pushbelt.fmu import ssv
 from pushbelt.fmu.files import RESOURCES, default_fmu
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.start_values import checked
+from pushbelt.fmu.start_values import SSV, check_ssv, checked
 
 NAME = "org.fmi-standard.fmi-ls-ref"
 VERSION = "1.0.0-alpha.1"
@@ -136,13 +135,13 @@ def set_of(values: Mapping[str, Any], description: Any, name: str) -> bytes:
     Raises StartValueError for an unknown name, a wrong type, or a number out of range.
     """
     variables = {variable.name: variable for variable in description.modelVariables}
-    root = etree.Element(f"{{{ssv.SSV}}}ParameterSet", nsmap={"ssv": ssv.SSV, "ssc": SSC}, version="1.0", name=name)
-    parameters = etree.SubElement(root, f"{{{ssv.SSV}}}Parameters")
+    root = etree.Element(f"{{{SSV}}}ParameterSet", nsmap={"ssv": SSV, "ssc": SSC}, version="1.0", name=name)
+    parameters = etree.SubElement(root, f"{{{SSV}}}Parameters")
     units, enumerations = {}, {}
     for parameter, value in checked(variables, values).items():
         variable = variables[parameter]
-        element = etree.SubElement(parameters, f"{{{ssv.SSV}}}Parameter", name=parameter)
-        kind = etree.SubElement(element, f"{{{ssv.SSV}}}{variable.type}")
+        element = etree.SubElement(parameters, f"{{{SSV}}}Parameter", name=parameter)
+        kind = etree.SubElement(element, f"{{{SSV}}}{variable.type}")
         if variable.type == "Real":
             kind.set("value", repr(float(value)))
             kind.set("unit", variable.unit)
@@ -156,20 +155,20 @@ def set_of(values: Mapping[str, Any], description: Any, name: str) -> bytes:
             kind.set("value", str(value).lower())
     _define(root, units, enumerations)
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
-    ssv.check(etree.fromstring(text))
+    check_ssv(etree.fromstring(text))
     return text
 
 
 def _define(root: etree._Element, units: Mapping[str, Any], enumerations: Mapping[str, Any]) -> None:
     """Adds the definitions of enumerations and units."""
     if enumerations:
-        group = etree.SubElement(root, f"{{{ssv.SSV}}}Enumerations")
+        group = etree.SubElement(root, f"{{{SSV}}}Enumerations")
         for name, items in enumerations.items():
             enumeration = etree.SubElement(group, f"{{{SSC}}}Enumeration", name=name)
             for item in items:
                 etree.SubElement(enumeration, f"{{{SSC}}}Item", name=item.name, value=str(item.value))
     if units:
-        group = etree.SubElement(root, f"{{{ssv.SSV}}}Units")
+        group = etree.SubElement(root, f"{{{SSV}}}Units")
         for name, unit in units.items():
             element = etree.SubElement(group, f"{{{SSC}}}Unit", name=name)
             base = etree.SubElement(element, f"{{{SSC}}}BaseUnit")

@@ -22,8 +22,7 @@ use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
-use pushbelt_paper_lab::Circle;
-use pushbelt_paper_lab::RingSystem;
+use pushbelt_paper_lab::{Circle, RingSystem, advance};
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::time::Duration;
@@ -134,9 +133,7 @@ fn swing<M: RingFormulation>(model: M, arguments: &Arguments) -> Result<(), Box<
     for k in 0..samples as usize {
         let t = k as f64 * step;
         let clock = ProcessTime::now();
-        integrator
-            .advance(&mut system, &mut state, t, t + step)
-            .map_err(|stalled| format!("{stalled:?}"))?;
+        advance(&mut integrator, &mut system, &mut state, [t, t + step])?;
         spent += clock.elapsed();
         let now = ovality(&system, &state);
         if k > 0 && before * now < 0.0 {

@@ -5,8 +5,7 @@
 //! Prints the geometry, the shape error of a running belt for each ring model (a string is in equilibrium on any closed
 //! curve at EAγ = m ṡ²(1 + γ)), and the oscillation of a tensioner arm, Θ, due to the bending energy of a belt.
 
-use pushbelt::solver::State;
-use pushbelt::solver::sdirk::{Sdirk, Stalled};
+use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
@@ -14,8 +13,8 @@ use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
-use pushbelt_paper_lab::RingSystem;
 use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
+use pushbelt_paper_lab::{RingSystem, advance};
 use std::error::Error;
 
 /// Belt speed, m/s.
@@ -57,16 +56,6 @@ fn belt(string: bool) -> Ring {
     }
 }
 
-fn advance<M: RingFormulation>(
-    system: &mut RingSystem<M>,
-    integrator: &mut Sdirk,
-    state: &mut State,
-    from: f64,
-    to: f64,
-) -> Result<(), Stalled> {
-    integrator.advance(system, state, from, to)
-}
-
 /// Runs a string through half the drive and prints the change of its shape.
 fn run<M: RingFormulation>(name: &str, model: M, drive: &BeltDrive<3>) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
@@ -80,7 +69,7 @@ fn run<M: RingFormulation>(name: &str, model: M, drive: &BeltDrive<3>) -> Result
     system.set_in_motion(&mut state, |xi| at(xi).t * (SPEED * stretch))?;
     let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-3);
     let time = 0.5 * drive.length() / SPEED;
-    advance(&mut system, &mut integrator, &mut state, 0.0, time).map_err(|stalled| format!("{stalled:?}"))?;
+    advance(&mut integrator, &mut system, &mut state, [0.0, time])?;
     let off = (0..200)
         .map(|k| drive.length() * f64::from(k) / 200.0)
         .map(|xi| (system.particle_at(state.view(), xi).r - at(xi).r * stretch).norm())
@@ -110,7 +99,7 @@ fn swing(drive: BeltDrive<3>) -> Result<(), Box<dyn Error>> {
     let step = 2.0e-3;
     while crossings.len() < 2 && t < 60.0 {
         let before = state.q[theta];
-        advance(&mut system, &mut integrator, &mut state, t, t + step).map_err(|stalled| format!("{stalled:?}"))?;
+        advance(&mut integrator, &mut system, &mut state, [t, t + step])?;
         let now = state.q[theta];
         if before * now < 0.0 {
             crossings.push(t + step * before / (before - now));

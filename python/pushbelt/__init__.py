@@ -15,14 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from .errors import (
-        ArgumentError as ArgumentError,
-        MissingFileError as MissingFileError,
-        MissingPackageError as MissingPackageError,
-        PushbeltError as PushbeltError,
-        UnknownNameError as UnknownNameError,
-        VariatorWarning as VariatorWarning,
-    )
+    from .errors import ArgumentError as ArgumentError, MissingFileError as MissingFileError, MissingPackageError as MissingPackageError
+    from .errors import PushbeltError as PushbeltError, UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
     from .fmu.data import parameter_set as parameter_set
     from .fmu.files import default_fmu as default_fmu
     from .fmu.start_values import StartValueError as StartValueError
@@ -37,26 +31,14 @@ if TYPE_CHECKING:
     from .recording import Record as Record
     from .variator import Snapshot as Snapshot, Variator as Variator
 
-_MODULES = {
-    name: module
-    for module, names in {
-        "errors": "ArgumentError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
-        "fmu.data": "parameter_set",
-        "fmu.files": "default_fmu",
-        "fmu.start_values": "StartValueError",
-        "fmu.unit": "UnitError",
-        "fmu.untrusted": "InputFileError",
-        "linear.grid": "LinearGrid load_linear",
-        "linear.model": "LinearModel LinearPointError",
-        "linear.physical": "NotPhysicalError",
-        "maps.data": "MapError Maps",
-        "maps.variator": "MapVariator",
-        "points": "SteadyStateError",
-        "recording": "Record",
-        "variator": "Snapshot Variator",
-    }.items()
-    for name in names.split()
-}
+_NAMES = {
+    "errors": "ArgumentError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
+    "fmu.data": "parameter_set", "fmu.files": "default_fmu", "fmu.start_values": "StartValueError", "fmu.unit": "UnitError",
+    "fmu.untrusted": "InputFileError", "linear.grid": "LinearGrid load_linear", "linear.model": "LinearModel LinearPointError",
+    "linear.physical": "NotPhysicalError", "maps.data": "MapError Maps", "maps.variator": "MapVariator", "points": "SteadyStateError",
+    "recording": "Record", "variator": "Snapshot Variator",
+}  # fmt: skip
+_MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
 """Names that are imported on first use, so that the processes of the programs start quickly."""
 __all__ = sorted(["__version__", *_MODULES])  # noqa: PLE0605
 

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+from . import provenance
 from .errors import PushbeltError
 
 INTERRUPTED = 130  # Exit code after Ctrl-C
@@ -27,13 +28,14 @@ def run(main: Callable[[], int | None]) -> int:
 
 
 def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
-    """The main function of a program, with the words of its command line. Its errors are one line each; packages that are missing are
-    those of an extra."""
+    """The main function of a program, with the words of its command line, which its reports name. Its errors are one line
+    each; packages that are missing are those of an extra."""
 
     def made(main: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
         @functools.wraps(main)
         def started(arguments: Sequence[str] | None = None) -> int:
             try:
+                provenance.begin(name, arguments)
                 return run(lambda: main(arguments))
             except ModuleNotFoundError as error:
                 if not error.name or error.name.startswith("pushbelt"):

@@ -1,10 +1,10 @@
-"""Steady states of a variator at working points, and the clamping forces that they need."""
+"""Steady states of a variator at working points, the clamping forces that they need, and linear models about them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,12 @@ from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
 from .fmu.results import SteadyState
-from .fmu.start_values import StartValueError, checked
+from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
 from .fmu.unit import Archive, UnitError
-from .fmu.variables import Variables
+from .linear.grid import LinearGrid
+from .linear.model import LinearModel, LinearPointError
+from .linear.physical import NotPhysicalError, with_enough_modes
 
 if TYPE_CHECKING:
     import xarray
@@ -27,9 +29,8 @@ LEAST_FORCE = 4e3  # Least clamping force of a steady state with `SAFETY`, N
 MOST_STATES = 3  # Largest number of steady states that are solved for a clamping force with `SAFETY`
 SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` is not improved further
 OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
-
-Read = TypeVar("Read")
-
+FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
+STATES = ("modal", "physical")  # Kinds of states of a linear model
 
 Objects = NDArray[np.object_]
 Values = Mapping[str, Any]  # Values by names of FMU variables, in SI units; enumerations by name or number
@@ -75,8 +76,18 @@ def _check(point: Point) -> None:
         raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
 
 
+def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+    def modal(below: float) -> LinearModel:
+        return LinearModel.of(solver.linearise(below))
+
+    if states not in STATES:
+        raise ArgumentError(f"states = {states!r} is not one of {', '.join(STATES)}")
+    model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
+    return model if sample_time is None else model.sampled(sample_time)
+
+
 class WorkingPoints:
-    """Steady states of the variator of given start values. They are solved on an instance of their own."""
+    """Steady states of the variator of given start values, and linear models about them, on an instance of their own."""
 
     def __init__(self, archive: Archive, values: Values) -> None:
         """`values` are start values, of which all that are needed are checked."""
@@ -86,6 +97,76 @@ class WorkingPoints:
         self._last_steady: tuple[Values, SteadyState] | None = None
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
+
+    def linearize(
+        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY,
+        frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
+    ) -> LinearModel:  # fmt: skip
+        """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
+
+        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
+        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
+        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
+        clamping forces (N). The run over time is not affected.
+
+        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
+        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
+
+        Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
+        linear model or requires other loads than the specified ones.
+        """
+        return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
+
+    def linear_grid(
+        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float | Iterable[float] = SPEED,
+        force: float | Iterable[float] | None = None, safety: float = SAFETY,
+        frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
+        changes: Mapping[str, Iterable[Any]] | None = None, after_each: Callable[[], object] = lambda: None,
+    ) -> LinearGrid:  # fmt: skip
+        """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
+
+        `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
+        `after_each` is called after each point. A point without a model has None and a reason.
+        """
+        several = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
+        lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
+        for name, values in (changes or {}).items():
+            lists[name] = [checked(self._declared, {name: value})[name] for value in values]
+        if empty := [name for name, values in lists.items() if not values]:
+            raise ArgumentError(f"the grid has no {empty[0]}")
+        axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
+
+        def model(**at: Any) -> LinearModel:
+            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, {**several, **at}
+            try:
+                return self._linearize(values, *(point[name] for name in several), safety, (frequency, states, sample_time))
+            finally:
+                after_each()
+
+        return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
+
+    def _linearize(
+        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[Any, ...]
+    ) -> LinearModel:
+        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are
+        the arguments of `model_of`."""
+        force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
+        point = Point(ratio, torque, speed, force)
+        state = self._steady(values, point)
+        start = {
+            "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
+            "primary.torque": torque, "secondary.torque": state.load_torque,
+            "primary.clampingForce": state["primary.axialForce"], "secondary.clampingForce": force,
+            "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
+        }  # fmt: skip
+        unit = self._solved({**values, **start}, point)
+        try:
+            model = model_of(unit, *how)
+        except (UnitError, NotPhysicalError) as error:
+            raise LinearPointError(f"no linear model {point}: {error}") from error
+        if model.remarks:
+            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
+        return model
 
     def close(self) -> None:
         """Frees the instance."""
@@ -113,21 +194,18 @@ class WorkingPoints:
             raise SteadyStateError(f"no steady state {point}: {why}")
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
             warn(why)
-
-        def read(unit: calls.Instance) -> SteadyState:
-            return SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
-
-        state = self._solved(held, point, read)
+        unit = self._solved(held, point)
+        state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
         if state["macroSlip"]:
             raise SteadyStateError(f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}")
         self._last_steady = (held, state)
         return state
 
-    def _solved(self, values: Values, point: Point, read: Callable[[calls.Instance], Read]) -> Read:
-        """Result of `read` for an instance that starts in the steady state of these start values."""
+    def _solved(self, values: Values, point: Point) -> calls.Instance:
+        """The instance in the steady state of these start values."""
         values = checked(self._declared, {**values, "initial.equilibrium": False})
         try:
-            return read(self._states.at(values))
+            return self._states.at(values)
         except UnitError as error:
             raise SteadyStateError(f"no steady state {point}: {error}") from error
 
@@ -155,15 +233,14 @@ class WorkingPoints:
             return max(needed / min(1.0, thrust_ratio), LEAST_FORCE)
         if torque == 0.0:
             return LEAST_FORCE
-        force = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE)
-        found = False
+        force, found = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE), False
         for _ in range(MOST_STATES):
             try:
                 state = self._steady(values, Point(ratio, torque, speed, force))
             except SteadyStateError:
                 if found:
                     break
-                force = 2.0 * force
+                force *= 2.0
                 continue
             found = True
             better = max(needed / min(1.0, state["thrustRatio"]), LEAST_FORCE)
@@ -200,12 +277,10 @@ class WorkingPoints:
         found, reasons = over(axes, row, SteadyStateError)
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
-        about = {name: {"units": one.unit, "long_name": one.description} for name, one in self.variables.items()}
-        about |= {
-            "clampingForce": {"units": "N", "long_name": "Secondary clamping force"},
-            "ratio": {"units": "1", "long_name": "Geometric ratio r_S/r_P"},
-            "torque": {"units": "N.m", "long_name": "Primary torque"},
-        }
+        texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
+        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
+        texts["clampingForce"] = ("N", "Secondary clamping force")
+        about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
             {name: (name, axis, about[name]) for name, axis in axes.items()},

@@ -7,7 +7,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple
@@ -57,12 +57,12 @@ def _inputs(words: Sequence[str]) -> list[Input]:
     found: dict[str, Input] = {}
     output = re.search(rf"(?:^|\0){OUTPUT}[=\0]([^\0]+)", "\0".join(words))
     written = Path(output[1]).resolve() if output else None
-    for word in words:
+    for word in filter(None, words):
         # `--fmu=FILE`, `name=FILE` and lists.
         for part in filter(None, (word, *re.split(r"[=,]", word))):
-            if _is(path := Path(part), Path.is_file):
-                found[part] = Input(path.name, hashlib.sha256(path.read_bytes()).hexdigest())
-        if word and not word.startswith("-") and _is(path := Path(word), Path.is_dir) and path.resolve() != written:
+            if os.path.isfile(part):
+                found[part] = Input((path := Path(part)).name, hashlib.sha256(path.read_bytes()).hexdigest())
+        if not word.startswith("-") and os.path.isdir(word) and (path := Path(word)).resolve() != written:
             found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, written))
     return list({one.sha256: one for one in found.values()}.values())
 
@@ -77,10 +77,3 @@ def hash_of_folder(folder: Path, without: Path | None = None) -> str:
     for name, path in sorted((path.relative_to(folder).as_posix(), path) for path in files):
         found.update(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  ./{name}\n".encode())
     return found.hexdigest()
-
-
-def _is(path: Path, kind: Callable[[Path], bool]) -> bool:
-    try:
-        return kind(path)
-    except OSError:
-        return False

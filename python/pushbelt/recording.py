@@ -116,11 +116,9 @@ class Recording:
         if self._interval is None:
             due = self._offered % self._stride == 0
             self._offered += 1
-        else:
-            due = time >= self._due - 1e-9 * self._interval
-            if due:
-                begin = time if self._due == -math.inf else self._due
-                self._due = begin + (math.floor((time - begin) / self._interval + 1e-9) + 1) * self._interval
+        elif due := time >= self._due - 1e-9 * self._interval:
+            begin = time if self._due == -math.inf else self._due
+            self._due = begin + (math.floor((time - begin) / self._interval + 1e-9) + 1) * self._interval
         if due:
             self._values.frombytes(row[self._chosen].tobytes())
             if self._most is not None and self._kept > self._most:

@@ -23,8 +23,7 @@ from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import UnitError
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
-from .linear.points import FREQUENCY, LinearPoints, model_of
-from .points import Values
+from .points import FREQUENCY, Values, WorkingPoints, model_of
 from .recording import InputTable, Ramp, Record, Recording
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ def start_values(parameters: Parameters) -> dict[str, Any]:
     return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(os.fspath(parameters))
 
 
-class Variator(LinearPoints):
+class Variator(WorkingPoints):
     """A variator that is advanced in time by `step`. It is a context manager, which calls `close` at its end.
 
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
@@ -64,13 +63,9 @@ class Variator(LinearPoints):
     """
 
     def __init__(
-        self,
-        parameters: Parameters = "bench168",
-        changes: Values | None = None,
-        *,
-        fmu: Path | None = None,
-        record: Record | Sequence[str] | None = None,
-    ) -> None:
+        self, parameters: Parameters = "bench168", changes: Values | None = None, *,
+        fmu: Path | None = None, record: Record | Sequence[str] | None = None,
+    ) -> None:  # fmt: skip
         """Creates a variator.
 
         `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start
@@ -129,8 +124,7 @@ class Variator(LinearPoints):
         state, a VariatorWarning is issued.
         """
         if self._now is None:
-            values = self._values
-            if values["initial.primarySpeed"] != 0.0 and values["initial.steady"] and (hint := self._wrong_unit()):
+            if self._values["initial.primarySpeed"] != 0.0 and self._values["initial.steady"] and (hint := self._wrong_unit()):
                 raise StartValueError(hint)
             self._open.initialise()
             self._read()
@@ -138,10 +132,9 @@ class Variator(LinearPoints):
 
     def _wrong_unit(self) -> str | None:
         """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
-        values = self._values
-        why = capacity.slip_of_units(values) if abs(values["primary.torque"]) > capacity.DRAG else None
-        given = f"primary.torque = {values['primary.torque']:g} N.m, secondary.clampingForce = {values['secondary.clampingForce']:g} N"
-        return f"{given}: {why}" if why else None
+        torque, force = (self._values[name] for name in ("primary.torque", "secondary.clampingForce"))
+        why = capacity.slip_of_units(self._values) if abs(torque) > capacity.DRAG else None
+        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N: {why}" if why else None
 
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
         """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
@@ -163,10 +156,9 @@ class Variator(LinearPoints):
     def set(self, values: Values) -> None:
         """Sets inputs and tunable parameters, and before the start any parameter."""
         found = checked(self._declared, values)
-        if self._now is not None:
-            for name in found:
-                if self._declared[name].causality == "parameter" and self._declared[name].variability != "tunable":
-                    raise StartValueError(f"{name} can only be set before the start")
+        for name in found if self._now is not None else ():
+            if self._declared[name].causality == "parameter" and self._declared[name].variability != "tunable":
+                raise StartValueError(f"{name} can only be set before the start")
         self._open.set(found)
         self._values |= found
         if self._now is not None and LOADS.intersection(found) and (hint := self._wrong_unit()):
@@ -182,9 +174,7 @@ class Variator(LinearPoints):
         """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
         return self._running("the profile").profile()
 
-    def linearize_here(
-        self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None
-    ) -> LinearModel:
+    def linearize_here(self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
         If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
@@ -222,9 +212,7 @@ class Variator(LinearPoints):
 
     # Over time
 
-    def simulate(
-        self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None
-    ) -> pandas.DataFrame:
+    def simulate(self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:
         """Runs the variator with a table of inputs over time and returns a table of the outputs. Needs `pushbelt[maps]`.
 
         The index of `inputs`, or its column `time`, is time in s; the other columns are inputs and tunable parameters by name, linear
@@ -266,9 +254,8 @@ class Variator(LinearPoints):
         if tunable:
             self.set(tunable)
         rates = [(ramp.end[name] - ramp.begin[name]) / ramp.duration for name in inputs]
-        unit = self._open
-        unit.set_ramps(unit.reals(inputs), [ramp.begin[name] for name in inputs], rates)
-        unit.step_to(origin + ramp.time)
+        self._open.set_ramps(self._open.reals(inputs), [ramp.begin[name] for name in inputs], rates)
+        self._open.step_to(origin + ramp.time)
         # An input without a rate is held: it continues from here.
         self.set({name: ramp.end[name] for name in inputs})
         self._read()
@@ -301,17 +288,15 @@ class Variator(LinearPoints):
 
     def _read(self) -> None:
         """Reads the outputs, records them, and issues the warnings of the FMU."""
-        unit = self._open
-        self._now = np.array([unit.time, *unit.get_reals(self._reals), unit.get("macroSlip")])
+        self._now = np.array([self.time, *self._open.get_reals(self._reals), self._open.get("macroSlip")])
         self._recording.add(self._now)
         self._warn()
 
     def _warn(self) -> None:
         """Issues the warnings of the FMU since the last call."""
-        texts = self._open.warnings
-        for text in texts[self._warned :]:
+        for text in self._open.warnings[self._warned :]:
+            self._warned += 1
             warn(text)
-        self._warned = len(texts)
 
     def _outputs(self) -> dict[str, float]:
         return dict(zip(self._names, self._now.tolist(), strict=True))

@@ -35,12 +35,10 @@
 
 use super::layers::Slip;
 use super::{Layers, Ring};
+use crate::pulley::PerPulley;
 
 /// Ring sets, side by side on the elements.
 const SETS: f64 = 2.0;
-
-/// The two arcs, and the two strands.
-const PAIR: usize = 2;
 
 /// An element of the ring, in the order of ξ around the loop from the middle of the secondary arc.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,7 +69,7 @@ pub struct RingMotion {
     /// Speed ṡ of the ring along itself, m/s.
     pub speed: f64,
     /// Pitch radii, secondary first, m.
-    pub radii: [f64; PAIR],
+    pub radii: [f64; 2],
 }
 
 /// Tension T_o along the belt, and the layers' tension.
@@ -79,7 +77,7 @@ pub struct RingMotion {
 pub struct LayerTension {
     slip: Slip,
     /// Wrap angles, secondary first, rad.
-    wraps: [f64; PAIR],
+    wraps: [f64; 2],
     /// m_r ṡ² and the mean of T, N.
     centrifugal: f64,
     mean: f64,
@@ -91,64 +89,48 @@ pub struct LayerTension {
     count: f64,
 }
 
-/// Calls `of` for each part with its number, the pulley of the arc that it lies on or follows, and the angle turned on that
-/// arc at its middle, rad.
-fn for_each_angle(parts: &[RingPart], wraps: [f64; PAIR], mut of: impl FnMut(usize, usize, f64)) {
-    let [secondary, primary] = wraps;
-    // The loop begins in the middle of the secondary arc.
-    let mut angle = 0.5 * secondary;
-    for (k, part) in parts.iter().enumerate() {
-        let middle = angle + 0.5 * part.turning;
-        angle += part.turning;
-        let (pulley, turned) = if middle <= secondary {
-            (0, middle)
-        } else if middle <= secondary + primary {
-            (1, middle - secondary)
-        } else {
-            (0, middle - secondary - primary)
-        };
-        of(k, pulley, turned);
-    }
-}
-
-/// Wrap angles of the parts' arcs, secondary first, rad.
-fn wraps(parts: &[RingPart]) -> [f64; PAIR] {
-    let mut wraps = [0.0; PAIR];
-    for part in parts.iter().filter(|part| part.on_arc()) {
-        wraps[part.number] += part.turning;
-    }
-    wraps
-}
-
 impl LayerTension {
     /// The layers' tension from that of the ring. Writes the shape g to `shapes`, one value for each part.
     pub fn new(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[RingPart], shapes: &mut [f64]) -> Self {
-        let (mut length, mut sum) = (0.0, 0.0);
+        let (mut length, mut sum, mut wraps) = (0.0, 0.0, [0.0; 2]);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for part in parts {
             length += part.length;
             sum += part.tension * part.length;
             low = low.min(part.tension);
             high = high.max(part.tension);
+            if part.on_arc() {
+                wraps[part.number] += part.turning;
+            }
         }
         let centrifugal = ring.mass_per_length * motion.speed * motion.speed;
-        let (mean, wraps) = (sum / length, wraps(parts));
-        let borne = layers.friction * (mean - centrifugal).max(0.0) * wraps[0].min(wraps[1]);
+        let mean = sum / length;
+        let [secondary, primary] = wraps;
+        let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
         let mut of = Self {
             slip: layers.slip(motion.radii, motion.speed),
             wraps,
             centrifugal,
             mean,
-            mean_shape: 1.0,
+            mean_shape: 0.0,
             sticking: if borne < high - low { borne / (high - low) } else { 1.0 },
             count: f64::from(layers.count),
         };
-        let mut shape = 0.0;
-        for_each_angle(parts, wraps, |k, pulley, turned| {
-            shapes[k] = of.shape(pulley, turned);
-            shape += shapes[k] * parts[k].length;
-        });
-        of.mean_shape = shape / length;
+        // The loop begins in the middle of the secondary arc. A strand is at the end of the arc before it.
+        let mut angle = 0.5 * secondary;
+        for (part, shape) in parts.iter().zip(shapes) {
+            let middle = angle + 0.5 * part.turning;
+            angle += part.turning;
+            *shape = if middle <= secondary {
+                of.shape(0, middle)
+            } else if middle <= secondary + primary {
+                of.shape(1, middle - secondary)
+            } else {
+                of.shape(0, middle - secondary - primary)
+            };
+            of.mean_shape += *shape * part.length;
+        }
+        of.mean_shape /= length;
         of
     }
 
@@ -176,107 +158,39 @@ impl LayerTension {
     }
 }
 
-/// Face of a layer: its side, +1 outer and −1 inner, of the innermost layer (0) or of another one (1).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
-    /// 0: the innermost layer, 1: any other.
-    pub layer: usize,
-    /// +1: outer face, −1: inner face.
-    pub side: f64,
-}
-
-const FACES: [Face; 4] = [
-    Face { layer: 0, side: 1.0 },
-    Face { layer: 0, side: -1.0 },
-    Face { layer: 1, side: 1.0 },
-    Face { layer: 1, side: -1.0 },
-];
-
 /// Stress of the face with the largest one over a revolution, Pa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RingStress {
     /// Largest stress.
     pub max: f64,
-    /// Amplitude of the cycle on each pulley, secondary first.
-    pub amplitude: [f64; PAIR],
-    /// Mean stress of the same cycles.
-    pub mean: [f64; PAIR],
+    /// Amplitude of the cycle on each pulley.
+    pub amplitude: PerPulley<f64>,
+    /// Mean stress of the same cycle.
+    pub mean: PerPulley<f64>,
 }
 
-/// Extremes of the stress of a face, times its side: the largest on each arc, the smallest on each strand.
-#[derive(Clone, Copy, Debug)]
-struct Extremes {
-    face: Face,
-    max: f64,
-    arcs: [f64; PAIR],
-    strands: [f64; PAIR],
-}
-
-impl Extremes {
-    fn none(face: Face) -> Self {
-        Self {
-            face,
-            max: f64::NEG_INFINITY,
-            arcs: [f64::NEG_INFINITY; PAIR],
-            strands: [f64::INFINITY; PAIR],
-        }
-    }
-
-    fn add(&mut self, part: &RingPart, stress: f64) {
-        self.max = self.max.max(stress);
-        let sided = stress * self.face.side;
+/// Cycles of a face's stress by rainflow counting: the larger extreme of the arcs with the smaller one of the strands. `side` is +1 for an
+/// outer face, −1 for an inner one; extremes are those of the stress times it.
+fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) -> RingStress {
+    let (mut max, mut arcs, mut strands) = (f64::NEG_INFINITY, [f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
+    for (part, stress) in stresses {
+        max = max.max(stress);
         if part.on_arc() {
-            let arc = &mut self.arcs[part.number];
-            *arc = arc.max(sided);
+            arcs[part.number] = (side * stress).max(arcs[part.number]);
         } else {
-            let strand = &mut self.strands[part.number];
-            *strand = strand.min(sided);
+            strands[part.number] = (side * stress).min(strands[part.number]);
         }
     }
-
-    /// The cycles by rainflow counting: the larger extreme of the arcs with the smaller one of the strands.
-    fn cycles(&self) -> RingStress {
-        let (low, high) = (
-            self.strands[0].min(self.strands[1]),
-            self.strands[0].max(self.strands[1]),
-        );
-        let larger = usize::from(self.arcs[1] > self.arcs[0]);
-        let base: [f64; PAIR] = std::array::from_fn(|arc| if arc == larger { low } else { high });
-        RingStress {
-            max: self.max,
-            amplitude: std::array::from_fn(|arc| (0.5 * (self.arcs[arc] - base[arc])).max(0.0)),
-            mean: std::array::from_fn(|arc| 0.5 * self.face.side * (self.arcs[arc] + base[arc])),
-        }
-    }
-}
-
-/// Stress of the layers' faces.
-#[derive(Clone, Copy, Debug)]
-pub struct FaceStress {
-    /// 1/(2 w t), 1/m².
-    per_area: f64,
-    /// ½ E t, N/m.
-    bending: f64,
-    /// κ₀, 1/m.
-    residual: f64,
-}
-
-impl FaceStress {
-    /// For layers of a ring; `None` if they have no thickness.
-    #[must_use]
-    pub fn new(ring: &Ring, layers: &Layers) -> Option<Self> {
-        let area = SETS * layers.width * layers.thickness;
-        (area > 0.0).then(|| Self {
-            per_area: area.recip(),
-            bending: 0.5 * layers.thickness * ring.axial_stiffness / (area * f64::from(layers.count)),
-            residual: layers.residual_curvature,
-        })
-    }
-
-    /// Stress of a layer's face on the given side under its tension, N, at the curvature, 1/m; Pa.
-    #[must_use]
-    pub fn at(&self, side: f64, tension: f64, curvature: f64) -> f64 {
-        tension * self.per_area + side * self.bending * (curvature - self.residual)
+    let [low, high] = [strands[0].min(strands[1]), strands[0].max(strands[1])];
+    let [secondary, primary] = if arcs[1] > arcs[0] { [high, low] } else { [low, high] };
+    let cycles = PerPulley {
+        secondary: (arcs[0], secondary),
+        primary: (arcs[1], primary),
+    };
+    RingStress {
+        max,
+        amplitude: cycles.map(|(peak, valley)| (0.5 * (peak - valley)).max(0.0)),
+        mean: cycles.map(|(peak, valley)| 0.5 * side * (peak + valley)),
     }
 }
 
@@ -289,30 +203,33 @@ pub fn ring_stress(
     parts: &[RingPart],
     along: &mut [f64],
 ) -> RingStress {
-    along.fill(0.0);
-    let Some(stress) = FaceStress::new(ring, layers) else {
+    let area = SETS * layers.width * layers.thickness;
+    let tension = LayerTension::new(ring, layers, motion, parts, along);
+    let per_area = area.recip();
+    let bending = 0.5 * layers.thickness * ring.axial_stiffness / (area * f64::from(layers.count));
+    let stress = |(layer, side): (usize, f64), part: &RingPart, shape: f64| {
+        tension.at(part.tension, shape)[layer] * per_area
+            + side * bending * (part.curvature - layers.residual_curvature)
+    };
+    // A ring of one layer has the innermost only.
+    let last = usize::from(layers.count > 1);
+    let faces = (0..=last).flat_map(|layer| [(layer, 1.0), (layer, -1.0)]);
+    let of_faces = faces.map(|face| {
+        let stresses = parts
+            .iter()
+            .zip(&*along)
+            .map(|(part, &shape)| (part, stress(face, part, shape)));
+        (face, cycles(face.1, stresses))
+    });
+    let worst = of_faces.reduce(|worst, of| if of.1.max > worst.1.max { of } else { worst });
+    let Some((face, found)) = worst.filter(|_| area > 0.0) else {
+        along.fill(0.0);
         return RingStress::default();
     };
-    let tension = LayerTension::new(ring, layers, motion, parts, along);
-    // A ring of one layer has the innermost only.
-    let faces = if layers.count > 1 { FACES.len() } else { PAIR };
-    let mut extremes = FACES.map(Extremes::none);
-    for (part, shape) in parts.iter().zip(&*along) {
-        let tensions = tension.at(part.tension, *shape);
-        for of in extremes.iter_mut().take(faces) {
-            let Face { layer, side } = of.face;
-            of.add(part, stress.at(side, tensions[layer], part.curvature));
-        }
-    }
-    let worst = extremes[..faces]
-        .iter()
-        .fold(&extremes[0], |worst, of| if of.max > worst.max { of } else { worst });
-    let Face { layer, side } = worst.face;
     for (part, along) in parts.iter().zip(along) {
-        let tensions = tension.at(part.tension, *along);
-        *along = stress.at(side, tensions[layer], part.curvature);
+        *along = stress(face, part, *along);
     }
-    worst.cycles()
+    found
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The reference curve about displaced centres against differences.
 
-use num_dual::Dual64;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley};
+use pushbelt::scalar::Dual;
 use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 
 #[test]
@@ -10,7 +10,7 @@ fn derivatives_along_a_path_match_differences() {
     assert_path::<TwoPulley>(frame, &moving_frame(), curve().segments());
     for theta in [-0.4, 0.0, 0.3] {
         let about_the_axes = |t: f64| curve().frame(theta + t);
-        let moving = curve().frame(Dual64::new(theta, 1.0));
+        let moving = curve().frame(Dual::seed(theta, 0, 1.0));
         assert_path::<TwoPulley>(about_the_axes, &moving, curve().segments());
     }
 }

@@ -129,8 +129,11 @@ def description(fmu: Path) -> Any:
 
 @pytest.fixture(scope="session")
 def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder for the thrust-ratio map of the drives, so that it is solved once."""
-    return tmp_path_factory.mktemp("drive")
+    """Folder for the thrust-ratio map of the drives, so that it is solved once: that of all processes of a run of the tests."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "drive"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -143,9 +146,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Removes the second tier. pytest prints how many tests that are."""
+    """Removes the second tier, and pytest prints how many tests that are; or runs files with such tests first, so that the processes end
+    together."""
+    second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
+    long = {one.path for one in second}
+    items.sort(key=lambda one: one.path not in long)
     if config.getoption("--first-tier"):
-        second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
         config.hook.pytest_deselected(items=second)
         items[:] = [one for one in items if one not in second]
 

@@ -11,7 +11,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import browser
+import reports
+from playwright.sync_api import Browser
 
 ROOT = Path(__file__).parents[2]
 WIDTH, HEIGHT = 1206, 1090  # Size of the part of the page, px
@@ -26,10 +27,10 @@ TITLE = 14  # Height by which the title of a first panel stands out of its figur
 SHOWN = 4.0  # Time of the manoeuvre in the picture, s
 
 
-def take(report: Path, picture: Path, figures: Mapping[str, str] | None) -> None:
+def take(report: Path, picture: Path, figures: Mapping[str, str] | None, browser: Browser | None = None) -> None:
     """Saves the beginning of the manoeuvre's figures: the belt, and the first panels. Or saves figures without their captions to a folder."""
-    with browser.page() as (page, _):
-        browser.show(page, report, WIDTH)
+    with reports.page(browser) as (page, _):
+        reports.show(page, report, WIDTH)
         if figures is None:
             page.evaluate(f"pushbelt.belts[0].show({SHOWN}, true)")
             top = page.evaluate("document.querySelector('.belt').getBoundingClientRect().top + scrollY") + MARGIN

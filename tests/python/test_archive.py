@@ -1,9 +1,7 @@
-"""Content of the archive, and requirements of its binaries."""
+"""Content of the archive. `test_windows` has the libraries of the portable one."""
 
 from __future__ import annotations
 
-import ctypes
-import platform
 import re
 import struct
 import subprocess
@@ -16,27 +14,10 @@ import pytest
 from conftest import ROOT
 from lxml import html
 
-GLIBC = (2, 17)
-"""Oldest C library that the portable Linux binary loads with."""
-WINDOWS = re.compile(r"(kernel32|ntdll|userenv|ws2_32|advapi32|bcrypt|bcryptprimitives|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+)\.dll")
-"""Libraries that come with Windows."""
-OF_LINUX = ("binaries/linux64/PushbeltVariator.so", "binaries/linux64/PushbeltVariator-avx2.so")
-OF_WINDOWS = ("binaries/win64/PushbeltVariator.dll", "binaries/win64/PushbeltVariator-avx2.dll")
-"""The library for all processors, and its variant for AVX2."""
-
 
 @pytest.fixture(params=["fmu", "fmu3"])
 def archive(request: pytest.FixtureRequest) -> Iterator[zipfile.ZipFile]:
     with zipfile.ZipFile(request.getfixturevalue(request.param)) as opened:
-        yield opened
-
-
-@pytest.fixture
-def portable(fmu: Path) -> Iterator[zipfile.ZipFile]:
-    """The archive with libraries for every system."""
-    with zipfile.ZipFile(fmu) as opened:
-        if OF_WINDOWS[0] not in opened.namelist():
-            pytest.skip("not the portable FMU: `cargo fmu test --portable`")
         yield opened
 
 
@@ -48,8 +29,6 @@ def test_everything_has_its_place(archive: zipfile.ZipFile) -> None:
     assert expected <= set(names) and not any(name.startswith("sources/") for name in names)
     found, own = {name for name in names if name.startswith("binaries/")}, fmpy.platform if "model.png" in names else fmpy.platform_tuple
     assert f"binaries/{own}/PushbeltVariator{fmpy.sharedLibraryExtension}" in found
-    if OF_WINDOWS[0] in names:
-        assert found == {*OF_LINUX, *OF_WINDOWS}
 
 
 def test_the_zip_is_small_and_one_that_every_importer_reads(archive: zipfile.ZipFile) -> None:
@@ -93,43 +72,3 @@ def test_the_documentation_is_complete(archive: zipfile.ZipFile, description) ->
     for variable in description.modelVariables:
         name = re.sub(r"\[\d+\]", "[1…72]", variable.name)
         assert name in text, name
-
-
-def needed(library: str, pattern: str) -> set[str]:
-    """What a library needs, by binutils, which read libraries of both systems."""
-    return set(re.findall(pattern, subprocess.run(["objdump", "-p", library], capture_output=True, text=True, check=True).stdout))
-
-
-def exports() -> list[str]:
-    """The names that every library exports. A library with more is refused when the FMU is packed."""
-    lines = (ROOT / "fmu-build" / "exports.def").read_text(encoding="utf-8").splitlines()
-    return [line.strip() for line in lines if line.startswith("    ")]
-
-
-@pytest.mark.parametrize("name", OF_LINUX)
-def test_the_linux_library_has_the_listed_functions_and_needs_no_new_glibc(portable: zipfile.ZipFile, name: str, tmp_path: Path) -> None:
-    path = portable.extract(name, tmp_path)
-    versions = [tuple(map(int, text.split("."))) for text in needed(path, r"GLIBC_([\d.]+)")]
-    assert versions, "it does need some"
-    assert max(versions)[:2] <= GLIBC, sorted(versions)
-    assert len(exports()) == 112
-    if (platform.system(), platform.machine()) == ("Linux", "x86_64"):
-        library = ctypes.CDLL(path)
-        assert all(hasattr(library, function) for function in exports())
-
-
-@pytest.mark.parametrize("name", OF_WINDOWS)
-def test_the_windows_library_has_the_listed_functions_and_needs_windows_only(portable: zipfile.ZipFile, name: str, tmp_path: Path) -> None:
-    libraries = {found.lower() for found in needed(portable.extract(name, tmp_path), r"DLL Name: (\S+)")}
-    # Wine 8 does not have it. The linker removes it with unused parts of Rust's standard library.
-    assert "bcryptprimitives.dll" not in libraries
-    assert "kernel32.dll" in libraries
-    assert all(WINDOWS.fullmatch(name) for name in libraries), libraries
-    assert all(function.encode() in portable.read(name) for function in exports())
-
-
-@pytest.mark.parametrize("name", [*OF_LINUX, *OF_WINDOWS])
-def test_symbols_are_stripped_and_no_path_of_the_builder_is_left(portable: zipfile.ZipFile, name: str) -> None:
-    library = portable.read(name)
-    for text in (b"\0.symtab\0", b"\0.debug_info\0", b"/.cargo/registry", str(Path.home()).encode() + b"/"):
-        assert text not in library

@@ -16,9 +16,11 @@ from pushbelt.belt.__main__ import OUT_OF_LIMITS, main
 from pushbelt.fmu import data
 
 BENCH = Dimensions(width=0.024, layers=9, length=0.703, center_distance=0.168)
+PUBLISHED = {one["id"]: one["published"] for one in data.published_data()["variators"]}
+GIVEN = PUBLISHED["belt155"]
 BELT155 = Dimensions(
-    width=0.0255, layers=9, length=0.661195, center_distance=0.155, elements=432, element_mass=1.858e-3,
-    layer_width=9.75e-3, young=1.85e11, density=7700.0,
+    width=0.0255, layers=GIVEN["ringLayers"], length=GIVEN["beltLength"], center_distance=GIVEN["centerDistance"], elements=GIVEN["elements"],
+    element_mass=GIVEN["elementMass"], layer_width=GIVEN["ringWidth"], young=GIVEN["ringYoung"], density=GIVEN["ringDensity"],
 )  # fmt: skip
 WIDE = ["--width", "30", "--layers", "12", "--element-thickness", "1.5", "--length", "0.70", "--center-distance", "0.17"]
 
@@ -44,6 +46,9 @@ def test_what_is_given_is_met_exactly() -> None:
         assert entries[key].value == pytest.approx(published[key], rel=1e-4 if "belt" in key else 2e-5)
         assert entries[key].origin == "geometry"
     assert entries["belt.elementInertia"].origin == "typical"
+    for name in ("bench168", "belt155"):
+        for variable, key in (("geometry.centerDistance", "centerDistance"), ("friction.pulley", "frictionPulley")):
+            assert data.parameter_set(name)[variable] == PUBLISHED[name][key]
 
 
 def test_elements_fill_the_pitch_line() -> None:
@@ -135,7 +140,7 @@ def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None
     grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
     point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200", "--safety", "1.3"]
     words = {
-        "sweep": grid, "linearize": point, "demo": ["--short"], "drive": ["--short", "--cycle", "nedc", "--until", "60"],
+        "sweep": grid, "linearize": point, "demo": ["--short"], "drive": ["--short", "--until", "4"],
         "durability": [str(tmp_path / "drive")],
     }  # fmt: skip
     for name, more in words.items():

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 import reports
 from conftest import MESH
+from reports import by_name
 
-from pushbelt.calibrate import __main__, model, parameters, worker
 from pushbelt import tables
+from pushbelt.calibrate import __main__, model, parameters, worker
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.calibrate.model import Model
@@ -179,7 +180,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
         assert entry["origin"] == "calibrated"
     found = parameter_set(str(out / "parameters.json"))
     assert {**BASE, **{name: found[name] for name in TRUTH}} == found
-    relative = np.array([float(row["residual/sd"]) for row in tables.by_name(out / "residuals.csv")])
+    relative = np.array([float(row["residual/sd"]) for row in by_name(out / "residuals.csv")])
     assert len(relative) == sum(len(point.measured) for point in points)
     assert 0.6 < np.sqrt(np.mean(relative**2)) < 1.4
     report = reports.stands_alone(out / "report.html")

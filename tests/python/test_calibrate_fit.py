@@ -14,17 +14,16 @@ import pandas as pd
 import pytest
 import reports
 from conftest import MESH
+from reports import by_name
 
 from pushbelt.calibrate import __main__, fit, report, worker
 from pushbelt.fmu.data import parameter_set
-from pushbelt.calibrate.figures import chart as figures
-from pushbelt.calibrate.figures import reach
+from pushbelt.calibrate.report import chart as figures, reach
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
 from pushbelt.report import charts
 from pushbelt.report.charts import Panel
-from pushbelt.tables import by_name
 from pushbelt.tables import points as tables
 from pushbelt.tables.points import Measured, Point
 
@@ -321,8 +320,6 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     other = worker.solve(fmu, archive.directory, {**base, "friction.pulley": 0.11}, record)
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3
 
-
-# Figures: an outlier does not squeeze the other points
 
 ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
 

@@ -100,30 +100,21 @@ def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Pa
     assert "t 4 s" in ran.stdout and f"ratio {ratio:.3f}" in ran.stdout
 
 
-@pytest.mark.parametrize("master", MASTERS)
-class TestCoupling:
-    """A launch at communication steps of 10, 5 and 2.5 ms: the control is designed for 10 ms, and its shift speed is filtered with the same time constant."""
+@pytest.mark.parametrize("master", THERE)
+def test_master_is_the_loop_with_its_parts_side_by_side(coupling: study.Coupling, master: str) -> None:
+    """A launch at communication steps of 10, 5 and 2.5 ms: the control is designed for 10 ms, and its shift speed is filtered with the same time
+    constant. The only difference between a master and the loop is the order of the parts; all wires of the package are the loop's. The coupling
+    is of first order, so the difference of x_h to its limit is 2 (x_h − x_{h/2})."""
+    assert coupling.against_parallel(master) < 1e-9
+    against, estimated = coupling.against_loop(master), 2.0 * coupling.refinement(master)
+    mean = np.log2(against[0] / against[-1]) / (len(against) - 1)
+    assert mean == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
+    assert (against[:-1] < estimated).all() and (estimated < 0.1).all()
 
-    @pytest.fixture(autouse=True)
-    def there(self, master: str) -> None:
-        if master not in THERE:
-            pytest.skip(f"{PACKAGES[master]} has no wheel for this Python and machine")
 
-    def test_master_is_the_loop_with_its_parts_side_by_side(self, coupling: study.Coupling, master: str) -> None:
-        """The only difference between a master and the loop is the order of the parts; all wires of the package are the loop's."""
-        assert coupling.against_parallel(master) < 1e-9
-
-    def test_coupling_is_of_first_order(self, coupling: study.Coupling, master: str) -> None:
-        """So the difference of x_h to its limit is 2 (x_h − x_{h/2})."""
-        against, estimated = coupling.against_loop(master), 2.0 * coupling.refinement(master)
-        mean = np.log2(against[0] / against[-1]) / (len(against) - 1)
-        assert mean == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
-        assert (against[:-1] < estimated).all() and (estimated < 0.1).all()
-
-    def test_report_shows_it(self, coupling: study.Coupling, master: str, tmp_path: Path) -> None:
-        assert f"{master} against the loop, order" in report.text(coupling)
-        report.write_html(coupling, tmp_path / "coupling.html")
-        page = reports.stands_alone(tmp_path / "coupling.html")
-        assert f"{master} against the loop" in page
-        assert reports.figures(page) == 2 * len(study.SIGNALS) + 2
-        reports.look_at(tmp_path / "coupling.html")
+def test_report_shows_the_coupling(coupling: study.Coupling, tmp_path: Path) -> None:
+    report.write_html(coupling, tmp_path / "coupling.html")
+    page, text = reports.stands_alone(tmp_path / "coupling.html"), report.text(coupling)
+    assert all(f"{master} against the loop, order" in text and f"{master} against the loop" in page for master in THERE)
+    assert reports.figures(page) == 2 * len(study.SIGNALS) + 2
+    reports.look_at(tmp_path / "coupling.html")

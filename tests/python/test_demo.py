@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import reports
-import tables_of_runs
+from conftest import MESH
 
+import pushbelt
 from pushbelt.demo import __main__, events
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
@@ -46,21 +47,6 @@ def test_the_push_force_changes_from_strand_to_strand() -> None:
 def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
     with pytest.raises(ArgumentError):
         primary_radius(*belt)
-
-
-def test_parameter_sets_agree_with_the_published_data() -> None:
-    published = variator("belt155")["published"]
-    belt = data.parameter_set("belt155")
-    layers = published["ringSets"] * published["ringLayers"]
-    area = layers * published["ringThickness"] * published["ringWidth"]
-    pitch_line = published["beltLength"] - 2 * math.pi * belt["belt.pitchOffset"]
-    assert belt["ring.axialStiffness"] == pytest.approx(published["ringYoung"] * area)
-    assert belt["ring.massPerLength"] == pytest.approx(published["ringDensity"] * area, rel=1e-5)
-    elements = published["elements"] * published["elementMass"]
-    assert belt["belt.massPerLength"] == pytest.approx(elements / pitch_line, rel=1e-6)
-    for name, key in (("geometry.centerDistance", "centerDistance"), ("friction.pulley", "frictionPulley")):
-        assert belt[name] == published[key]
-        assert BENCH[name] == variator("bench168")["published"][key]
 
 
 def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
@@ -153,7 +139,36 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert report.count('<div class="belt"') == 2
     run, cases = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("results", "cases"))
     assert run["time [s]"].to_numpy() == pytest.approx(np.arange(1001) * 1e-3)
-    tables_of_runs.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
+    reports.units_are_those_of(fmu, tmp_path / "results.csv", tmp_path / "cases.csv")
     assert list(cases["case"]) == ["overdrive-100", "medium-100", "underdrive-100"]
     assert cases["primary.shaftTorque [N.m]"].to_numpy() == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")
+
+
+ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
+
+
+def test_a_chain_pulls(fmu: Path) -> None:
+    with pushbelt.Variator("chain168", MESH, fmu=fmu) as variator:
+        outputs = variator.start()
+        profile = variator.profile()
+    assert {name: outputs[name] for name in ABSENT} == dict.fromkeys(ABSENT, 0.0)
+    assert outputs["loss.joints"] > 1.0
+    assert not profile.push_force.any() and not profile.gap.any()
+    assert profile.ring_tension.min() > 500.0
+
+
+def test_the_pitch_line_of_a_chain_is_its_centre_line(tmp_path: Path) -> None:
+    own = tmp_path / "own.json"
+    own.write_text('{"parameters": {"belt.kind": {"value": 2}, "belt.pitchOffset": {"value": 1e-3}}}', encoding="utf-8")
+    values = data.parameter_set(str(own))
+    assert data.is_chain(values) and values["belt.pitchOffset"] == 0.0
+    assert not data.is_chain(BENCH)
+
+
+@pytest.mark.slow
+def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:
+    assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--variator", "chain168", "--short"]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "The pins of the chain are drawn." in page and "kN tension" in page
+    assert "Push force" not in page and "polygon action" in page

@@ -19,8 +19,8 @@ from conftest import MESH
 import reports
 
 from pushbelt.fmu.data import torque_capacity
-from pushbelt.study.cluster import ClusterError
-from pushbelt.sweep import Design, DesignError, Grid, Study, slurm, sweep
+from pushbelt.study.cluster import ClusterError, slurm
+from pushbelt.sweep import Design, DesignError, Grid, Study, sweep
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import Varied, crossed, listed, varied
 from pushbelt.sweep.point import start_values
@@ -28,9 +28,6 @@ from pushbelt.sweep.results import METADATA
 from pushbelt.sweep.study import variator, warnings_of
 
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
-
-
-# Designs
 
 
 @pytest.mark.parametrize(
@@ -143,9 +140,6 @@ def test_a_point_follows_from_its_own_parameters() -> None:
     assert torque["primary.torque"] == 33.0
 
 
-# The command
-
-
 def run(fmu: Path, folder: Path, *options: str) -> int:
     return main(["--fmu", str(fmu), "--output", str(folder), "--workers", "1", *COARSE_OPTIONS, *options])
 
@@ -213,9 +207,6 @@ def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
     assert not list(warnings_of(Study(fmu, variator("bench168"))))
 
 
-# Slurm
-
-
 def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("dask_jobqueue")
     asked = "queue=long account=gears walltime=1-02:00:00 cores=16 memory=24GB 'directive=--nice=100' 'prologue=module load python/3.12'"
@@ -240,7 +231,7 @@ def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.Ca
 def test_options_of_slurm_that_are_refused(text: str, why: str) -> None:
     pytest.importorskip("dask_jobqueue")
     with pytest.raises(ClusterError, match=why):
-        slurm.cluster(text)
+        slurm(text)
 
 
 def test_without_slurm_jobs_are_refused(
@@ -272,7 +263,7 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     design = crossed([Varied("belt.play", (1e-4, 3e-4)), Varied("utilisation", (0.3, 0.6))])
     study = Study(fmu, variator("bench168", changes=MESH, varied=design.columns), design)
-    queue, jobs = slurm.cluster(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
+    queue, jobs = slurm(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
     with queue:
         queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
         found = sweep(study, tmp_path / "out", scheduler=queue, chunk=1)

@@ -5,26 +5,20 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import reports
-import tables_of_runs
 from sample_maps import default_maps
 
-import pushbelt
 from pushbelt.compare.runs import pairs as compared
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, wltc_class_3b
 from pushbelt.drive.measure import measure
-from pushbelt.drive.merit import Merit, merit
+from pushbelt.drive.report import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit
@@ -36,9 +30,6 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
 from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
 
-ROOT = Path(__file__).parents[2]
-PATIENCE = 600.0
-"""Timeout for a program, s. It only ends tests that hang."""
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
 MAP = ThrustMap(
@@ -61,9 +52,6 @@ def changed(**values: float) -> Measured:
     return dataclasses.replace(MEASURED, **values)
 
 
-# Numbers
-
-
 def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
     random = np.random.default_rng(1)
     places = np.sort(random.choice(np.linspace(-1.0, 1.0, 9), 12))  # some of them twice
@@ -72,9 +60,6 @@ def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
     found = [interpolate(x, places.tolist(), values.tolist()) for x in asked.tolist()]
     assert found == np.interp(asked, places, values).tolist()
     assert [clip(x, -0.5, 0.7) for x in asked.tolist()] == np.clip(asked, -0.5, 0.7).tolist()
-
-
-# Figures of merit
 
 
 def test_figures_of_merit_are_sums_over_the_steps() -> None:
@@ -91,9 +76,6 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
     assert found(values) == pytest.approx((1e4, 200.0, pump, 20.0, 20e5, 0.98, 1.0 - (200.0 + pump) / (1e4 + pump), 50.0 * (200.0 + pump)))
     rest = found({**values, "engine.speed": 0.0, "speed.car": 0.0})
     assert rest.pump == 0.0 and math.isnan(rest.lost_per_km)
-
-
-# Cycle
 
 
 def test_cycles_are_those_of_the_regulations() -> None:
@@ -115,9 +97,6 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     for ends, named in (((1578.0, 1700.0), "1578"), ((0.0, 2000.0), "2000")):
         with pytest.raises(ValueError, match=named):
             cycle.section(*ends)
-
-
-# Car and driver
 
 
 def test_engine_keeps_its_limits() -> None:
@@ -157,9 +136,6 @@ def test_driver_follows_a_ramp() -> None:
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
 
 
-# Hydraulics
-
-
 def test_pressure_is_a_first_order_lag_within_limits() -> None:
     circuit = PressureCircuit(1e6)
     for _ in range(5):
@@ -172,9 +148,6 @@ def test_pressure_is_a_first_order_lag_within_limits() -> None:
         for _ in range(200):
             circuit.advance(demand, 0.01)
         assert circuit.pressure == pytest.approx(limit)
-
-
-# Controllers
 
 
 def test_clamping_force_carries_the_torque() -> None:
@@ -311,55 +284,7 @@ def test_an_unknown_strategy_is_named() -> None:
         transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
-def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "examples" / "drivetrain")
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    import stability
-
-    coarse = {**stability.PARAMETERS, "ring.model": "ALE0"}
-    with pushbelt.Variator(coarse) as variator:
-        assert stability.linear_model(variator, 1.0, 500.0, 200.0) is None
-        model = stability.linear_model(variator, 1.0, 40.0, 200.0)
-        belt = stability.Belt(model)
-        assert belt.at[0] == pytest.approx(1.0)
-        for _ in range(20):
-            belt.advance(np.array([10.0, 0.0, 0.0]))
-        # A ramp over one step, then ten newtons more on P: half a step late.
-        time = 19.5 * stability.STEP
-        expected = 10.0 * model.select(["ratio.geometric"], ["primary.clampingForce"]).step(time).item()
-        assert belt.read()[0] == pytest.approx(expected, rel=2e-3)
-        with pytest.raises(pushbelt.StartValueError):
-            stability.linear_model(variator, -1.0, 40.0, 200.0)
-
-
 # With the FMU
-
-
-def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
-    """Lines that a program of `examples/drivetrain` prints."""
-    (tmp_path / "target").mkdir()
-    shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
-    command, environment = [sys.executable, ROOT / "examples" / "drivetrain" / f"{program}.py"], {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout.splitlines()
-
-
-@pytest.mark.parametrize(
-    ("program", "last"),
-    [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`"), pytest.param("friction_velocity", "5e-05 m/s", marks=pytest.mark.slow)],
-)
-def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
-    assert last in printed(fmu, tmp_path, program)[-1]
-
-
-def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
-    *states, end = printed(fmu, tmp_path, "controller")
-    ratios = [float(line.split("ratio.geometric ")[1].split()[0]) for line in states]
-    ratios.append(float(end.split()[1].rstrip(",")))
-    assert end.endswith("target 0.8")
-    assert ratios[0] == pytest.approx(1.6, rel=1e-3)
-    assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
 
 
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
@@ -525,7 +450,7 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
         (pair,) = compared(*[drive_folder / f"{name}.csv"] * 2)
         assert pair.runs[0].time == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
         assert all(np.isfinite(column).all() for column in pair.runs[0].columns.values())
-        tables_of_runs.units_are_those_of(fmu, drive_folder / f"{name}.csv")
+        reports.units_are_those_of(fmu, drive_folder / f"{name}.csv")
         assert pair.runs[0].columns["work.engine"][0] == 0.0
         # Positive: the engine drives in these seconds.
         assert pair.runs[0].columns["work.engine"][-1] > 1e3

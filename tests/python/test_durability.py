@@ -64,9 +64,6 @@ def loop(primary: float, secondary: float, valleys: float, places: int = 72) -> 
     return valleys + (peak - valleys) * np.sin(angle) ** 2
 
 
-# Cycles and damage
-
-
 def test_damage_is_that_of_the_formula(tmp_path: Path) -> None:
     found = computed(tmp_path / "a.csv", run(amplitude=4e8, mean=5e8))
     # Goodman: 400/(1 - 500/2000) MPa is 4/3 of the limit. The ring turns at 10 m/s except in the first and the last half step.
@@ -196,9 +193,6 @@ def test_estimate_of_clamping_is_near_the_fmu(fmu: Path, ratio: float, torque: f
         assert estimate == pytest.approx(change, abs=0.09)
 
 
-# Refused tables
-
-
 @pytest.mark.parametrize(
     ("line", "column", "text"),
     [
@@ -241,9 +235,6 @@ def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert __main__.main([*command, "--hours", "--safety", "2"]) == 0
     (entry,) = json.loads((tmp_path / "out" / "durability.json").read_text(encoding="utf-8"))["runs"]
     assert entry["lifeKilometres"] is None and entry["lifeHours"] > 0.0
-
-
-# The report
 
 
 def test_report_of_a_drive_and_of_a_table(tmp_path: Path) -> None:

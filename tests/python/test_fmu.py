@@ -8,6 +8,7 @@ import os
 import re
 import struct
 import subprocess
+import sys
 import zipfile
 from collections import Counter
 from enum import IntEnum
@@ -15,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import fmpy
-import masters
 import numpy as np
 import pytest
 from conftest import CHEAP, ROOT, needs
 from fmpy.validation import validate_fmu
 from lxml import etree
+from pushbelt_cosim.masters import load_tbb
 
 from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs
@@ -128,27 +129,31 @@ def test_enumerations_are_those_of_the_package(description, enumeration: type[In
     assert items == {member.name.replace("_", ""): member.value for member in enumeration}
 
 
-def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) -> None:
-    names = [v.name for v in description.modelVariables if v.causality == "output"]
-    result = fmpy.simulate_fmu(fmu, output=names)
-    assert len(result) == 1001
-    assert result["time"][-1] == pytest.approx(1.0)
-    for one in (v for v in description.modelVariables if v.name in names):
-        values, low, high = result[one.name].astype(float), float(one.min or -math.inf), float(one.max or math.inf)
-        assert np.isfinite(values).all() and low <= values.min() and values.max() <= high, one.name
+@pytest.fixture(scope="module")
+def default_run(fmu: Path, description: Any) -> np.ndarray:
+    """The default experiment, without any wiring."""
+    return fmpy.simulate_fmu(fmu, output=[*(v.name for v in description.modelVariables if v.causality == "output"), "energy.residual"])
 
 
-def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
+def test_the_default_experiment_stays_in_the_ranges_of_its_outputs(default_run: np.ndarray, variables: dict[str, Any]) -> None:
+    assert len(default_run) == 1001
+    assert default_run["time"][-1] == pytest.approx(1.0)
+    for name in default_run.dtype.names[1:]:
+        one, values = variables[name], default_run[name].astype(float)
+        low, high = float(one.min or -math.inf), float(one.max or math.inf)
+        assert np.isfinite(values).all() and low <= values.min() and values.max() <= high, name
+
+
+def test_it_gives_the_bits_of_the_rust_api(fmu: Path, default_run: np.ndarray) -> None:
     """The same run by `examples/default_run.rs`; its numbers are printed in full. Compiled as the FMU's library is."""
-    steps = 100
     example = os.environ.get("PUSHBELT_EXAMPLE")
     command = [example] if example else ["cargo", "run", "--release", "--quiet", "--example", "default_run", "--"]
-    printed = subprocess.run([*command, str(steps)], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run([*command, "100"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     head, *rows = printed.splitlines()
     names = head.split(",")[1:]
     rust = np.array([[float(cell) for cell in row.split(",")] for row in rows])
-    result = fmpy.simulate_fmu(fmu, stop_time=steps * 1e-3, output_interval=1e-3, output=names)
-    assert np.allclose(result["time"], rust[:, 0], rtol=0.0, atol=1e-12)
+    result = default_run[: len(rust)]
+    assert len(rust) == 101 and np.allclose(result["time"], rust[:, 0], rtol=0.0, atol=1e-12)
     with zipfile.ZipFile(fmu) as archive:
         portable = "binaries/win64/PushbeltVariator.dll" in archive.namelist()
     for column, name in enumerate(names, start=1):
@@ -198,8 +203,34 @@ def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
 
 
 def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path) -> None:
+    """Over the launch of the manoeuvre in steps of 1 ms."""
     needs("ecospy")
-    outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
-    two, three = (masters.with_ecos(path, demo.START_VALUES, manoeuvre_inputs().at, 1000, outputs) for path in (fmu, fmu3))
-    assert np.all(np.isfinite(three)) and np.ptp(three[:, 0]) > 0.0
-    assert np.array_equal(two, three)
+    load_tbb()
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    inputs, found = manoeuvre_inputs(), []
+    for path in (fmu, fmu3):
+        with EcosSimulationStructure() as structure:
+            structure.add_model("variator", str(path))
+            start = {f"variator::{name}": value for name, value in {**demo.START_VALUES, **inputs.at(0.0)}.items()}
+            structure.add_parameter_set("start", start)
+            with EcosSimulation(structure=structure, step_size=1e-3) as simulation:
+                assert simulation.init(parameter_set="start")
+                for k in range(300):
+                    for name, value in inputs.at(k * 1e-3).items():
+                        simulation.set_real(f"variator::{name}", value)
+                    simulation.step(1)
+                    found.append([simulation.get_real(f"variator::{name}") for name in ("thrustRatio", "belt.speed", "slip", "pushForce.max")])
+                simulation.terminate()
+    two, three = np.split(np.array(found), 2)
+    assert np.array_equal(two, three) and np.ptp(three, axis=0).min() > 0.0
+
+
+@pytest.mark.parametrize(("file", "version"), [("fmu", "2.0"), ("fmu3", "3.0")])
+def test_the_checker_of_the_manipulation_toolbox_finds_nothing(request: pytest.FixtureRequest, file: str, version: str) -> None:
+    pytest.importorskip("fmu_manipulation_toolbox")
+    words = [Path(sys.executable).with_name("fmutool"), "-input", request.getfixturevalue(file), "-check"]
+    checked = subprocess.run(words, capture_output=True, text=True, check=True)
+    said = checked.stdout + checked.stderr
+    assert f"compliant with FMI-{version}" in said and "No semantic error" in said
+    assert "ERROR" not in said and "WARNING" not in said, said

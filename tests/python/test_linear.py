@@ -9,11 +9,12 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import reports
-from conftest import COARSE, ROOT, WORDS, module_of
+from conftest import COARSE, ROOT, WORDS
 from scipy.io import loadmat
 
 import pushbelt
@@ -21,7 +22,7 @@ from pushbelt import cli
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linearize import __main__ as linearize
-from pushbelt.linearize import points
+from pushbelt.linearize.report import COLOURS, DASHES, chosen, phases
 from pushbelt.variator import Variator
 
 RATIO, FORCE = "ratio.geometric", "primary.clampingForce"
@@ -35,9 +36,6 @@ def grid(coarse: Variator) -> LinearGrid:
     """Two ratios, two torques of which one is beyond capacity, two frictions."""
     kind = {"states": "physical", "sample_time": 0.004}
     return coarse.linear_grid([0.8, 1.4], [40.0, 900.0], force=9e3, changes={"friction.pulley": [0.085, 0.095]}, **kind)
-
-
-# Models
 
 
 def test_a_model_is_about_the_requested_point(coarse: Variator) -> None:
@@ -78,31 +76,12 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: V
         variator.step(0.01)
 
 
-# Points that are not the ones asked for
-
-
-def test_a_torque_beyond_capacity_is_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Regression test: at this point an earlier version returned a model at a slip of 0.81 without a warning, with the default ring and mesh."""
-    output = tmp_path / "out"
-    command = ["initial.ratio=1", "primary.torque=400", "--fmu", str(fmu), "--output", str(output)]
-    assert linearize.main(command) == 1
-    said = capsys.readouterr()
-    assert "no steady state at ratio 1, 400 N·m, 209.44 rad/s and 10000 N" in said.err
-    assert "no linear model at this point" in said.err
-    assert said.out == "" and not output.exists()
-
-
-def test_other_loads_than_given_are_refused(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    common = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
-    assert linearize.main(["primary.clampingForce=20000", *common]) == 1
-    assert re.search(r"primary.clampingForce = 1[34]\d+\.?\d* N, but 20000 N is specified", capsys.readouterr().err)
-    assert linearize.main(["secondary.torque=-59", *common]) == 0
+def test_a_load_near_the_one_that_follows_is_taken(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["secondary.torque=-59", *WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
+    assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
-
-
-# Grids and files
 
 
 def test_a_grid_has_models_and_reasons(grid: LinearGrid) -> None:
@@ -199,11 +178,8 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         model.select(["sleep"])
 
 
-# The command line
-
-
 def test_lists_and_ranges_are_read() -> None:
-    asked = points.read(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
+    asked = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
     assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
     assert asked.changes == {"ring.model": ["ALE0", "ALE"]} and asked.parameters == {"belt.play": "1e-4"}
 
@@ -228,8 +204,6 @@ def test_a_grid_is_written_with_its_report(
     assert "ratio 2, torque 30" in text and "500 N·m" in text
     reports.look_at(folder / "report.html")
 
-
-# From C
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the program uses dlopen")
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
@@ -259,24 +233,42 @@ def test_the_header_is_c_plus_plus_too(tmp_path: Path) -> None:
     subprocess.run(command, check=True)
 
 
-# The page
-
-def test_the_page_shows_the_controller_that_runs() -> None:
-    code = (ROOT / "examples" / "drivetrain" / "linear_control.py").read_text(encoding="utf-8")
-    shown = code.split("# The controller\n")[1].split("# The end of the controller")[0].rstrip()
-    assert f"```python\n{shown}\n```" in (ROOT / "docs" / "linear.md").read_text(encoding="utf-8")
+def response(*ends: float) -> Any:
+    """A response whose phase goes from one angle to another, °."""
+    return np.exp(1j * np.radians(np.linspace(*ends, 60)))
 
 
-@pytest.mark.slow
-def test_the_shift_follows_and_steps_are_those_of_the_linear_loop(
-    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    monkeypatch.setenv("MPLBACKEND", "Agg")
-    monkeypatch.chdir(tmp_path)
-    found, wanted = module_of(ROOT / "examples" / "drivetrain" / "linear_control.py").main()
-    assert np.abs(found - wanted).max() < 0.12
-    assert abs(found[-1] - wanted[-1]) < 2e-3
-    assert (tmp_path / "linear-control.png").stat().st_size > 10_000
-    apart = [int(share) for share in re.findall(r"at most (\d+) % of the step apart", capsys.readouterr().out)]
-    assert len(apart) == 6 and max(apart) <= 10
+def test_phases_have_no_jumps_and_keep_their_distance() -> None:
+    found = phases([response(170.0, 400.0), response(195.0, 425.0)])
+    assert np.abs(np.diff(found)).max() < 10.0
+    assert found[1] - found[0] == pytest.approx(25.0)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2), (2, 3, 1, 0)])
+def test_similar_responses_are_on_one_branch(order: tuple[int, ...]) -> None:
+    """Also where they start on other sides of 180°, or turn in other directions."""
+    given = [response(-110.0, -90.0), response(-130.0, -95.0), response(-200.0, -450.0), response(175.0, -100.0)]
+    found = dict(zip(order, phases([given[k] for k in order]), strict=True))
+    assert [found[k][-1] for k in range(4)] == pytest.approx([-90.0, -95.0, -90.0, -100.0])
+    assert np.ptp([phase.mean() for phase in found.values()]) < 180.0
+    opposite = phases([response(0.0, 1.0), response(179.0, 178.0), response(-179.0, -178.0)])
+    assert abs(opposite[1][0] - opposite[2][0]) == pytest.approx(2.0)
+
+
+def grid_of(**axes: list[float]) -> LinearGrid:
+    shape = tuple(map(len, axes.values()))
+    models = np.array([object() for _ in range(np.prod(shape))], dtype=object).reshape(shape)
+    return LinearGrid({name: np.array(values) for name, values in axes.items()}, models, np.full(shape, "", dtype=object))
+
+
+def test_the_ratio_has_a_colour_and_the_torque_a_dash() -> None:
+    found = chosen(grid_of(ratio=[0.5, 1.0, 2.0], torque=[20.0, 50.0], speed=[100.0, 200.0, 300.0]))
+    looks = {one.name: (one.colour, one.dash) for one in found}
+    assert looks == {
+        f"ratio {ratio}, torque {torque} N·m, speed 1910 rpm": (COLOURS[k], DASHES[m])
+        for k, ratio in enumerate(("0.5", "1", "2"))
+        for m, torque in enumerate((20, 50))
+    }
+    many = chosen(grid_of(ratio=list(np.linspace(0.5, 2.0, 9)), torque=list(np.linspace(10.0, 90.0, 9))))
+    assert len({(one.colour, one.dash) for one in many}) == len(many) == 12
+    assert many[0].name == "ratio 0.5, torque 10 N·m" and many[-1].name == "ratio 2, torque 90 N·m"

@@ -46,9 +46,6 @@ def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3
     )  # fmt: skip
 
 
-# The transform
-
-
 def test_real_modes_are_transformed_without_loss() -> None:
     model = invented([-0.2, -1.1, -170.0])
     found = physical(model)
@@ -126,9 +123,6 @@ def test_more_modes_are_searched_until_they_are_enough() -> None:
     assert max(asked) < 4e3
 
 
-# Discrete time
-
-
 def test_discrete_matrices_are_those_of_constant_inputs(grid: LinearGrid) -> None:
     model = grid[0, 0]
     for found, expected in zip(model.discrete(), cont2discrete((model.a, model.b, model.c, model.d), 0.004), strict=False):
@@ -165,9 +159,6 @@ def test_poles_at_zero_integrate() -> None:
     single = replace(invented([-1.0]), a=np.zeros((1, 1)))
     assert single.step([0.0, 2.0])[1] == pytest.approx(single.c @ (2.0 * single.b) + single.d)
     assert np.isnan(single.response(0.0)).any() and np.isfinite(single.response(1.0)).all()
-
-
-# Grids
 
 
 def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> None:

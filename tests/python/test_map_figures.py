@@ -7,7 +7,7 @@ import pytest
 import sample_maps
 from test_charts import decoded
 
-from pushbelt.maps import figures
+from pushbelt.maps import report
 from pushbelt.maps.panels import Border, Quantity, levels_of, middle_of, panel
 from pushbelt.report import charts, style
 from pushbelt.sweep.maps import carried
@@ -71,8 +71,8 @@ def test_the_border_of_a_study_is_between_the_last_point_that_holds_and_the_next
 def test_maps_end_at_their_own_capacity() -> None:
     maps = sample_maps.default_maps()
     maps.tables["valid"][...] = 1.0
-    quantity = next(one for one in figures.SHOWN if one.column == "slip")
+    quantity = next(one for one in report.SHOWN if one.column == "slip")
     assert quantity.heading == "Slip (%)"
-    (f, s), panels = (0, 0), figures.contours([("", maps)], quantity).panels
+    (f, s), panels = (0, 0), report.contours([("", maps)], quantity).panels
     lines = [one.y for one in panels[0].series if one.name == "capacity"]
     assert np.array(lines) == pytest.approx(maps["capacity"][f, s].T)

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
@@ -15,20 +16,20 @@ import pytest
 from conftest import MESH
 import reports
 import xarray
+from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
 
 from pushbelt.fmu.data import pitch_radius, torque_capacity
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import Line
+from pushbelt.fmu.working_points import SHAFTS, Line
 from pushbelt.maps import __main__, files
-from pushbelt.maps import lines as map_lines
 from pushbelt.maps.data import LOSSES, MapError, Maps
-from pushbelt.maps.plan import COARSE, Grid, Plan, stops
+from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
+from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
 from pushbelt.study.run import Store
-from pushbelt.study.tasks import variator
-from pushbelt.study.worker import Solver
+from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 GRID = Grid(
@@ -54,16 +55,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def maps(plan: Plan, folder: Path) -> Maps:
     """The maps of all lines, after a run that was interrupted by losing half of the finished lines."""
-    return map_lines.collect(plan, run.solve(plan, folder, workers=2))
+    return collect(plan, run.solve(plan, folder, workers=2))
 
 
 @pytest.fixture(scope="module")
 def written(maps: Maps, folder: Path) -> Path:
     files.write(maps, folder)
     return folder
-
-
-# Parts
 
 
 def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
@@ -78,11 +76,11 @@ def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
 
 def test_shift_rates_are_made_monotone() -> None:
     excesses = np.array([-0.4, -0.1, 0.0, 0.1, 0.4])
-    rates = map_lines.monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
+    rates = monotone(np.array([[-2.0, -3.0, 1.0, math.nan]]), excesses)
     # The second rate is not above the first one, and the last is missing.
     assert rates[0].tolist() == pytest.approx([-3.0, -3.0, 0.0, 1.0, 1.0])
     assert rates[0, 2] == 0.0
-    assert map_lines.monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
+    assert monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
 
 
 @pytest.mark.parametrize(
@@ -91,9 +89,6 @@ def test_shift_rates_are_made_monotone() -> None:
 def test_grid_refuses(values: dict) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Grid(**values)
-
-
-# The FMU
 
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
@@ -142,39 +137,63 @@ def test_losses_of_the_maps_close(maps: Maps) -> None:
     assert np.max(np.abs(by_torque - by_law)[maps.valid] / power[maps.valid]) < 2e-3
 
 
-def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps) -> None:
+@pytest.mark.parametrize("place", [(1, 0, 2, 3), (0, 1, 0, 4)])
+def test_a_point_is_that_of_the_fmu_with_its_own_drag(archive: Archive, plan: Plan, maps: Maps, place: tuple[int, ...]) -> None:
     """Lines are measured without the drag of the shafts, which the maps add: at the torque of a point."""
-    place = (1, 1, 2, 3)
     torque = maps["primaryTorque"][place]
-    with Instance(archive, driven_by_torque(plan.full, 1.8, 300.0, torque, 12e3)) as unit:
+    force, speed, ratio, utilisation = (getattr(GRID, name)[k] for name, k in zip(("force", "speed", "ratio", "utilisation"), place, strict=True))
+    with Instance(archive, driven_by_torque(plan.full, ratio, speed, torque, force)) as unit:
         unit.initialise()
         drag = unit.get("primary.externalTorque") + unit.get("primary.shaftTorque")
-        unit.restart(driven_by_torque(plan.full, 1.8, 300.0, torque + drag, 12e3))
+        unit.restart(driven_by_torque(plan.full, ratio, speed, torque + drag, force))
         unit.initialise()
         found = unit.outputs()
     assert -found["primary.shaftTorque"] == pytest.approx(torque, rel=1e-3)
-    assert torque == pytest.approx(0.3 * torque_capacity(plan.full, 1.8, 12e3))
+    assert torque == pytest.approx(utilisation * torque_capacity(plan.full, ratio, force))
     for name in ("slip", "thrustRatio"):
         assert maps[name][place] == pytest.approx(found[name], rel=2e-3)
     assert maps["lossShafts"][place] == pytest.approx(found["loss.shafts"], rel=2e-3)
     assert maps["efficiency"][place] == pytest.approx(found["efficiency"], abs=2e-4)
-    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / 1.8
+    loss = found["primary.externalTorque"] + found["secondary.externalTorque"] / ratio
     assert maps["torqueLoss"][place] == pytest.approx(loss, rel=2e-3)
+
+
+def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So an interrupt loses no finished line, also without dask."""
+
+    def interrupted(calls: Sequence[Call], *_: object) -> None:
+        function, arguments = calls[0]
+        function(*arguments)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run.side_by_side, "run_all", interrupted)
+    monkeypatch.setattr(run.side_by_side, "tick", lambda _: None)
+    with pytest.raises(KeyboardInterrupt):
+        run.solve_in_processes(plan, tmp_path, "lines")
+    assert [bool(row["points"]) for row in Store(tmp_path, plan).rows().values()] == [True]
+
+
+def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, maps: Maps) -> None:
+    """Which step on their own and take their mean slope of 1/i."""
+    with Bench(archive, changed={**MESH, **SHAFTS}) as bench:
+        for f, s, r, excess in ((0, 1, 1, 1), (1, 0, 2, 3)):
+            force, speed, ratio = GRID.force[f], GRID.speed[s], GRID.ratio[r]
+            torque = 0.3 * bench.capacity(ratio, force)
+            load = bench.steady(driven_by_torque(bench.parameters, ratio, speed, torque, force))["secondary.externalTorque"]
+            run = bench.shift(driven_at_speed(bench.parameters, ratio, speed, load, force), GRID.excess[excess])
+            assert maps["shiftRate"][f, s, r, 1, excess] == pytest.approx(run.rate / run.speed_ratio[-4] / speed, rel=5e-3)
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
     rows = Store(folder, plan).rows()
     rows[4] = {"reason": "no belt", "time": 0.1}
-    found = map_lines.collect(plan, rows)
+    found = collect(plan, rows)
     f, s, r = np.unravel_index(4, (2, 2, 3))
     assert found["thrustRatio"][f, s, r].tolist() in [maps["thrustRatio"][f, s, k].tolist() for k in (r - 1, r + 1)]
     assert set(found["state"][f, s, r]) == {3.0}
     assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
     with pytest.raises(ValueError, match="no belt"):
-        map_lines.collect(plan, {4: rows[4]})
-
-
-# Files
+        collect(plan, {4: rows[4]})
 
 
 @pytest.mark.parametrize("name", files.OWN)
@@ -253,9 +272,6 @@ def test_csv_files_are_read_by_pandas(maps: Maps, written: Path) -> None:
     assert np.allclose(loss.torque_loss_Nm, maps["torqueLoss"][maps.valid], rtol=1e-8)
     assert loss.speed_rpm.max() == pytest.approx(300.0 * 30.0 / math.pi)
     assert list(table)[:4] == ["force", "speed", "ratio", "utilisation"]
-
-
-# Program and report
 
 
 def test_the_program_writes_what_it_names(

@@ -24,7 +24,7 @@ NOT_RAISED_BY_CALLS = {"NotFoundError"}
 """Errors of modules in `pushbelt.fmu` that serve the programs."""
 BUILTIN = {"ValueError", "KeyError", "FileNotFoundError", "ModuleNotFoundError", "AttributeError", "argparse.ArgumentTypeError"}
 """Errors of Python that the package raises. Other errors are classes of the package."""
-BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.worker", "tables.files", "report.side_by_side", "study.cluster")}
+BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.tasks", "tables.files", "report.side_by_side", "study.cluster")}
 """Modules that convert any exception of a library or a worker to an error or a reason."""
 
 

@@ -12,8 +12,7 @@ from rig_tables import RPM, TITLES, columns, table, values
 
 from pushbelt.calibrate import __main__
 from pushbelt.tables import points
-from pushbelt.tables.faults import TableError
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.sheet import Reading, TableError
 
 Columns = dict[str, np.ndarray]
 TITLE = dict(zip(columns(), [*TITLES, "slip [%]", "eta [%]"], strict=True))

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
-from test_wheel import EXTRA_OF, declared, imported  # noqa: F401
+from test_wheel import declared  # noqa: F401
 
 import pushbelt
 from pushbelt import cli, console
@@ -28,10 +28,18 @@ import sys
 from importlib.machinery import PathFinder
 hidden, found = set(sys.argv.pop(1).split(",")), PathFinder.find_spec
 PathFinder.find_spec = lambda name, *rest: None if name.partition(".")[0] in hidden else found(name, *rest)
+import pushbelt
+with pushbelt.Variator("bench168", {"ring.model": "ALE0"}, fmu=sys.argv.pop(1)) as variator:
+    variator.step(1e-3)
 from pushbelt import cli
-sys.exit(cli.main(sys.argv[1:]))
+for line in sys.argv[1:]:
+    try:
+        code = cli.main(line.split("\\n"))
+    except SystemExit as end:
+        code = end.code
+    print("ends with", code)
 """
-"""The command in an environment in which packages are not installed."""
+"""A step, and command lines, in an environment in which packages are not installed."""
 
 
 def test_the_package_completes_to_what_is_public() -> None:
@@ -43,6 +51,8 @@ def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
     texts = [repr(belt)]
     belt.step(0.002)
     state, grid = belt.steady(1.3, 33.0), belt.linear_grid([0.9, 1.2], [30.0, 800.0], force=9e3)
+    assert state.to_dataframe()["slip"].tolist() == [state["slip"]]
+    assert state.profile.to_dataframe()["push_force"].max() == state.profile.push_force.max()
     texts += map(repr, (belt, state, state.profile, grid, grid[0, 0], Trace(np.array([0.0, 0.5]), {"slip": np.zeros(2)})))
     belt.close()
     texts.append(repr(belt))
@@ -88,14 +98,6 @@ def test_a_table_that_is_not_usable_changes_nothing(belt: Variator, table: pd.Da
     assert len(belt.outputs) == 0
 
 
-def test_results_become_tables(belt: Variator) -> None:
-    state = belt.steady(0.8, 20.0)
-    assert state.to_dataframe()["slip"].tolist() == [state["slip"]]
-    profile = state.profile.to_dataframe()
-    assert profile.shape == (72, 7) and profile["push_force"].max() == state.profile.push_force.max()
-    assert Trace(np.arange(3.0), {"slip": np.ones(3)}).to_dataframe().index.name == "time"
-
-
 def test_similar_names_are_given(belt: Variator) -> None:
     with pytest.raises(KeyError, match="pushForce.maxx.*pushForce.max"):
         belt["pushForce.maxx"]
@@ -128,21 +130,16 @@ def test_pages_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert "variables" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("program", [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"])
-def test_help_needs_no_extra(program: str, declared: dict[str, set[str]], tmp_path: Path) -> None:  # noqa: F811
-    """Without the packages of all extras, and without an FMU."""
+def test_steps_and_help_need_no_extra_and_a_program_names_its_own(declared: dict[str, set[str]], fmu: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Without the packages of all extras, help also without an FMU."""
     hidden = ",".join({name.lower().replace("-", "_") for name in declared["all"] - declared["base"]} | {"wltp"})
-    command = [sys.executable, "-c", WITHOUT, hidden, program, "--help"]
+    programs = [*cli.PROGRAMS, "fmu", "variables", "docs", "cache"]
+    command = [sys.executable, "-c", WITHOUT, hidden, fmu, *(f"{program}\n--help" for program in programs), f"demo\n--fmu\n{fmu}"]
     environment = {"PYTHONPATH": str(ROOT / "python"), "PUSHBELT_FMU": str(tmp_path / "none.fmu"), "PATH": "/usr/bin:/bin"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
-    assert run.returncode == 0 and "Traceback" not in run.stderr, run.stderr
-    assert run.stdout.startswith(f"usage: pushbelt {program} ") and "--help" in run.stdout
-
-
-def test_a_program_without_its_packages_names_the_extra(fmu: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", WITHOUT, "jinja2,plotly,tqdm", "demo", "--fmu", str(fmu)]
-    run = subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT / "python")}, cwd=tmp_path)
-    assert (run.returncode, run.stdout) == (1, "") and "pip install 'pushbelt[reports]'" in run.stderr
+    assert run.returncode == 0 and "pip install 'pushbelt[reports]'" in run.stderr, run.stderr
+    shown, codes = (re.findall(line, run.stdout, re.MULTILINE) for line in (r"^usage: pushbelt (\w+) ", r"^ends with (.*)$"))
+    assert shown == programs and codes == ["0"] * len(programs) + ["1"] and "Traceback" not in run.stderr
 
 
 def test_only_an_error_of_the_package_has_no_traceback(

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 import xmlschema
 from conftest import ROOT
-from fmpy.ssp.ssd import read_ssv
+from fmpy.ssp import ssd
 from lxml import etree
 
 from pushbelt import cli
-from pushbelt.fmu import ssv
+from pushbelt.fmu import start_values
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked, write_copy
 from pushbelt.fmu.unit import Archive, Instance
@@ -99,7 +99,7 @@ def smoke_test(path: Path, folder: Path) -> None:
     for experiment in root:
         sources = {one.tag: experiments.parent / one.get("source") for one in experiment}
         assert list(sources) == ["Parameters", "Stimuli", "References"], "the order of the schema"
-        parameters = {parameter.name: parameter.value for parameter in read_ssv(str(sources["Parameters"])).parameters}
+        parameters = {parameter.name: parameter.value for parameter in ssd.read_ssv(str(sources["Parameters"])).parameters}
         assert set(parameters) == {name for name, one in variables.items() if one.causality == "parameter"}
         expected = fmpy.util.read_csv(sources["References"])
         outputs = [name for name in expected.dtype.names if name != "time"]
@@ -129,16 +129,16 @@ def test_published_sets_are_up_to_date(name: str, description: Any, variables: d
     """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
     path = PARAMETERS / f"{name}.ssv"
     assert path.read_bytes() == reference.published(path.with_suffix(".json"), description)
-    assert xmlschema.XMLSchema(str(ssv.SCHEMA)).is_valid(str(path))
-    assert ssv.read(path, variables) == parameter_set(name)
-    assert checked(variables, {one.name: one.value for one in read_ssv(str(path)).parameters}) == ssv.read(path, variables), "by another reader"
+    assert xmlschema.XMLSchema(str(Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd")).is_valid(str(path))
+    assert start_values.read_ssv(path, variables) == parameter_set(name)
+    assert checked(variables, {one.name: one.value for one in ssd.read_ssv(str(path)).parameters}) == start_values.read_ssv(path, variables), "by another reader"
 
 
 def test_all_types_are_written_and_read(tmp_path: Path, description: Any, variables: dict[str, Any]) -> None:
     values = {"ring.model": "ALE0", "initial.steady": False, "ring.layers": 7, "primary.torque": -12.5}
     path = tmp_path / "set.ssv"
     path.write_bytes(reference.set_of(values, description, "own"))
-    assert ssv.read(path, variables) == {**values, "ring.model": 1}
+    assert start_values.read_ssv(path, variables) == {**values, "ring.model": 1}
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_files_that_do_not_fit_are_refused(tmp_path: Path, variables: dict[str, 
     path = tmp_path / "set.ssv"
     path.write_text(text.replace(before, after, 1), encoding="utf-8")
     with pytest.raises(StartValueError, match=why):
-        ssv.read(path, variables)
+        start_values.read_ssv(path, variables)
 
 
 def test_the_command_takes_a_set(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import browser
 import numpy as np
 import pictures
 import pytest
 import reports
 from conftest import ROOT
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 from test_charts import BENCH, EVERYTHING
 
 from pushbelt.fmu import data
@@ -75,62 +74,26 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with reports.chromium() as browser:
+        yield browser
+
+
 @pytest.fixture
-def opened(report: Path) -> Iterator[Page]:
-    with browser.page() as (opened, complaints):
-        browser.show(opened, report, 1280)
+def opened(report: Path, chromium: Browser) -> Iterator[Page]:
+    with reports.page(chromium) as (opened, complaints):
+        reports.show(opened, report, 1280)
         yield opened
         assert complaints == []
 
 
-def test_the_page_passes_the_checks_of_reports(report: Path) -> None:
-    reports.stands_alone(report)
-    reports.look_at(report)
-
-
-LEGENDS = """[...document.querySelectorAll('.keys button')].filter((key) => key.querySelector('path.line')).flatMap((key) => {
-    const sample = key.querySelector('path.line'), name = key.childNodes[1].textContent;
-    const look = (path, opacity) => [...['stroke', 'strokeWidth', 'strokeDasharray'].map((one) => getComputedStyle(path)[one]), Number(opacity)].join(' ');
-    const shown = look(sample, sample.closest('svg').getAttribute('opacity'));
-    const drawn = [...key.closest('.chart').querySelectorAll('.plot')].flatMap((plot) =>
-        [...plot.querySelectorAll('.scatterlayer .trace')].filter((trace) => trace.__data__[0].trace.name === name)
-            .flatMap((trace) => [...trace.querySelectorAll('.js-line')].map((path) => look(path, getComputedStyle(trace).opacity))));
-    return drawn.length === 0 || drawn.includes(shown) ? [] : [`${name}: ${shown}, drawn ${drawn[0]}`];
-})"""
-"""Legends whose sample has not the colour, width, dash and opacity of a line of its name."""
-LABELS = """[...document.querySelectorAll('.plot')].filter((plot) => plot.offsetParent).flatMap((plot) => {
-    const outer = plot.getBoundingClientRect();
-    const seen = (selector) => [...plot.querySelectorAll(selector)].map((one) => ({ text: one.textContent, box: one.getBoundingClientRect() }))
-        .filter(({ text, box }) => text.trim() && box.width > 0);
-    const complaints = [...plot.querySelectorAll('text')].filter((one) => one.textContent.trim() && parseFloat(getComputedStyle(one).fontSize) < 11.9)
-        .map((one) => `small: ${one.textContent}`);
-    for (const { text, box } of [...seen('.xtick text, .ytick text'), ...seen('.xtitle, .ytitle')]) {
-        if (box.left < outer.left - 1 || box.right > outer.right + 1 || box.top < outer.top - 1 || box.bottom > outer.bottom + 1) {
-            complaints.push(`cut off: ${text}`);
-        }
-    }
-    // The box of a line of text is higher than its digits.
-    for (const [selector, from, to, slack] of [['.xtick text', 'left', 'right', 0], ['.ytick text', 'top', 'bottom', 5]]) {
-        const ticks = seen(selector).sort((a, b) => a.box[from] - b.box[from]);
-        ticks.slice(1).filter((tick, k) => tick.box[from] < ticks[k].box[to] - slack).forEach(({ text }) => complaints.push(`overlap: ${text}`));
-    }
-    const labels = seen('.annotation-text').sort((a, b) => a.box.left - b.box.left);
-    labels.slice(1).filter(({ box }, k) => box.left < labels[k].box.right - 1 && box.top < labels[k].box.bottom - 3 && labels[k].box.top < box.bottom - 3)
-        .forEach(({ text }) => complaints.push(`overlap: ${text}`));
-    return complaints;
-})"""
-"""Labels of axes that are less than 12 px high, are cut off, or overlap."""
-TIGHT = "[...document.querySelectorAll('.facts div')].filter((one) => one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1)"
-"""Cards that are smaller than their content."""
-
-
 @pytest.mark.parametrize("width", [1280, 400], ids=["desktop", "telephone"])
-def test_the_page_is_legible(report: Path, width: int) -> None:
-    with browser.page() as (page, complaints):
-        browser.show(page, report, width)
-        assert [page.evaluate(one) for one in (LEGENDS, LABELS, TIGHT)] == [[], [], []]
+def test_the_page_is_legible(report: Path, chromium: Browser, width: int) -> None:
+    with reports.page(chromium) as (page, complaints):
+        reports.show(page, report, width)
+        assert (reports.faults(page, "legends", "labels", "tight"), complaints) == ([], [])
         assert page.evaluate("document.documentElement.scrollWidth") <= width, "the page scrolls sideways"
-        assert complaints == []
 
 
 def test_a_table_is_sorted_by_value(opened: Page) -> None:
@@ -206,23 +169,23 @@ def test_the_pointer_moves_one_cursor_through_panels_and_belt(opened: Page) -> N
     opened.wait_for_function(f"{RANGES}.every(([low, high]) => low === 0 && high === 1)")
 
 
-@pytest.mark.parametrize(
-    ("check", "broken"),
-    [
-        (reports.look_at, "<script>nothing.here();</script>"), (reports.look_at, "<script>fetch('http://127.0.0.1:9/x')</script>"),
-        (reports.look_at, '<div class="plot"></div>'), (reports.stands_alone, '<img src="https://example.org/a.png">'),
-        (reports.stands_alone, "<style>@import 'x.css'</style>"), (reports.stands_alone, '<link href="//example.org">'),
-    ],
-)  # fmt: skip
-def test_the_checks_of_reports_find_a_fault(check: Callable[[Path], object], broken: str, report: Path, tmp_path: Path) -> None:
-    faulty = tmp_path / "report.html"
-    faulty.write_text(report.read_text(encoding="utf-8").replace("<main>", f"<main>{broken}"), encoding="utf-8")
-    with pytest.raises(AssertionError):
-        check(faulty)
+def test_the_checks_of_reports_find_a_fault(report: Path, chromium: Browser, tmp_path: Path) -> None:
+    reports.stands_alone(report)
+    reports.look_at(report, chromium)
+    text, faulty = report.read_text(encoding="utf-8"), tmp_path / "report.html"
+    for broken in ('<img src="https://example.org/a.png">', "<style>@import 'x.css'</style>", '<link href="//example.org">'):
+        faulty.write_text(text.replace("<main>", f"<main>{broken}"), encoding="utf-8")
+        with pytest.raises(AssertionError):
+            reports.stands_alone(faulty)
+    scripts = "<script>nothing.here();</script><script>fetch('http://127.0.0.1:9/x')</script>"
+    faulty.write_text(text.replace("<main>", f'<main>{scripts}<div class="plot" aria-label="no lines"></div>'), encoding="utf-8")
+    with pytest.raises(AssertionError) as found:
+        reports.look_at(faulty, chromium)
+    assert all(part in str(found.value) for part in ("nothing", "127.0.0.1:9/x", "no lines"))
 
 
-def test_the_docs_picture_is_taken_from_a_report(report: Path, tmp_path: Path) -> None:
+def test_the_docs_picture_is_taken_from_a_report(report: Path, chromium: Browser, tmp_path: Path) -> None:
     picture = tmp_path / "report.png"
-    assert pictures.main(["demo", str(report), str(picture)]) == 0
+    pictures.take(report, picture, None, chromium)
     docs = (ROOT / "docs" / "report.png").read_bytes()
     assert docs[16:24] == picture.read_bytes()[16:24], "the picture in the docs has another size than that of this program"

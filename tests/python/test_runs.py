@@ -56,9 +56,10 @@ def test_a_constant_table_takes_no_more_work_than_steps(fmu: Path, belt: Variato
         assert belt["solver.steps"] == other["solver.steps"]
 
 
-@pytest.mark.parametrize("rows", [150_000, pytest.param(3_600_000, marks=pytest.mark.slow)])
-def test_an_hour_in_milliseconds_fits_in_a_hundred_megabytes(belt: Variator, rows: int) -> None:
+def test_a_long_recording_fits_in_a_hundred_megabytes(belt: Variator) -> None:
+    """Ten minutes in milliseconds. Whenever the memory is full, every other row goes."""
     belt.start()
+    rows = 600_000
     names = ("time", *belt.outputs.dtype.names[1:])
     recording, row = Recording(names, Record()), np.zeros(len(names))
     tracemalloc.start()
@@ -71,7 +72,7 @@ def test_an_hour_in_milliseconds_fits_in_a_hundred_megabytes(belt: Variator, row
     assert most < 100e6
     assert table["time"][[0, -1]].tolist() == [0.0, rows * 1e-3]
     steps = np.diff(table["time"])
-    assert np.ptp(steps[:-1]) < 1e-9 and steps[0] == pytest.approx(0.004 if rows == 150_000 else 0.064)
+    assert np.ptp(steps[:-1]) < 1e-9 and steps[0] == pytest.approx(0.016)
 
 
 def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:

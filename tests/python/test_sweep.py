@@ -22,8 +22,8 @@ from distributed import LocalCluster
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
-from pushbelt.study.worker import Solver
-from pushbelt.sweep import Grid, Progress, Study, checks, maps, report, sweep
+from pushbelt.study.tasks import Solver
+from pushbelt.sweep import Grid, Progress, Study, maps, report, sweep
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, rpm, variator
@@ -42,9 +42,6 @@ def at(ratio: float, utilisation: float, friction: float, speed: float, force: f
 @pytest.fixture(scope="module")
 def study(fmu: Path) -> Study:
     return Study(fmu, PARAMETERS, GRID)
-
-
-# Study
 
 
 def test_grid_numbers_its_points() -> None:
@@ -79,9 +76,6 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
     assert chunks(study, set(range(24)), 8) == []
     index, values = found[0][0]
     assert values == study.start_values(study.grid.points()[index])
-
-
-# Store
 
 
 def made_up(study: Study) -> dict[int, Row]:
@@ -156,9 +150,6 @@ def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
     assert failed["primary.torque"].null_count == 0
 
 
-# Checks and maps
-
-
 @pytest.mark.parametrize(
     ("values", "statement"),
     [
@@ -178,7 +169,7 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
     rows[index] |= {name: value for name, value in values.items() if name != "reason"}
     if "reason" in values:
         rows[index - 1] = values
-    failed = [check for check in checks.evaluate(maps.data_set(study.grid, table(study, rows))) if not check.passed]
+    failed = [check for check in report.evaluate(maps.data_set(study.grid, table(study, rows))) if not check.passed]
     assert [check.statement.startswith(statement or "") for check in failed] == [True] * (statement is not None)
     assert all("ratio 1.25, utilisation 0." in check.found and "μ 0.09" in check.found for check in failed)
 
@@ -190,9 +181,6 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study) -> None:
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
         maps.plt.close(figure)
-
-
-# On a worker
 
 
 @pytest.fixture(scope="module")
@@ -226,7 +214,7 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
     assert {k for k, row in solved.items() if row["reason"]} == {k for k, point in enumerate(study.grid.points()) if point["utilisation"] == 1.2}
     results = table(study, solved)
-    failed = [check.statement for check in checks.evaluate(maps.data_set(study.grid, results)) if not check.passed]
+    failed = [check.statement for check in report.evaluate(maps.data_set(study.grid, results)) if not check.passed]
     assert all(statement.startswith("Losses of the belt sum") for statement in failed)
     path = report.write(study, results, tmp_path, Effort(len(solved), 1.0, 2.0))
     text = reports.stands_alone(path)
@@ -247,9 +235,6 @@ def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: 
     assert "belt.colour" in found[2][1]["reason"]
     for number, row in (found[0], found[3]):
         assert {**row, "time": 0.0} == {**solved[number], "time": 0.0}
-
-
-# On clusters
 
 
 @pytest.mark.slow

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 from rig_tables import COLUMNS, ROWS, RPM, TITLES, UNITS, columns, is_right, table, values, written
+from reports import by_name
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__
 from pushbelt.tables import columns as known
 from pushbelt.tables import names, numerals, points, units
-from pushbelt.tables.faults import TableError
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.sheet import Reading, TableError
 from pushbelt_validation.outcome import SPELLED as SHOWN
 from pushbelt_validation.outcome import UNSCALED
 
@@ -185,8 +185,8 @@ def test_spellings_of_units(spelling: str, dimension: str, si: float | None) -> 
 
 def test_units_in_other_cases_have_the_same_factor_or_none() -> None:
     """A prefix in the wrong case never changes the factor silently."""
-    for dimension, known in units.spellings().items():
-        for spelling, unit in known.items():
+    for dimension, spellings in units.spellings().items():
+        for spelling, unit in spellings.items():
             assert units.find(spelling, dimension) == unit
             for other in (spelling.lower(), spelling.upper(), spelling.capitalize()):
                 assert units.find(other, dimension) in (unit, None) or other in known
@@ -477,11 +477,11 @@ def test_numbers_of_programs_have_a_unit(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     tables.write(path, ["case", "count", "slip [1]"], [("a", 1, 0.25), ("b", 2, float("nan"))], remark="made up")
     assert path.read_text(encoding="utf-8").startswith("# made up\ncase,count,slip [1]\n")
-    assert tables.by_name(path) == [{"case": "a", "count": "1", "slip": "0.25"}, {"case": "b", "count": "2", "slip": "nan"}]
+    assert by_name(path) == [{"case": "a", "count": "1", "slip": "0.25"}, {"case": "b", "count": "2", "slip": "nan"}]
     with pytest.raises(tables.TitleError, match="slip"):
         tables.write(path, ["case", "slip"], [("a", 0.25)])
     tables.write(path, ["slip [1]"], [(1.0 / 3.0,)], digits=None)
-    assert float(tables.by_name(path)[0]["slip"]) == 1.0 / 3.0
+    assert float(by_name(path)[0]["slip"]) == 1.0 / 3.0
     for unit in {*SHOWN.values(), *UNSCALED.values()}:
         assert any(units.find(unit, dimension) == units.Unit(1.0) for dimension in units.SPELLED), unit
     package = Path(tables.__file__).parents[1]

@@ -13,8 +13,8 @@ from rig_tables import COLUMNS, POINTS, ROWS, TITLES, UNITS, is_right, values, w
 
 from pushbelt.calibrate import __main__
 from pushbelt.tables import points
-from pushbelt.tables.faults import TableError
 from pushbelt.tables.points import Rig
+from pushbelt.tables.sheet import TableError
 
 HEAD = ["t [s]", *TITLES]
 

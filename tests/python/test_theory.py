@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from collections.abc import Callable
+from dataclasses import replace
 from math import atan2, cos, exp, log, pi, radians, sin, tan
 
 import numpy as np
 import pytest
+from pushbelt_validation.bench import Bench
 from pushbelt_validation.outcome import Verdict
 from pushbelt_validation.sections.default_belt import _spiral_checks, spiral_running
 from pushbelt_validation.theory import cmm
 from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
-from pushbelt_validation.tilt import tilt_under
-from scipy.integrate import solve_ivp
 
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import theta_of
-from pushbelt.fmu.results import BeltState, Profile
+from pushbelt.fmu.results import BeltState
+from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.unit import Archive
 
 BETA, MU = radians(11.0), 0.09
 BENCH = (0.168, 0.703)  # Pulley distance and belt length of the laboratory variator, m
@@ -53,24 +55,29 @@ def test_groove_of_sattler() -> None:
         assert deeper / radius == pytest.approx(cmm.deformation_factor(BETA) * delta * cos(phase), rel=1e-4, abs=1e-12)
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("traction", (-0.4, -0.1, 0.0, 0.2, 0.45))
-def test_fields_close_the_balances(wrap: float, traction: float) -> None:
-    """Equations (4) to (7) checked on the fields by another quadrature, from first principles in Cartesian axes."""
-    arc = cmm.arc_at_traction(wrap, BETA, MU, traction, points=20_001)
+SHIFTING = ((-1.3, 0.3), (-0.9, 0.3), (0.4, 0.0), (-1e7, 0.0), (1e7, 0.0))
+"""Creep and speed of ratio change; the last two slip through."""
+
+
+@pytest.mark.parametrize(
+    ("solve", "wrap", "state"),
+    [*((cmm.arc_at_traction, wrap, (r,)) for wrap in WRAPS[::2] for r in (-0.4, 0.0, 0.45)), *((cmm.arc_at_creep, 2.9, one) for one in SHIFTING)],
+)
+def test_fields_close_the_balances(solve: Callable[..., cmm.Arc], wrap: float, state: tuple[float, ...]) -> None:
+    """Equations (1) to (7) checked on the fields by another quadrature, from first principles in Cartesian axes."""
+    arc = solve(wrap, BETA, MU, *state, points=20_001)
     theta, p = arc.theta, arc.pressure
-    beta_s = np.arctan(tan(BETA) * np.cos(arc.psi))
+    psi = np.arctan2(arc.creep + np.cos(theta - arc.centre) - arc.shift * theta, arc.shift + np.sin(theta - arc.centre))
+    beta_s = np.arctan(tan(BETA) * np.cos(psi))
     # Force of both flanks on the belt, per angle: normal and friction against the sliding.
-    radial = 2.0 * p * (sin(BETA) - MU * np.cos(beta_s) * np.cos(arc.psi))
-    tangential = -2.0 * p * MU * np.cos(beta_s) * np.sin(arc.psi)
+    radial = 2.0 * p * (sin(BETA) - MU * np.cos(beta_s) * np.cos(psi))
+    tangential = -2.0 * p * MU * np.cos(beta_s) * np.sin(psi)
     # The arc as a free body: pulled backwards at the entry, forwards at the exit. Direction of motion at theta is
-    # (-sin theta, cos theta), outward (cos theta, sin theta).
-    entry, exit_ = arc.tension[0], arc.tension[-1]
-    x = np.trapezoid(radial * np.cos(theta) - tangential * np.sin(theta), theta) - exit_ * sin(wrap)
-    y = np.trapezoid(radial * np.sin(theta) + tangential * np.cos(theta), theta) + exit_ * cos(wrap) - entry
-    assert (x, y) == pytest.approx((0.0, 0.0), abs=2e-4)
-    # Moment about the axis.
-    assert np.trapezoid(tangential, theta) + exit_ - entry == pytest.approx(0.0, abs=2e-4)
+    # (-sin theta, cos theta), outward (cos theta, sin theta). Then the moment about the axis.
+    entry, end = arc.tension[[0, -1]]
+    x = np.trapezoid(radial * np.cos(theta) - tangential * np.sin(theta), theta) - end * sin(wrap)
+    y = np.trapezoid(radial * np.sin(theta) + tangential * np.cos(theta), theta) + end * cos(wrap) - entry
+    assert (x, y, np.trapezoid(tangential, theta) + end - entry) == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
     # Thrust and centre.
     p_ax = p * (cos(BETA) + MU * np.sin(beta_s))
     assert np.trapezoid(p_ax, theta) == pytest.approx(arc.thrust, rel=1e-4)
@@ -78,38 +85,16 @@ def test_fields_close_the_balances(wrap: float, traction: float) -> None:
     s, c = np.trapezoid(p_ax * np.sin(theta), theta), np.trapezoid(p_ax * np.cos(theta), theta)
     assert atan2(s, c) % (2.0 * pi) == pytest.approx(arc.centre, abs=1e-4)
     assert np.hypot(s, c) / arc.thrust == pytest.approx(arc.moment, rel=1e-4)
-    assert arc.tension[0] + arc.tension[-1] == pytest.approx(2.0, rel=1e-8)
+    assert entry + end == pytest.approx(2.0, rel=1e-8)
+    assert arc.log_ratio == pytest.approx(log(end / entry), rel=1e-7, abs=1e-9)
+    assert abs(arc.creep) < 1e6 or arc.log_ratio == pytest.approx(math.copysign(MU * wrap / sin(BETA), arc.creep), rel=1e-6), "Eytelwein's"
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
-@pytest.mark.parametrize("traction", (-0.35, -0.1, 0.0, 0.3))
+@pytest.mark.parametrize("ratio", (0.45, 1.0, 1.5))
+@pytest.mark.parametrize("traction", (-0.35, 0.0, 0.3))
 def test_mirror_symmetry(ratio: float, traction: float) -> None:
     """With the roles of the pulleys swapped the strands swap too: i_F(i; r) i_F(1/i; -r) = 1."""
     assert bench(ratio, traction).thrust_ratio * bench(1.0 / ratio, -traction).thrust_ratio == pytest.approx(1.0, rel=1e-9)
-
-
-@pytest.mark.parametrize(("creep", "shift"), [*product((-1.3, -0.9, 0.4), (0.0, 0.3)), (-1e7, 0.0), (1e7, 0.0)])
-def test_against_an_ordinary_differential_equation(creep: float, shift: float) -> None:
-    """The same equations marched along the arc by a general integrator, also where the belt slips through."""
-    wrap = 2.9
-    arc = cmm.arc_at_creep(wrap, BETA, MU, creep, shift)
-
-    def slope(theta: float, y: np.ndarray) -> list[float]:
-        v_r = shift + sin(theta - arc.centre)
-        v_t = creep + cos(theta - arc.centre) - shift * theta
-        psi = atan2(v_t, v_r)
-        beta_s = np.arctan(tan(BETA) * cos(psi))
-        p = y[0] / (2.0 * (sin(BETA) - MU * cos(beta_s) * cos(psi)))
-        p_ax = p * (cos(BETA) + MU * sin(beta_s))
-        return [2.0 * p * MU * cos(beta_s) * sin(psi), p_ax, p_ax * sin(theta), p_ax * cos(theta)]
-
-    end = solve_ivp(slope, (0.0, wrap), [arc.tension[0], 0.0, 0.0, 0.0], rtol=1e-10, atol=1e-12, max_step=0.01)
-    force, thrust, sine, cosine = end.y[:, -1]
-    assert arc.log_ratio == pytest.approx(log(force / arc.tension[0]), rel=1e-7)
-    assert abs(creep) < 1e6 or arc.log_ratio == pytest.approx(math.copysign(MU * wrap / sin(BETA), creep), rel=1e-6), "Eytelwein's"
-    assert force == pytest.approx(arc.tension[-1], rel=1e-7)
-    assert thrust == pytest.approx(arc.thrust, rel=1e-7)
-    assert atan2(sine, cosine) == pytest.approx(arc.centre, abs=1e-7)
 
 
 def test_beyond_capacity_is_refused() -> None:
@@ -203,54 +188,36 @@ def test_a_run_begins_with_the_law_and_ends_in_equilibrium(law: ShiftLaw) -> Non
     assert law.equilibrium(end) == pytest.approx(step, abs=1e-3)
 
 
-def belt_on_tilted_sheaves(
-    stiffness: float = 1.0, clearance: float = 1.0, turned: float = 0.0, skewed: float = 0.0, reported: float = 1.0
-) -> BeltState:
-    """Fields by the law of tilt and contact, integrated on a fine grid, at points 10 mm apart; the pressure rises.
-
-    Stiffness, clearance and the reported tilt are relative to those of the parameters. The tilt is turned from its moment by an angle, rad;
-    the groove is skewed by a second harmonic, relative.
-    """
-    stiffness, clearance = stiffness * PARAMETERS["primary.tiltStiffness"], clearance * PARAMETERS["primary.tiltClearance"]
-    curve, force = data.curve_of(PARAMETERS, 0.2), {"primary": 12e3, "secondary": 8e3}
-    beta = PARAMETERS["geometry.wedgeAngle"]
-    fine = curve.length * (np.arange(7200) + 0.5) / 7200
-    pressure, deviation = np.zeros(7200), np.zeros(7200)
-    outputs = {"reference.theta": 0.2}
-    for pulley in ("primary", "secondary"):
-        radius = curve.radius(pulley) - PARAMETERS["belt.pitchOffset"]
-        angle = curve.from_middle(pulley, fine) / curve.radius(pulley)
-        arc = np.abs(angle) < 0.5 * curve.arc_length(pulley) / curve.radius(pulley)
-        rising = np.where(arc, np.exp(0.4 * angle), 0.0)
-        share = rising / rising.sum()
-        pressure += force[pulley] * share / (np.cos(beta) * curve.length / 7200 * radius / curve.radius(pulley))
-        moment = force[pulley] * radius * np.array([share @ np.cos(angle), share @ np.sin(angle)])
-        softness = tilt_under(float(np.hypot(*moment)), stiffness, clearance) / np.hypot(*moment)
-        psi = softness * np.hypot(*moment)
-        ahead = angle - math.atan2(moment[1], moment[0]) - turned
-        opening = radius * psi * (np.cos(ahead) + skewed * np.cos(2.0 * ahead))
-        deviation -= np.where(arc, opening, 0.0) / np.tan(beta)
-        outputs |= {f"{pulley}.axialForce": force[pulley], f"{pulley}.radius": radius, f"{pulley}.tilt": reported * psi}
-    deviation -= pressure / (PARAMETERS["contact.stiffness"] * np.cos(beta) * np.tan(beta))
-    points = slice(None, None, 100)
-    none = np.zeros(72)
-    profile = Profile(fine[points], none, none, pressure[points], deviation[points], none, none)
-    return BeltState(outputs, profile)
+@pytest.fixture(scope="module")
+def loaded(archive: Archive) -> BeltState:
+    """A steady state of the FMU at ratio 1."""
+    with Bench(archive) as bench:
+        outputs = bench.steady(driven_by_torque(PARAMETERS, 1.0, 200.0, 60.0, 12e3))
+        return BeltState(outputs, bench.states.unit.profile())
 
 
 @pytest.mark.parametrize(
-    ("of_state", "expected"),
+    ("stiffness", "clearance", "reported", "turned", "skewed", "expected"),
     [
-        ({}, set()), ({"stiffness": 1.0 / 0.9, "clearance": 0.9}, {"spiral-spread", "spiral-tilt"}),
-        ({"stiffness": 1.0 / 1.1, "clearance": 1.1}, {"spiral-spread", "spiral-tilt"}), ({"reported": 1.05}, {"spiral-tilt"}),
-        ({"turned": radians(10.0)}, {"spiral-turn"}), ({"turned": radians(-10.0)}, {"spiral-turn"}), ({"skewed": 0.05}, {"spiral-shape"}),
+        (1.0, 1.0, 1.0, 0.0, 0.0, set()), (0.9, 1.1, 1.0, 0.0, 0.0, {"spiral-spread", "spiral-tilt"}),
+        (1.1, 0.9, 1.0, 0.0, 0.0, {"spiral-spread", "spiral-tilt"}), (1.0, 1.0, 1.05, 0.0, 0.0, {"spiral-tilt"}),
+        (1.0, 1.0, 1.0, 10.0, 0.0, {"spiral-turn"}), (1.0, 1.0, 1.0, -10.0, 0.0, {"spiral-turn"}), (1.0, 1.0, 1.0, 0.0, 0.1, {"spiral-shape"}),
     ],
 )  # fmt: skip
-def test_spiral_running_misses_what_is_not_the_law_of_tilt(of_state: dict[str, float], expected: set[str]) -> None:
-    state = belt_on_tilted_sheaves(**of_state)
-    found = spiral_running(state, PARAMETERS, "primary")
+def test_spiral_running_misses_what_is_not_the_law_of_tilt(
+    loaded: BeltState, stiffness: float, clearance: float, reported: float, turned: float, skewed: float, expected: set[str]
+) -> None:
+    """Stiffness, clearance and the reported tilt relative to those of the state, a tilt turned from its moment by an angle, °, and a groove
+    with a third harmonic, relative."""
+    profile, curve = loaded.profile, data.curve_at(PARAMETERS, loaded)
+    place, angle = (curve.from_middle("primary", profile.position) / scale for scale in (0.5 * curve.arc_length("primary"), curve.radius("primary")))
+    pressing, amount = np.where(np.abs(place) < 1.0, profile.normal_force, 0.0), loaded["primary.radius"] * loaded["primary.tilt"]
+    ahead = angle - atan2(pressing @ np.sin(angle), pressing @ np.cos(angle))
+    opening = amount * (np.cos(ahead - radians(turned)) - np.cos(ahead) + skewed * np.cos(3.0 * ahead))
+    changed = replace(profile, radial_deviation=profile.radial_deviation - np.where(np.abs(place) < 1.0, opening, 0.0) / tan(BETA))
+    state = BeltState({**loaded.outputs, "primary.tilt": reported * loaded["primary.tilt"]}, changed)
+    sheaves = {"primary.tiltStiffness": stiffness, "primary.tiltClearance": clearance}
+    found = spiral_running(state, PARAMETERS | {name: share * PARAMETERS[name] for name, share in sheaves.items()}, "primary")
     checks = {check.key for check in _spiral_checks([("case", found)]) if check.verdict is Verdict.MISSED}
-    assert expected <= checks and (checks == expected or {"turned", "skewed"} & of_state.keys())
-    assert math.degrees(found.turn) == pytest.approx(math.degrees(of_state.get("turned", 0.0)), abs=2.0)
-    if not of_state:
-        assert abs(found.error) < 0.02
+    assert expected <= checks and (checks == expected or turned or skewed)
+    assert skewed or math.degrees(found.turn) == pytest.approx(turned, abs=1.0)

@@ -97,22 +97,6 @@ def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
     assert declared[EXTRA_OF["demo"]] <= locked(ROOT / "python" / "requirements-demo.txt")
 
 
-def test_stepping_loads_nothing_heavy(declared: dict[str, set[str]]) -> None:
-    code = """
-import sys, pushbelt
-with pushbelt.Variator({"ring.model": "ALE0"}) as variator:
-    variator.step(1e-3)
-print(*sorted({name.partition(".")[0] for name in sys.modules}))
-"""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    loaded, heavy = set(done.stdout.split()), declared["all"] - declared["base"]
-    assert {"matplotlib", "distributed", "scipy", "xarray"} <= heavy
-    # fmpy loads jinja2.
-    assert loaded & heavy <= {"jinja2"}
-    assert {"fmpy", "numpy", "platformdirs"} <= loaded
-
-
 @pytest.mark.parametrize("program", EXTRA_OF)
 def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
     shared = [*(PACKAGE / "report").glob("*.py"), *(path for path in PACKAGE.glob("*.py") if path.name != "points.py")]
@@ -199,8 +183,9 @@ def test_nothing_is_left_after_its_removal(place: Path) -> None:
 
     run(place, "pushbelt", "fmu", "own.fmu")
     assert left(place / "home") and left(place / "venv")
-    done = run(place, "pushbelt", "cache", "--clear")
-    assert done.returncode == 0 and "removed" in done.stdout
-    assert not left(place / "home")
+    assert run(place, "pushbelt", "cache").stdout.startswith(str(place / "home"))
+    for _ in range(2):
+        assert run(place, "pushbelt", "cache", "--clear").returncode == 0
+        assert not left(place / "home")
     pip(place, "uninstall", "--yes", "pushbelt")
     assert not left(place / "venv")

@@ -1,4 +1,5 @@
-"""The win64 libraries in wine: every call, and stored states from and to Linux, with AVX2 and without.
+"""The libraries of the portable FMU: requirements and content, then the win64 ones in wine: every call, and stored states from and to Linux,
+with AVX2 and without.
 
 `cargo fmu test --windows` runs it. The program that loads the libraries is `tests/windows/host.c`, compiled by zig for both systems.
 """
@@ -18,6 +19,10 @@ import pytest
 from conftest import ROOT
 
 SOURCE = ROOT / "tests" / "windows" / "host.c"
+GLIBC = (2, 17)
+"""Oldest C library that the Linux libraries load with."""
+WINDOWS = re.compile(r"(kernel32|ntdll|userenv|ws2_32|advapi32|bcrypt|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+)\.dll")
+"""Libraries that come with Windows. Wine 8 lacks bcryptprimitives, which the linker removes with unused parts of Rust's standard library."""
 OF_WINDOWS = "binaries/win64/PushbeltVariator.dll"
 OF_LINUX = "binaries/linux64/PushbeltVariator.so"
 ASKED = "PUSHBELT_ZIG" in os.environ
@@ -40,6 +45,24 @@ elif wine() is None:
     if os.environ.get("CI"):
         pytest.fail("wine is missing: install it from the distribution (Debian: wine64)", pytrace=False)
     pytestmark = pytest.mark.skip(reason="wine is missing: install it from the distribution (Debian: wine64)")
+
+
+@pytest.mark.parametrize("name", [f"{start}{end}" for start in (OF_LINUX[:-3], OF_WINDOWS[:-4]) for end in ("", "-avx2")])
+def test_a_library_has_the_listed_functions_and_needs_no_more_than_its_system(place: Path, name: str) -> None:
+    """By binutils, which read libraries of both systems. A library with more functions is refused when the FMU is packed."""
+    windows = "win64" in name
+    path = place / f"{name}{'.dll' if windows else '.so'}"
+    library, said = path.read_bytes(), subprocess.run(["objdump", "-p", path], capture_output=True, text=True, check=True).stdout
+    functions = [line.strip() for line in (ROOT / "fmu-build" / "exports.def").read_text(encoding="utf-8").splitlines() if line.startswith("    ")]
+    assert len(functions) == 112 and all(b"\0" + function.encode() + b"\0" in library for function in functions)
+    needed = [one.lower() for one in re.findall(r"DLL Name: (\S+)" if windows else r"GLIBC_([\d.]+)", said)]
+    assert needed, "it does need some"
+    if windows:
+        assert "kernel32.dll" in needed and all(WINDOWS.fullmatch(one) for one in needed), needed
+    else:
+        assert max(tuple(map(int, one.split("."))) for one in needed)[:2] <= GLIBC, needed
+    for text in (b"\0.symtab\0", b"\0.debug_info\0", b"/.cargo/registry", str(Path.home()).encode() + b"/"):
+        assert text not in library, "symbols, or a path of the builder"
 
 
 def readings_of(description) -> list:
@@ -107,7 +130,8 @@ def sizes(description) -> np.ndarray:
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
-BUILDS = ("windows", "windows, AVX2", "linux", "linux, AVX2", "this machine")
+BUILDS = ("windows", "linux, AVX2", "windows, AVX2", "linux", "this machine")
+"""Each differs in system or in the width of its packs from the one before, and the first one from the last."""
 SAME = 1e-10
 """Systems have different implementations of the sine; the portable builds agree in everything else. The effect is 2e-11."""
 ROUNDING = 1e-9
@@ -140,9 +164,8 @@ def test_the_variant_for_avx2_runs_where_it_may(first, system: str) -> None:
     assert not np.array_equal(first[f"{system}, AVX2"][0], first[system][0])
 
 
-@pytest.mark.parametrize("reader", BUILDS)
-@pytest.mark.parametrize("writer", BUILDS)
-def test_each_build_continues_from_the_states_of_the_others(
+@pytest.mark.parametrize(("writer", "reader"), [(BUILDS[other], one) for k, one in enumerate(BUILDS) for other in (k, k - 1)])
+def test_each_build_continues_from_its_own_state_and_from_that_of_another(
     host: Host, libraries: dict[str, Build], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")

@@ -1,7 +1,7 @@
 //! Hydraulic cylinders: pressure in, flow out; springs, rotating oil and seals.
 
-use num_dual::Dual64;
 use pushbelt::pulley::Pulley;
+use pushbelt::scalar::Dual;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::linear::{Load, linearise};
@@ -134,9 +134,9 @@ fn derivatives_of_a_cylinder() {
             let (z, speed) = (layout.sheave(pulley), layout.shaft_speed(pulley));
             let (place, rate, omega) = (state.q[z], state.y[z], state.y[speed]);
             let by_sheave =
-                CYLINDER.push(Dual64::new(place, beta), omega.into()) - CYLINDER.drag(Dual64::new(rate, 1.0), v0);
-            let by_speed = CYLINDER.push(place.into(), Dual64::new(omega, 1.0));
-            for (column, expected) in [(z, by_sheave.eps), (speed, by_speed.eps)] {
+                CYLINDER.push(Dual::seed(place, 0, beta), omega.into()) - CYLINDER.drag(Dual::seed(rate, 0, 1.0), v0);
+            let by_speed = CYLINDER.push(place.into(), Dual::seed(omega, 0, 1.0));
+            for (column, expected) in [(z, by_sheave.eps[0]), (speed, by_speed.eps[0])] {
                 let [before, after] = [&before, &after].map(|matrix| entry(matrix, z, column));
                 let allowed = 1e-9 * expected.abs() + 1e-15 * before.abs();
                 let off = before - after - expected;

@@ -15,9 +15,9 @@ from .outcome import Section
 from .sections import chain, continuum, default_belt, efficiency, gaps, shifting, slip, steps, thrust, wedge
 
 SECTIONS: dict[str, tuple[ModuleType, int, int]] = {
-    "steps": (steps, 145, 60),
-    "continuum": (continuum, 48, 12),
-    "chain": (chain, 71, 12),
+    "steps": (steps, 121, 52),
+    "continuum": (continuum, 45, 11),
+    "chain": (chain, 68, 11),
     "default_belt": (default_belt, 18, 4),
     "shifting": (shifting, 81, 44),
     "efficiency": (efficiency, 270, 50),

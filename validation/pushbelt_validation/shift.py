@@ -33,8 +33,8 @@ class ShiftRun:
     """Step of ln F_P."""
     log_thrust_ratio: float
     """ln(F_P/F_S) before the step."""
-    tilt: float
-    """Mean tilt of both pulleys before the step, rad."""
+    tilts: tuple[float, float]
+    """Tilt of the primary and of the secondary pulley before the step, rad."""
 
     @property
     def rate(self) -> float:
@@ -62,10 +62,10 @@ def shift(unit: Instance, log_step: float = LOG_STEP) -> ShiftRun:
     """Simulates the step from a steady state at time 0 with both clamping forces specified."""
     force, start = unit.get("primary.axialForce"), 1.0 / unit.get("ratio.geometric")
     thrust_ratio = unit.get("thrustRatio")
-    tilt = 0.5 * (unit.get("primary.tilt") + unit.get("secondary.tilt"))
+    tilts = unit.get("primary.tilt"), unit.get("secondary.tilt")
     unit.set({"primary.clampingForce": force * math.exp(log_step)})
     moments, found = times(), []
     for moment in moments:
         unit.step_to(float(moment))
         found.append(1.0 / unit.get("ratio.geometric"))
-    return ShiftRun(moments, np.array(found), start, log_step, math.log(thrust_ratio), tilt)
+    return ShiftRun(moments, np.array(found), start, log_step, math.log(thrust_ratio), tilts)

@@ -41,14 +41,12 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 ///
 /// # Errors
 /// The reason why it means none, as a sentence.
-pub fn places(location: &str) -> Result<Vec<PathBuf>, String> {
-    let mut found = read(location, cfg!(windows))?;
-    found.dedup();
-    Ok(found.into_iter().map(PathBuf::from).collect())
+pub(crate) fn places(location: &str) -> Result<Vec<PathBuf>, String> {
+    Ok(read(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
 }
 
 /// The resources of the archive that a library was unpacked with: it is in the platform's folder in `binaries`.
-pub fn beside(library: &Path) -> Option<PathBuf> {
+pub(crate) fn beside(library: &Path) -> Option<PathBuf> {
     let binaries = library.parent()?.parent()?;
     let unpacked = binaries.file_name()?.eq_ignore_ascii_case("binaries");
     unpacked.then(|| binaries.with_file_name("resources"))

@@ -7,7 +7,7 @@
 //! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
 //! has another end, so the library refuses to run it without its file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::resources::content;
 use super::table::{Kind, Table, Value};
@@ -39,9 +39,12 @@ pub(crate) fn find<U: Unit>(
     defaults: &U::Settings,
 ) -> Result<Option<U::Settings>, String> {
     for folder in folders {
-        let found = read::<U>(folder, defaults)?;
-        if found.is_some() {
-            return Ok(found);
+        let path = folder.join(FILE);
+        let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
+        if let Some(bytes) = content(&path, LARGEST).map_err(unusable)? {
+            let text = String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned());
+            let settings = text.and_then(|text| parse(&text, &U::table(), defaults));
+            return settings.map(Some).map_err(unusable);
         }
     }
     let searched: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
@@ -56,17 +59,6 @@ pub(crate) fn find<U: Unit>(
              library is not in the folder into which the FMU was unpacked"
         )),
     }
-}
-
-/// The settings of the file in this folder, over `defaults`; `None` if there is no file.
-fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
-    let path = resources.join(FILE);
-    let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
-    let Some(bytes) = content(&path, LARGEST).map_err(unusable)? else {
-        return Ok(None);
-    };
-    let text = String::from_utf8(bytes).map_err(|_| unusable("it is not text in UTF-8".to_owned()))?;
-    parse(&text, &U::table(), defaults).map(Some).map_err(unusable)
 }
 
 fn parse<S: Clone, R>(text: &str, table: &Table<S, R>, defaults: &S) -> Result<S, String> {

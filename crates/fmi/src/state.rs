@@ -44,7 +44,7 @@ impl State {
             Self::StepComplete => "in step mode",
             Self::StepFailed => "after a discarded step",
             Self::Terminated => "terminated",
-            Self::Error => "in the error state",
+            Self::Error => "in the error state; reset it or restore a stored state",
             Self::Event => "in event mode",
             Self::IntermediateUpdate => "in intermediate update mode",
         }

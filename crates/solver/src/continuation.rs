@@ -1,25 +1,21 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
-use super::newton::{Newton, Unsolved};
-use super::stage::Stage;
+use super::newton::{Newton, Stage, Unsolved};
+use super::sdirk::MIN_STEP;
 use super::{State, System, View};
 
 // "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian, of the nine load cases with ALE
 // and ALE0.
 
-/// Pseudo-time step below which the search ends without a steady state, s. Half, twice: 0, 0 %.
-const SHORTEST_STEP: f64 = 1.0e-12;
 /// Newton tolerance of all steps but the last, over that of the last: only its state is the result. Half, twice: +2, −3 %; 1: +5 %.
 const COARSE: f64 = 100.0;
-/// Change of a step that `control` refused: none in these cases. Half, twice: 0, 0 %.
-const REFUSED: f64 = 0.4;
-/// Change of a step whose stage was not solved. Half, twice: −2, +2 %.
-const FAILED: f64 = 0.3;
+/// Change of a step whose stage was not solved, or that `control` refused: none in these cases. Half, twice: −2, +2 %.
+const SHORTER: f64 = 0.3;
 
 /// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step grow as the
 /// residual falls. Here the residual jumps where the system is controlled, so the work of Newton's method stands for it. Half and twice
 /// the powers of growth: −3, +24 %.
-fn growth(jacobians: usize) -> f64 {
+fn growth(jacobians: u64) -> f64 {
     match jacobians {
         0..=3 => 4.0,
         4 | 5 => 2.5,
@@ -74,52 +70,45 @@ pub fn settle<S: System>(
     settings: &Settling,
     mut control: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
 ) -> Result<Settled, Settled> {
-    let mut trial = state.clone();
+    let mut stage = Stage::new(state.y.len());
+    stage.time = settings.time;
     let mut report = Settled {
         step: settings.first_step,
         ..Settled::default()
     };
     let mut settled = false;
-    loop {
-        if report.solves >= settings.max_solves || report.step < SHORTEST_STEP {
-            return Err(report);
-        }
+    while report.solves < settings.max_solves && report.step >= MIN_STEP {
         report.solves += 1;
         let last = report.step >= settings.last_step;
-        trial.copy_from(state);
-        let mut stage = Stage {
-            time: settings.time,
-            alpha: 1.0 / report.step,
-            base: &state.y,
-            position: &state.q,
-            state: &mut trial,
-        };
-        let tolerance = if last { 1.0 } else { COARSE };
-        newton.set_scale(system, stage.alpha);
-        match newton.solve(system, &mut stage, tolerance, false) {
-            Ok(jacobians) => {
+        stage.alpha = 1.0 / report.step;
+        stage.tolerance = if last { 1.0 } else { COARSE };
+        stage.base.copy_from_slice(&state.y);
+        stage.position.copy_from_slice(&state.q);
+        stage.state.copy_from(state);
+        let longest = match newton.solve(system, &mut stage, false) {
+            Ok(()) => {
                 let solved = Trial {
                     before: state.view(),
-                    after: trial.view(),
+                    after: stage.state.view(),
                     step: report.step,
                 };
-                let Some(longest) = control(system, &solved) else {
-                    report.step *= REFUSED;
-                    continue;
-                };
-                state.copy_from(&trial);
-                if settled && last {
-                    return Ok(report);
-                }
-                settled = last;
-                report.step *= growth(jacobians);
-                report.step = report.step.min(longest).min(settings.last_step);
+                control(system, &solved)
             }
-            Err(Unsolved::OutOfWork) => {
-                newton.abandon();
-                return Err(report);
-            }
-            Err(Unsolved::NoSolution) => report.step *= FAILED,
+            Err(Unsolved::OutOfWork) => break,
+            Err(Unsolved::NoSolution) => None,
+        };
+        let Some(longest) = longest else {
+            report.step *= SHORTER;
+            continue;
+        };
+        state.copy_from(&stage.state);
+        if settled && last {
+            return Ok(report);
         }
+        settled = last;
+        report.step *= growth(newton.jacobians);
+        report.step = report.step.min(longest).min(settings.last_step);
     }
+    newton.abandon();
+    Err(report)
 }

@@ -1,7 +1,7 @@
 //! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers,
-//! several times as fast as loops over slices; for products a size of 0 stands for any.
+//! several times as fast as loops over slices; a size of 0 stands for any, which takes nalgebra's and may allocate.
 
-use nalgebra::{DMatrixViewMut, DVector};
+use nalgebra::{DMatrixView, DMatrixViewMut};
 
 /// What becomes of y by a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,17 +30,21 @@ impl Update {
 pub fn gemv<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
     if R > 0 {
         fixed::<R, C>(update, a, x, y);
-    } else if !y.is_empty() {
-        if update == Update::Set {
-            y.fill(0.0);
-        }
-        let sign = if update == Update::Subtract { -1.0 } else { 1.0 };
-        for (column, &xj) in a.chunks_exact(y.len()).zip(x) {
-            for (yi, &aij) in y.iter_mut().zip(column) {
-                *yi += sign * xj * aij;
-            }
-        }
+    } else {
+        any(update, [y.len(), x.len(), 1], a, x, y);
     }
+}
+
+/// Updates Y by A·X of any size: rows of Y, columns of A and of Y.
+fn any(update: Update, [rows, inner, columns]: [usize; 3], a: &[f64], x: &[f64], y: &mut [f64]) {
+    let a = DMatrixView::from_slice(a, rows, inner);
+    let x = DMatrixView::from_slice(x, inner, columns);
+    let [product, old] = match update {
+        Update::Set => [1.0, 0.0],
+        Update::Add => [1.0, 1.0],
+        Update::Subtract => [-1.0, 1.0],
+    };
+    DMatrixViewMut::from_slice(y, rows, columns).gemm(product, &a, &x, old);
 }
 
 #[inline(always)]
@@ -79,59 +83,8 @@ pub fn gemm<const R: usize, const C: usize>(
     } else if R > 0 {
         beside::<R, C, 4>(update, a, x, y);
     } else {
-        for (x, y) in x.chunks(BESIDE * inner).zip(y.chunks_mut(BESIDE * rows)) {
-            if y.len() == BESIDE * rows {
-                tiles::<BESIDE>(update, rows, a, x, y);
-            } else {
-                for (x, y) in x.chunks_exact(inner).zip(y.chunks_exact_mut(rows)) {
-                    tiles::<1>(update, rows, a, x, y);
-                }
-            }
-        }
+        any(update, [rows, inner, y.len() / rows], a, x, y);
     }
-}
-
-/// Columns of Y at a time where the size is not known to the compiler: with 8 rows their sums are half of the 16 registers of AVX2.
-const BESIDE: usize = 4;
-
-/// [`gemm`] of any size for N columns of Y, in tiles whose sums stand in registers.
-fn tiles<const N: usize>(update: Update, rows: usize, a: &[f64], x: &[f64], y: &mut [f64]) {
-    let mut top = 0;
-    while top < rows {
-        top += match rows - top {
-            8.. => tile::<8, N>(update, [rows, top], a, x, y),
-            4.. => tile::<4, N>(update, [rows, top], a, x, y),
-            2.. => tile::<2, N>(update, [rows, top], a, x, y),
-            _ => tile::<1, N>(update, [rows, top], a, x, y),
-        }
-    }
-}
-
-/// [`gemm`] for R rows of Y from `top` on and N columns; returns R.
-#[inline(always)]
-fn tile<const R: usize, const N: usize>(
-    update: Update,
-    [rows, top]: [usize; 2],
-    a: &[f64],
-    x: &[f64],
-    y: &mut [f64],
-) -> usize {
-    let columns: [&[f64]; N] = std::array::from_fn(|n| &x[n * x.len() / N..(n + 1) * x.len() / N]);
-    let mut sums = [[0.0; R]; N];
-    for (j, a) in a.chunks_exact(rows).enumerate() {
-        let a = &a[top..top + R];
-        for (sums, x) in sums.iter_mut().zip(columns) {
-            for i in 0..R {
-                sums[i] += a[i] * x[j];
-            }
-        }
-    }
-    for (y, sums) in y.chunks_exact_mut(rows).zip(&sums) {
-        for (y, sum) in y[top..].iter_mut().zip(sums) {
-            update.apply(y, *sum);
-        }
-    }
-    R
 }
 
 /// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
@@ -167,6 +120,11 @@ const PIVOT: f64 = 0.1;
 /// not finite.
 #[inline(always)]
 pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
+    if R == 0 {
+        let n = a.len().isqrt();
+        let mut a = DMatrixViewMut::from_slice(a, n, n);
+        return a.clone_owned().lu().try_inverse_to(&mut a) && a.iter().all(|x| x.is_finite());
+    }
     let a = &mut a.as_chunks_mut::<R>().0[..R];
     let mut swaps = [0; R];
     for k in 0..R {
@@ -200,53 +158,6 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
     a.as_flattened().iter().all(|x| x.is_finite())
 }
 
-/// [`invert`] for any number of rows.
-#[derive(Clone, Debug)]
-pub struct Inverter {
-    pivots: DVector<f64>,
-    swaps: Vec<usize>,
-}
-
-impl Inverter {
-    /// Memory for matrices of so many rows.
-    pub fn new(rows: usize) -> Self {
-        Self {
-            pivots: DVector::zeros(rows),
-            swaps: vec![0; rows],
-        }
-    }
-
-    /// [`invert`].
-    pub fn invert(&mut self, a: &mut [f64]) -> bool {
-        let (n, pivots) = (self.swaps.len(), &mut self.pivots);
-        let mut a = DMatrixViewMut::from_slice(a, n, n);
-        for k in 0..n {
-            let below = a.view_range(k.., k);
-            let (row, largest) = (k + below.icamax(), below.camax());
-            let row = if a[(k, k)].abs() < PIVOT * largest { row } else { k };
-            a.swap_rows(k, row);
-            self.swaps[k] = row;
-            let inverse = a[(k, k)].recip();
-            if !inverse.is_finite() {
-                return false;
-            }
-            pivots.copy_from(&a.column(k));
-            a.column_mut(k).fill(0.0);
-            for mut column in a.column_iter_mut() {
-                let factor = column[k] * inverse;
-                column.axpy(-factor, pivots, 1.0);
-                column[k] = factor;
-            }
-            pivots[k] = -1.0;
-            a.column_mut(k).axpy(-inverse, pivots, 0.0);
-        }
-        for (k, &column) in self.swaps.iter().enumerate().rev() {
-            a.swap_columns(k, column);
-        }
-        a.iter().all(|x| x.is_finite())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::numbers;
@@ -264,14 +175,15 @@ mod tests {
             let unit = if k % 9 == 0 { 1.0 } else { 0.0 };
             assert!((entry - unit).abs() < 1e-12);
         }
-        let mut any = a.clone();
-        assert!(Inverter::new(8).invert(&mut any));
-        assert_eq!(any, inverse, "the same elimination");
-        for singular in [[1.0, 2.0, 2.0, 4.0], [1.0, f64::NAN, 2.0, 4.0]] {
-            assert!(!Inverter::new(2).invert(&mut singular.clone()));
+        let mut other = a;
+        assert!(invert::<0>(&mut other));
+        for (found, expected) in other.iter().zip(&inverse) {
+            assert!((found - expected).abs() < 1e-12);
         }
-        assert!(!invert::<2>(&mut [1.0, 2.0, 2.0, 4.0]));
-        assert!(!invert::<2>(&mut [1.0, f64::NAN, 2.0, 4.0]));
+        for singular in [[1.0, 2.0, 2.0, 4.0], [1.0, f64::NAN, 2.0, 4.0]] {
+            assert!(!invert::<0>(&mut singular.clone()));
+            assert!(!invert::<2>(&mut singular.clone()));
+        }
     }
 
     #[test]

@@ -14,7 +14,6 @@ mod kernels;
 pub mod newton;
 pub mod scalar;
 pub mod sdirk;
-pub mod stage;
 #[cfg(test)]
 mod tests;
 

@@ -1,27 +1,25 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be bounded ([`WorkBound`]): the solution then
 //! stops before a Jacobian for which the work does not last, and continues there.
 
-use super::System;
 use super::arrow::{Arrow, ArrowLu};
-use super::broyden::Broyden;
-use super::stage::{Stage, move_by};
+use super::broyden::{self, Step};
+use super::{State, System};
+use nalgebra::DVector;
 use pushbelt_archive::Archive;
 
 // "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian: of the manoeuvre with ALE; of
 // torque flips with ALE0, 1 s at each ratio, jumping and ramped. Chaotic loads alone vary by some 2 %.
 
 /// Most Jacobians in a stage. Half, twice: 0, 0 %; 0, 0 %.
-const JACOBIANS: usize = 15;
-/// Most iterations of Broyden's method with the same factors. The best point of those that fail is where Newton's method begins.
-/// Half, twice: 0, 0 %; +2, 0 %.
+const JACOBIANS: u64 = 15;
+/// Most iterations of Broyden's method with the same factors: in a stage, whose best point is where Newton's method begins, and beyond the
+/// first of each stage, added up over stages, after which the next stage takes a new Jacobian: twice the residuals that a Jacobian with its
+/// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
+/// Half, twice: 0, 0 %; +2, 0 % in a stage, 0, +1 %; −3, +4 % over stages, where noisy forces take up to a quarter more with half of it.
 const ITERATIONS: usize = 24;
 /// Largest change of α, as a share of that of the factored matrix, with which the factors are tried: as in CVODE (Hindmarsh et al. 2005).
 /// Half, twice: 0, −1 %; +1, −6 %, but with twice as much four times the stages fail.
 const REUSED: f64 = 0.3;
-/// Iterations beyond the first of each stage, added up over stages, after which the next stage takes a new Jacobian: twice the residuals
-/// that a Jacobian with its factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
-/// Half, twice: 0, +1 %; −3, +4 %. With half of it noisy forces take up to a quarter more.
-const STALE: u64 = 24;
 /// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half, twice: +3, −1 %; +7, +1 %.
 const DIVERGED: f64 = 2.0;
 /// Exponent of the contraction of the last stage, for the first iteration of the next: so it is measured again before it is stale. Hairer
@@ -54,26 +52,15 @@ pub struct Counts {
 
 impl Counts {
     pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
-        let Self {
-            steps,
-            rejected,
-            failed,
-            residuals,
-            factorizations,
-        } = self;
-        [steps, rejected, failed, residuals, factorizations]
-    }
-
-    fn with(mut self, mut other: Self, combine: fn(u64, u64) -> u64) -> Self {
-        let pairs = self.each_mut().into_iter().zip(other.each_mut());
-        pairs.for_each(|(count, other)| *count = combine(*count, *other));
-        self
+        let [steps, rejected, failed] = [&mut self.steps, &mut self.rejected, &mut self.failed];
+        [steps, rejected, failed, &mut self.residuals, &mut self.factorizations]
     }
 }
 
 impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, more: Self) {
-        *self = self.with(more, |count, more| count + more);
+    fn add_assign(&mut self, mut more: Self) {
+        let pairs = self.each_mut().into_iter().zip(more.each_mut());
+        pairs.for_each(|(count, more)| *count += *more);
     }
 }
 
@@ -81,19 +68,19 @@ impl std::ops::AddAssign for Counts {
 impl std::ops::Sub for Counts {
     type Output = Self;
 
-    fn sub(self, earlier: Self) -> Self {
-        self.with(earlier, |count, earlier| count - earlier)
+    fn sub(mut self, mut earlier: Self) -> Self {
+        let pairs = self.each_mut().into_iter().zip(earlier.each_mut());
+        pairs.for_each(|(count, earlier)| *count -= *earlier);
+        self
     }
 }
 
 /// Why a stage is not solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsolved {
     /// Newton's method does not converge.
-    #[error("Newton's method found no solution")]
     NoSolution,
     /// The allowed work is used up. The next call continues from the stage's best point.
-    #[error("the work for Newton's method is used up")]
     OutOfWork,
 }
 
@@ -107,7 +94,7 @@ pub struct WorkBound {
     /// What an iteration that has begun may take beyond the work that is left.
     pub overdraft: f64,
     /// Most Jacobians in a stage.
-    pub jacobians: usize,
+    pub jacobians: u64,
 }
 
 impl WorkBound {
@@ -125,6 +112,58 @@ impl WorkBound {
     }
 }
 
+/// `out` = `from` + `time`·`rate`.
+pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
+    for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
+        *out = from + time * rate;
+    }
+}
+
+/// An implicit stage of a one-step method: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + y/α.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// t, s.
+    pub time: f64,
+    /// α = 1/(hγ), 1/s.
+    pub alpha: f64,
+    /// Largest error of the solution, in units of [`System::newton_scale`].
+    pub tolerance: f64,
+    /// y at which ẏ = 0.
+    pub base: Vec<f64>,
+    /// q at y = 0.
+    pub position: Vec<f64>,
+    /// In: predictor y. Out: solution.
+    pub state: State,
+}
+
+impl Stage {
+    /// Memory for so many unknowns.
+    pub(super) fn new(unknowns: usize) -> Self {
+        let state = State::zero(unknowns);
+        Self {
+            time: 0.0,
+            alpha: 1.0,
+            tolerance: 1.0,
+            base: state.y.clone(),
+            position: state.q.clone(),
+            state,
+        }
+    }
+
+    /// Sets ẏ and q to those of y.
+    fn complete(&mut self, has_position: &[bool]) {
+        let State { y, y_dot, q } = &mut self.state;
+        for ((rate, y), base) in y_dot.iter_mut().zip(&*y).zip(&self.base) {
+            *rate = self.alpha * (y - base);
+        }
+        let beta = 1.0 / self.alpha;
+        let new = self.position.iter().zip(&*y).map(|(position, y)| position + beta * y);
+        for ((q, has), new) in q.iter_mut().zip(has_position).zip(new) {
+            *q = if *has { new } else { *q };
+        }
+    }
+}
+
 /// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
 pub struct Newton {
@@ -136,9 +175,14 @@ pub struct Newton {
     scale: Vec<f64>,
     /// By the factors, from the residual at the place evaluated last.
     correction: Vec<f64>,
-    broyden: Broyden,
+    /// Of Broyden's method.
+    steps: Vec<Step>,
     /// Residual at the place evaluated last.
     residual: Vec<f64>,
+    /// Whether that is the stage's point. A stage for which the work did not last goes on there.
+    known: bool,
+    /// Jacobians of the last stage.
+    pub jacobians: u64,
     /// Step along which a search goes.
     step: Vec<f64>,
     /// y where the search begins; or the best y of Broyden's method.
@@ -152,8 +196,6 @@ pub struct Newton {
     /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
     /// shows. The caller sets it to zero.
     pub left: f64,
-    /// Jacobians of a stage for which the work did not last: the residual at the stage's point is at hand.
-    open: Option<usize>,
     /// Bound of the work.
     pub bound: WorkBound,
     /// Work counts.
@@ -165,23 +207,23 @@ impl Newton {
     #[must_use]
     pub fn new(system: &impl System) -> Self {
         let shape = system.shape();
-        let unknowns = shape.len();
-        let zeros = vec![0.0; unknowns];
+        let zeros = vec![0.0; shape.len()];
         Self {
             matrix: Arrow::new(shape),
             factors: ArrowLu::new(shape),
             alpha: f64::INFINITY,
             scale: zeros.clone(),
             correction: zeros.clone(),
-            broyden: Broyden::new(ITERATIONS, unknowns),
+            steps: vec![(DVector::zeros(zeros.len()), 0.0); ITERATIONS],
             residual: zeros.clone(),
+            known: false,
+            jacobians: 0,
             step: zeros.clone(),
             anchor: zeros.clone(),
             best_residual: zeros,
             rate: 1.0,
             excess: 0,
             left: 0.0,
-            open: None,
             bound: WorkBound::NONE,
             counts: Counts::default(),
         }
@@ -189,15 +231,10 @@ impl Newton {
 
     /// Writes to an archive, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
-        let mut is_open = self.open.is_some();
-        archive.flag(&mut is_open);
-        if is_open {
-            let mut jacobians = self.open.unwrap_or(0) as u64;
-            archive.counter(&mut jacobians);
-            self.open = usize::try_from(jacobians).ok();
+        archive.flag(&mut self.known);
+        if self.known {
+            archive.counter(&mut self.jacobians);
             archive.reals(&mut self.residual);
-        } else {
-            self.open = None;
         }
         archive.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
         archive.within(&mut self.alpha, 0.0, f64::INFINITY);
@@ -218,63 +255,69 @@ impl Newton {
 
     /// Abandons a stage that is not solved.
     pub fn abandon(&mut self) {
-        self.open = None;
+        self.known = false;
     }
 
-    /// Forgets the factored Jacobian.
-    pub fn forget(&mut self) {
-        self.alpha = f64::INFINITY;
-    }
-
-    /// Forms and factors the Jacobian at the stage.
-    fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), Unsolved> {
-        self.counts.factorizations += 1;
-        self.alpha = f64::INFINITY;
-        let (view, beta) = (stage.state.view(), 1.0 / stage.alpha);
-        let renewed = system.renew_jacobian(stage.time, view, stage.alpha, beta, &mut self.matrix);
-        let [tangents, geometry] = self.bound.jacobian;
-        self.bound.left -= tangents + geometry * renewed;
-        if self.factors.factor(&self.matrix).is_err() {
-            return Err(Unsolved::NoSolution);
-        }
-        self.alpha = stage.alpha;
-        self.rate = 1.0;
-        self.excess = 0;
-        Ok(())
-    }
-
-    /// Sets the scale that stages with this α are solved to: the system's.
-    pub fn set_scale(&mut self, system: &impl System, alpha: f64) {
-        system.newton_scale(1.0 / alpha, &mut self.scale);
-    }
-
-    /// Solves a stage to `tolerance` times the scale that was set last. `reuse` allows a Jacobian from before.
-    /// Returns the number of Jacobians formed.
+    /// Solves a stage. `reuse` allows a Jacobian from before.
     ///
     /// # Errors
     /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call with this stage continues from there.
-    pub fn solve<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        tolerance: f64,
-        reuse: bool,
-    ) -> Result<usize, Unsolved> {
-        if let Some(jacobians) = self.open.take() {
-            return self.damped_newton(system, stage, tolerance, (jacobians, true));
+    pub fn solve(&mut self, system: &mut impl System, stage: &mut Stage, reuse: bool) -> Result<(), Unsolved> {
+        system.newton_scale(1.0 / stage.alpha, &mut self.scale);
+        if !self.known {
+            if self.bound.left <= 0.0 {
+                return Err(Unsolved::OutOfWork);
+            }
+            self.jacobians = 0;
+            self.known = reuse && (stage.alpha / self.alpha - 1.0).abs() < REUSED;
+            if self.known && self.broyden(system, stage, false) {
+                self.known = false;
+                return Ok(());
+            }
         }
-        if self.bound.left <= 0.0 {
-            return Err(Unsolved::OutOfWork);
-        }
-        let tries = reuse && (stage.alpha / self.alpha - 1.0).abs() < REUSED;
-        if tries && self.broyden(system, stage, tolerance, false).is_ok() {
-            return Ok(0);
-        }
-        self.damped_newton(system, stage, tolerance, (0, tries))
+        let solved = self.damped_newton(system, stage);
+        self.known &= solved == Err(Unsolved::OutOfWork);
+        solved
     }
 
-    /// The residual at `stage.state.y`, into `self.residual`.
-    fn evaluate<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
+    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
+    /// direction to the other for ever. After a full step Broyden's method goes on.
+    fn damped_newton(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<(), Unsolved> {
+        while self.jacobians < self.bound.jacobians {
+            if self.bound.left < self.bound.jacobian[0] {
+                return Err(Unsolved::OutOfWork);
+            }
+            if self.known {
+                stage.complete(system.has_position());
+            } else {
+                self.evaluate(system, stage);
+                self.known = true;
+            }
+            self.refresh(system, stage)?;
+            self.correct();
+            if self.search(system, stage)? && self.broyden(system, stage, true) {
+                return Ok(());
+            }
+        }
+        Err(Unsolved::NoSolution)
+    }
+
+    /// Forms and factors the Jacobian at the stage.
+    fn refresh(&mut self, system: &mut impl System, stage: &Stage) -> Result<(), Unsolved> {
+        self.jacobians += 1;
+        self.counts.factorizations += 1;
+        self.alpha = f64::INFINITY;
+        let (view, alpha) = (stage.state.view(), stage.alpha);
+        let renewed = system.renew_jacobian(stage.time, view, alpha, 1.0 / alpha, &mut self.matrix);
+        let [tangents, geometry] = self.bound.jacobian;
+        self.bound.left -= tangents + geometry * renewed;
+        self.factors.factor(&self.matrix).map_err(|_| Unsolved::NoSolution)?;
+        (self.alpha, self.rate, self.excess) = (alpha, 1.0, 0);
+        Ok(())
+    }
+
+    /// The residual at `stage.state.y`.
+    fn evaluate(&mut self, system: &mut impl System, stage: &mut Stage) {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.state.view(), &mut self.residual);
         self.counts.residuals += 1;
@@ -294,17 +337,9 @@ impl Newton {
         (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and
-    /// the residual there is at hand.
-    /// `corrected`: the correction at `stage.state.y` is at hand.
-    fn broyden<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        tolerance: f64,
-        corrected: bool,
-    ) -> Result<(), Unsolved> {
-        self.broyden.restart();
+    /// Broyden's method from the factors at hand; whether it converges. It is abandoned when it diverges; `stage.state.y` is then the best
+    /// point it reached, and the residual there is at hand. `corrected`: the correction at `stage.state.y` is at hand.
+    fn broyden(&mut self, system: &mut impl System, stage: &mut Stage, corrected: bool) -> bool {
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..ITERATIONS {
             if self.bound.is_overdrawn() {
@@ -314,14 +349,14 @@ impl Newton {
                 self.evaluate(system, stage);
                 self.correct();
             }
-            let change = self.broyden.step(&self.correction, &self.scale);
+            let change = broyden::set_last(&mut self.steps[..=iteration], &self.correction, &self.scale);
             if iteration == 0 || change < least {
                 least = change;
                 self.anchor.copy_from_slice(&stage.state.y);
                 self.best_residual.copy_from_slice(&self.residual);
             }
             let contraction = change / before;
-            if !change.is_finite() || contraction > DIVERGED && change > tolerance {
+            if !change.is_finite() || contraction > DIVERGED && change > stage.tolerance {
                 break;
             }
             // What is left after this step, over the step: before any is measured, by the contraction of the last stage. At most the step
@@ -331,67 +366,34 @@ impl Newton {
                 self.rate = self.rate.max(off).max(f64::EPSILON).powf(AGEING);
                 self.rate
             } else {
-                self.rate = if iteration == 1 {
-                    contraction
-                } else {
-                    self.rate.max(contraction)
-                };
+                let earlier = if iteration == 1 { 0.0 } else { self.rate };
+                self.rate = contraction.max(earlier);
                 (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;
-            self.broyden.add_to(&mut stage.state.y, &self.scale);
-            if change * ahead < LEFT * tolerance {
-                self.left = self.left.max(change * ahead / tolerance);
+            let steps = self.steps[iteration].0.iter().zip(&self.scale);
+            steps.zip(&mut stage.state.y).for_each(|((u, s), y)| *y += u * s);
+            if change * ahead < LEFT * stage.tolerance {
+                self.left = self.left.max(change * ahead / stage.tolerance);
                 stage.complete(system.has_position());
                 self.excess += iteration as u64;
-                if self.excess > STALE {
-                    self.forget();
+                if self.excess > ITERATIONS as u64 {
+                    self.alpha = f64::INFINITY;
                 }
-                return Ok(());
+                return true;
             }
         }
         self.rate = 1.0;
         stage.state.y.copy_from_slice(&self.anchor);
         self.residual.copy_from_slice(&self.best_residual);
-        Err(Unsolved::NoSolution)
-    }
-
-    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
-    /// direction to the other for ever. After a full step Broyden's method goes on. `before`: Jacobians
-    /// of the stage so far; `known`: the residual is at hand.
-    fn damped_newton<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        tolerance: f64,
-        (before, mut known): (usize, bool),
-    ) -> Result<usize, Unsolved> {
-        for jacobians in before + 1..=self.bound.jacobians {
-            if self.bound.left < self.bound.jacobian[0] {
-                self.open = known.then_some(jacobians - 1);
-                return Err(Unsolved::OutOfWork);
-            }
-            if known {
-                stage.complete(system.has_position());
-            } else {
-                self.evaluate(system, stage);
-                known = true;
-            }
-            self.refresh(system, stage)?;
-            self.correct();
-            let whole = self.search(system, stage, tolerance)?;
-            if whole && self.broyden(system, stage, tolerance, true).is_ok() {
-                return Ok(jacobians);
-            }
-        }
-        Err(Unsolved::NoSolution)
+        false
     }
 
     /// Goes along the correction to a place that the natural monotonicity test accepts (Deuflhard, Newton Methods for Nonlinear
     /// Problems, 2011, section 3.3): the simplified correction there is smaller. Returns whether that is the whole step. Short of it, it
     /// seeks a place from which the correction points along the step no more, by bisection: where an arc slides the other way with all its
     /// cells at once, the correction beyond leads back. The residual there is at hand, and after a whole step the correction.
-    fn search<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<bool, Unsolved> {
+    fn search(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<bool, Unsolved> {
         let (_, norm) = self.measure();
         if !norm.is_finite() {
             return Err(Unsolved::NoSolution);
@@ -408,7 +410,7 @@ impl Newton {
             let (change, after) = self.measure();
             let products = self.correction.iter().zip(&self.step).zip(&self.scale);
             let projection = products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm);
-            let solved = after.is_finite() && change < LEFT * tolerance;
+            let solved = after.is_finite() && change < LEFT * stage.tolerance;
             let accepted = solved || after < norm;
             if accepted && (share >= 1.0 || solved || projection.abs() < PROJECTION) {
                 return Ok(share >= 1.0);

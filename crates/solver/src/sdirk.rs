@@ -5,8 +5,7 @@
 //! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
-use super::newton::{Newton, Unsolved};
-use super::stage::{Stage, move_by};
+use super::newton::{Newton, Stage, Unsolved, move_by};
 use super::{State, System, View};
 use pushbelt_archive::Archive;
 
@@ -31,17 +30,8 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// Called for each accepted step: to integrate what is not part of the state.
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
-}
-
-/// The time that an accepted step took.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
-    /// Time at the end, s.
-    pub end: f64,
-    /// Size of the step, s.
-    pub length: f64,
+    /// Called for each accepted step of `length`, s, that ends at the time `end`, s: to integrate what is not part of the state.
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, length: f64);
 }
 
 /// The step size fell below the smallest.
@@ -74,51 +64,17 @@ pub struct Sdirk {
     /// Squared error of the last step, of 1 at most: small as long as motions are smooth.
     error: f64,
     /// Stage that is not solved, from 1 on; 0 if no step is open.
-    open: u8,
-    stages: [State; 2],
+    open: usize,
+    stages: [Stage; 2],
     /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
     slope: Vec<f64>,
-    base: Vec<f64>,
-    position: Vec<f64>,
-    y_error: Vec<f64>,
-    q_error: Vec<f64>,
+    /// Of y and of q.
+    errors: [Vec<f64>; 2],
 }
 
-/// A span of time that is integrated in steps.
-#[derive(Clone, Copy, Debug)]
-pub struct Span {
-    from: f64,
-    to: f64,
-    done: f64,
-}
-
-impl Span {
-    /// From one time to another, s.
-    #[must_use]
-    pub fn new(from: f64, to: f64) -> Self {
-        Self { from, to, done: 0.0 }
-    }
-
-    /// Whether its end is reached.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        self.done >= self.length()
-    }
-
-    fn length(&self) -> f64 {
-        self.to - self.from
-    }
-
-    /// Time reached, s: exact at the end, before it up to the rounding of the sum of its steps.
-    #[must_use]
-    pub fn reached(&self) -> f64 {
-        if self.is_over() { self.to } else { self.from + self.done }
-    }
-}
-
-/// Smallest step, s; nor is a step taken for a rest that is shorter.
-const MIN_STEP: f64 = 1.0e-10;
+/// Smallest step, s, also of a search for a steady state; nor is a step taken for a rest that is shorter.
+pub(crate) const MIN_STEP: f64 = 1.0e-10;
 /// Share of the longest step within the tolerance, as far as the error shows, that is taken: as Hairer, Nørsett and Wanner, Solving
 /// Ordinary Differential Equations I, II.4. Half, and 0.9: +11, 0 % of the work of the manoeuvre with ALE; −11, +4 % of torque flips.
 const SAFETY: f64 = 0.8;
@@ -144,12 +100,9 @@ impl Sdirk {
             last_step: None,
             error: 0.0,
             open: 0,
-            stages: [State::zero(n), State::zero(n)],
+            stages: [Stage::new(n), Stage::new(n)],
             slope: vec![0.0; n],
-            base: vec![0.0; n],
-            position: vec![0.0; n],
-            y_error: vec![0.0; n],
-            q_error: vec![0.0; n],
+            errors: [vec![0.0; n], vec![0.0; n]],
         }
     }
 
@@ -157,10 +110,8 @@ impl Sdirk {
     /// last step.
     #[must_use]
     pub fn slope_rate(&self, unknown: usize) -> f64 {
-        let [first, second] = &self.stages;
-        self.last_step.map_or(0.0, |h| {
-            (second.y_dot[unknown] - first.y_dot[unknown]) / ((1.0 - GAMMA) * h)
-        })
+        let [first, second] = self.stages.each_ref().map(|stage| stage.state.y_dot[unknown]);
+        self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
     /// Writes to an archive, or reads from it, all that later steps depend on.
@@ -172,74 +123,53 @@ impl Sdirk {
         archive.reals(&mut self.slope);
         if self.last_step.is_some() {
             for stage in &mut self.stages {
-                archive.reals(&mut stage.y_dot);
+                archive.reals(&mut stage.state.y_dot);
             }
         }
-        let open = std::mem::take(&mut self.open);
-        for (stage, number) in self.stages.iter_mut().zip(1..) {
-            let mut is_open = open == number;
-            archive.flag(&mut is_open);
-            if is_open {
-                self.open = number;
-                stage.serialize(archive);
-                archive.reals(&mut self.base);
-                archive.reals(&mut self.position);
-            }
+        archive.indices(std::slice::from_mut(&mut self.open), 3);
+        if self.open > 0 {
+            let Stage {
+                base, position, state, ..
+            } = &mut self.stages[self.open - 1];
+            state.serialize(archive);
+            archive.reals(base);
+            archive.reals(position);
         }
     }
 
-    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result is in the second stage. Returns its error.
-    ///
-    /// # Errors
-    /// The stage that is not solved.
-    fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<f64, Unsolved> {
-        self.solve(system, view, time, h)?;
-        self.estimate_error(view, h);
-        let error = system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error);
-        self.error = error.min(1.0).powi(2);
-        Ok(error)
-    }
-
-    /// Solves both stages, or continues where the work was used up.
-    fn solve<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
+    /// Solves both stages of a step of size `h` from (y, ẏ, q) at `time`, or continues where the work was used up. The result is in
+    /// the second.
+    fn solve(&mut self, system: &mut impl System, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
         self.last_step = None;
-        self.newton.set_scale(system, 1.0 / (h * GAMMA));
-        let tolerance = self.newton_tolerance * (1.0 + self.newton_widening * self.error);
         for number in self.open.max(1)..=2 {
             if self.open != number {
                 self.predict(number, view, h);
                 self.open = number;
             }
-            let (node, state) = match (number, &mut self.stages) {
-                (1, [first, _]) => (GAMMA, first),
-                (_, [_, second]) => (1.0, second),
-            };
-            let mut stage = Stage {
-                time: time + node * h,
-                alpha: 1.0 / (h * GAMMA),
-                base: &self.base,
-                position: &self.position,
-                state,
-            };
-            self.newton.solve(system, &mut stage, tolerance, true)?;
+            let stage = &mut self.stages[number - 1];
+            stage.time = time + if number == 1 { GAMMA } else { 1.0 } * h;
+            stage.alpha = 1.0 / (h * GAMMA);
+            stage.tolerance = self.newton_tolerance * (1.0 + self.newton_widening * self.error);
+            self.newton.solve(system, stage, true)?;
         }
         self.open = 0;
         Ok(())
     }
 
     /// Sets what a stage starts from, and its predictor.
-    fn predict(&mut self, number: u8, view: View<'_>, h: f64) {
+    fn predict(&mut self, number: usize, view: View<'_>, h: f64) {
         let [first, second] = &mut self.stages;
         if number == 1 {
-            self.base.copy_from_slice(view.y);
-            self.position.copy_from_slice(view.q);
-            move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
-            first.q.copy_from_slice(view.q);
+            first.base.copy_from_slice(view.y);
+            first.position.copy_from_slice(view.q);
+            move_by(GAMMA * h, &mut first.state.y, view.y, &self.slope);
+            first.state.q.copy_from_slice(view.q);
         } else {
-            move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
-            move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
-            move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
-            second.q.copy_from_slice(view.q);
+            let State { y, y_dot, .. } = &first.state;
+            move_by(h * (1.0 - GAMMA), &mut second.base, view.y, y_dot);
+            move_by(h * (1.0 - GAMMA), &mut second.position, view.q, y);
+            move_by(h * GAMMA, &mut second.state.y, &second.base, y_dot);
+            second.state.q.copy_from_slice(view.q);
         }
     }
 
@@ -262,68 +192,56 @@ impl Sdirk {
         h: f64,
     ) -> Result<(), Unsolved> {
         let solved = self.solve(system, state.view(), time, h);
-        if solved == Err(Unsolved::NoSolution) {
-            self.abandon();
+        match solved {
+            Ok(()) => self.accept(system, state, time + h, h),
+            Err(Unsolved::NoSolution) => self.abandon(),
+            Err(Unsolved::OutOfWork) => {}
         }
-        solved?;
-        let end = time + h;
-        self.accept(system, state, Interval { end, length: h });
-        Ok(())
+        solved
     }
 
-    /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.
-    fn estimate_error(&mut self, before: View<'_>, h: f64) {
+    /// Estimates the errors of y and q from the slopes at c = 0, γ, 1; returns their norm.
+    fn error(&mut self, system: &impl Evolution, before: View<'_>, h: f64) -> f64 {
         let [w0, w1, w2] = error_weights().map(|w| h * w);
-        let [first, second] = &self.stages;
+        let [first, second] = self.stages.each_ref().map(|stage| stage.state.view());
         let weigh = |out: &mut [f64], slopes: [&[f64]; 3]| {
             for (((out, a), b), c) in out.iter_mut().zip(slopes[0]).zip(slopes[1]).zip(slopes[2]) {
                 *out = w0 * a + w1 * b + w2 * c;
             }
         };
-        weigh(&mut self.y_error, [before.y_dot, &first.y_dot, &second.y_dot]);
-        weigh(&mut self.q_error, [before.y, &first.y, &second.y]);
+        let [of_y, of_q] = &mut self.errors;
+        weigh(of_y, [before.y_dot, first.y_dot, second.y_dot]);
+        weigh(of_q, [before.y, first.y, second.y]);
+        let error = system.error_norm(second, of_y, of_q);
+        self.error = error.min(1.0).powi(2);
+        error
     }
 
-    /// Advances a state from `time` to exactly `to`.
+    /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is where it ends.
     ///
     /// # Errors
-    /// As [`Sdirk::step`].
-    pub fn advance<S: Evolution>(
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at `time`.
+    pub fn step<S: Evolution>(
         &mut self,
         system: &mut S,
         state: &mut State,
-        time: f64,
+        time: &mut f64,
         to: f64,
     ) -> Result<(), Stalled> {
-        let mut span = Span::new(time, to);
-        while !span.is_over() {
-            self.step(system, state, &mut span)?;
-        }
-        Ok(())
-    }
-
-    /// Takes one step of a span that is not over.
-    ///
-    /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
-    pub fn step<S: Evolution>(&mut self, system: &mut S, state: &mut State, span: &mut Span) -> Result<(), Stalled> {
-        let Span { from, done, .. } = *span;
-        let length = span.length();
-        let rest = length - done;
+        let rest = to - *time;
         let mut repeats = false;
         loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
             let h = rest / ((rest - MIN_STEP) / preferred).ceil().max(1.0);
-            let last = h >= rest;
-            let outcome = self.attempt(system, state.view(), from + done, h);
+            let outcome = self.solve(system, state.view(), *time, h);
             // A stage that is not solved has no error in bounds.
-            let error = outcome.unwrap_or(f64::INFINITY);
+            let error = outcome.map_or(f64::INFINITY, |()| self.error(system, state.view(), h));
             let factor = change(error);
             if error <= 1.0 {
-                let end = from + done + h;
-                self.accept(system, state, Interval { end, length: h });
+                *time = if h >= rest { to } else { *time + h };
+                self.accept(system, state, *time, h);
                 // An accepted step is not shortened, as in CVODE: a communication step that is split in two takes new factors. Nor does
                 // the step grow right after a failure (Hairer, Nørsett and Wanner, II.4).
                 self.step = if repeats {
@@ -335,34 +253,33 @@ impl Sdirk {
                     self.step.max(h * factor)
                 }
                 .min(longest);
-                span.done = if last { length } else { done + h };
                 return Ok(());
             }
             repeats = true;
             self.abandon();
-            match outcome {
-                Ok(_) => self.newton.counts.rejected += 1,
-                Err(_) => self.newton.counts.failed += 1,
-            }
             self.step = h * factor;
+            let newton = outcome.is_err();
+            let counts = &mut self.newton.counts;
+            *if newton {
+                &mut counts.failed
+            } else {
+                &mut counts.rejected
+            } += 1;
             if self.step < MIN_STEP {
-                return Err(Stalled {
-                    time: from + done,
-                    step: self.step,
-                    newton: outcome.is_err(),
-                });
+                let (time, step) = (*time, self.step);
+                return Err(Stalled { time, step, newton });
             }
         }
     }
 
     /// Moves the state to the end of a step.
-    fn accept<S: Evolution>(&mut self, system: &mut S, state: &mut State, interval: Interval) {
-        let end = &self.stages[1];
-        system.accumulate(state.view(), end.view(), interval);
-        state.copy_from(end);
-        self.slope.copy_from_slice(&end.y_dot);
+    fn accept(&mut self, system: &mut impl Evolution, state: &mut State, end: f64, length: f64) {
+        let solved = &self.stages[1].state;
+        system.accumulate(state.view(), solved.view(), end, length);
+        state.copy_from(solved);
+        self.slope.copy_from_slice(&solved.y_dot);
         self.newton.counts.steps += 1;
         // Slopes over less than this differ by rounding only.
-        self.last_step = (interval.length >= MIN_STEP).then_some(interval.length);
+        self.last_step = (length >= MIN_STEP).then_some(length);
     }
 }

@@ -3,7 +3,7 @@
 use crate::system::RingSystem;
 use nalgebra::{DVector, Vector2};
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
-use pushbelt::solver::sdirk::Sdirk;
+use pushbelt::solver::sdirk::{Evolution, Sdirk, Stalled};
 use pushbelt::solver::{State, System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 
@@ -30,6 +30,23 @@ pub fn fixed_steps<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     integrator
 }
 
+/// Advances a state from one time to exactly another, s.
+///
+/// # Errors
+/// The step size fell below the integrator's smallest.
+pub fn advance(
+    integrator: &mut Sdirk,
+    system: &mut impl Evolution,
+    state: &mut State,
+    [from, to]: [f64; 2],
+) -> Result<(), Stalled> {
+    let mut time = from;
+    while time < to {
+        integrator.step(system, state, &mut time, to)?;
+    }
+    Ok(())
+}
+
 pub fn run<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     integrator: &mut Sdirk,
@@ -37,9 +54,7 @@ pub fn run<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     from: f64,
     to: f64,
 ) {
-    integrator
-        .advance(system, state, from, to)
-        .expect("the free ring can be integrated");
+    advance(integrator, system, state, [from, to]).expect("the free ring can be integrated");
 }
 
 /// Angular frequency and shape of the small oscillation about the rest state `state` nearest to `near`, rad/s.

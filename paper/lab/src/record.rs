@@ -1,5 +1,6 @@
 //! Runs of a ring alone, sampled at equal intervals.
 
+use crate::motion::advance;
 use crate::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
@@ -64,11 +65,11 @@ pub fn record<M: RingFormulation>(
     let mut integrator = Sdirk::new(system, first_step, 1.0e-3);
     let mut samples = vec![sample(system, &state, 0.0)];
     for k in 0..count {
-        let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
-        if integrator.advance(system, &mut state, from, to).is_err() || state.q[system.theta()].abs() > limit {
+        let span = [k, k + 1].map(|k| k as f64 * step);
+        if advance(&mut integrator, system, &mut state, span).is_err() || state.q[system.theta()].abs() > limit {
             break;
         }
-        samples.push(sample(system, &state, to));
+        samples.push(sample(system, &state, span[1]));
     }
     Record {
         samples,

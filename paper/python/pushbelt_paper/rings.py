@@ -62,7 +62,7 @@ def run(program: Path, output: Path, short: bool, progress: Callable[[float], No
 
 def table(path: Path, **options: Any) -> pd.DataFrame:
     """A CSV file by the names of the columns without their units."""
-    return pd.read_csv(path, float_precision="round_trip", **options).rename(columns=lambda title: split(title)[0])
+    return pd.read_csv(path, **options).rename(columns=lambda title: split(title)[0])
 
 
 def _rows(frame: pd.DataFrame) -> list[Any]:

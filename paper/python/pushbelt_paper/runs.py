@@ -44,7 +44,7 @@ FULL = Plan(
     shift=0.3,
     short=False,
 )
-SHORT = Plan(Effort(settling=0.02, looking=0.05, samples=480), ("medium-50", CHOSEN_CASE), (), (), shift=0.1, short=True)
+SHORT = Plan(Effort(settling=0.01, looking=0.03, samples=480), ("medium-50", CHOSEN_CASE), (), (), shift=0.1, short=True)
 
 RINGS_WEIGHT = 20.0
 """Share of the tests of rings alone in the progress bar."""

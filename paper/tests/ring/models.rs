@@ -1,7 +1,7 @@
 //! Tests of all ring models.
 
 use nalgebra::{SVector, Vector2};
-use num_dual::Dual64;
+use pushbelt::scalar::Dual;
 use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ancf::AncfElement;
@@ -343,15 +343,15 @@ fn places_may_have_derivatives<E: LagrangianElement>() {
     let scale = 0.5 * system.model.length() / FEW as f64;
     for element in 0..FEW {
         let motion = system.values(state.view(), element).map(|m| Motion {
-            value: Dual64::from_re(m.value),
-            rate: Dual64::from_re(m.rate),
-            acceleration: Dual64::from_re(m.acceleration),
+            value: Dual::from(m.value),
+            rate: Dual::from(m.rate),
+            acceleration: Dual::from(m.acceleration),
         });
-        let p = system.model.particle_at(&motion, Dual64::new(0.3, 1.0));
+        let p = system.model.particle_at(&motion, Dual::seed(0.3, 0, 1.0));
         let plain = system.particle(state.view(), element, 0.3);
-        let (re, eps) = (p.r.map(|v| v.re), p.r.map(|v| v.eps));
+        let (re, eps) = (p.r.map(|v| v.re), p.r.map(|v| v.eps[0]));
         assert!((re - plain.r).norm() < 1e-15 && (eps - plain.slope * scale).norm() < 1e-14);
-        assert!((p.velocity.map(|v| v.eps) - plain.velocity_slope * scale).norm() < 1e-11);
+        assert!((p.velocity.map(|v| v.eps[0]) - plain.velocity_slope * scale).norm() < 1e-11);
     }
 }
 

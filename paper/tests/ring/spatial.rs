@@ -1,7 +1,7 @@
 //! The ring in space: a deflection w along z, the binormal of the drive, in addition to that in the plane.
 
 use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
-use num_dual::Dual64;
+use pushbelt::scalar::Dual;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
@@ -28,11 +28,11 @@ const LATERAL: [usize; 4] = [4, 5, 10, 11];
 /// elements and length 0.168 m, with the strain `strain` and the speed `speed`. Exact derivatives of the ring's balance.
 fn strand(ring: &Ring, count: usize, strain: f64, speed: f64) -> [DMatrix<f64>; 3] {
     let model = AleRing::spatial(ring.clone(), drive(), RingMesh::even(&[1, count, 2, count, 1], 4));
-    let frame = model.curve.frame(Dual64::from(0.0));
+    let frame = model.curve.frame(Dual::from(0.0));
     let still = Motion {
-        value: Dual64::from(0.0),
-        rate: Dual64::from(0.0),
-        acceleration: Dual64::from(0.0),
+        value: Dual::from(0.0),
+        rate: Dual::from(0.0),
+        acceleration: Dual::from(0.0),
     };
     let length = 0.168 / count as f64;
     let size = 2 * (count + 1);
@@ -40,18 +40,18 @@ fn strand(ring: &Ring, count: usize, strain: f64, speed: f64) -> [DMatrix<f64>; 
     for k in 0..count {
         // At ratio 1 the upper strand runs along x.
         let mut motion = [still; 14];
-        motion[0].value = Dual64::from(strain * length * k as f64);
-        motion[6].value = Dual64::from(strain * length * (k + 1) as f64);
-        (motion[1].value, motion[7].value) = (Dual64::from(strain), Dual64::from(strain));
-        motion[12].rate = Dual64::from(speed);
+        motion[0].value = Dual::from(strain * length * k as f64);
+        motion[6].value = Dual::from(strain * length * (k + 1) as f64);
+        (motion[1].value, motion[7].value) = (Dual::from(strain), Dual::from(strain));
+        motion[12].rate = Dual::from(speed);
         for (j, column) in LATERAL.into_iter().enumerate() {
             for (order, matrix) in matrices.iter_mut().enumerate() {
                 let mut moved = motion;
                 let unknown = &mut moved[column];
-                [&mut unknown.value, &mut unknown.rate, &mut unknown.acceleration][order].eps = 1.0;
+                [&mut unknown.value, &mut unknown.rate, &mut unknown.acceleration][order].eps = [1.0];
                 let rows = model.balance(&frame, 1 + k, &moved);
                 for (i, row) in LATERAL.into_iter().enumerate() {
-                    matrix[(2 * k + i, 2 * k + j)] += rows[row].eps;
+                    matrix[(2 * k + i, 2 * k + j)] += rows[row].eps[0];
                 }
             }
         }

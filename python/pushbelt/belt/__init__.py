@@ -3,7 +3,7 @@
     dimensions → geometry (formulas) → parameter set (JSON)
                                     ↘ checks (reach of the ratio, stress of the ring from the FMU)
 
-`python -m pushbelt.belt` is its command line. `docs/belt.md` has the formulas and their sources.
+`docs/belt.md` has the formulas and their sources.
 """
 
 from .geometry import Belt, BeltError, Dimensions

@@ -106,10 +106,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = {one.name: getattr(options, one.name) for one in dataclasses.fields(Dimensions)}
     belt = Belt(Dimensions(**{name: value for name, value in given.items() if value is not None}))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
-        raise BeltError(
-            f"ratio {options.ratio:g} is out of reach: the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm allow "
-            f"{1.0 / belt.reach:.3f} to {belt.reach:.3f}"
-        )
+        ends = f"the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm"
+        raise BeltError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
     variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
     changes = checked(variables, dict(options.set), {"parameter"})
     document = belt.document(options.name, options.variator, parameter_set(options.variator), changes)

@@ -125,14 +125,12 @@ class Belt:
 
     def _check(self) -> None:
         d = self.dimensions
-        low, high, widths = 1e3 * d.min_radius, 1e3 * self.max_radius, (1e3 * self.layer_width, 1e3 * d.width)
-        _require(
-            0.0 <= self.play <= MOST_PLAY,
-            f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm on a pitch line of {1e3 * self.pitch_length:.2f} mm leave an "
-            f"end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm: specify two of number, thickness and play",
-        )
-        text = "two layers of {:g} mm are not narrower than the elements, {:g} mm"
-        _require(SETS * self.layer_width < d.width, text.format(*widths))
+        low, high = 1e3 * d.min_radius, 1e3 * self.max_radius
+        stacked, line = f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm", f"{1e3 * self.pitch_length:.2f} mm"
+        text = f"{stacked} on a pitch line of {line} leave an end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm"
+        _require(0.0 <= self.play <= MOST_PLAY, f"{text}: specify two of number, thickness and play")
+        text = f"two layers of {1e3 * self.layer_width:g} mm are not narrower than the elements, {1e3 * d.width:g} mm"
+        _require(SETS * self.layer_width < d.width, text)
         _require(low < high, f"the smallest pitch radius, {low:g} mm, is not below the largest, {high:g} mm")
         text = f"pulleys with a pitch radius of {high:g} mm touch each other at a center distance of {1e3 * d.center_distance:g} mm"
         _require(2.0 * self.max_radius < d.center_distance, text)
@@ -157,13 +155,11 @@ class Belt:
             "maxRadius": _chosen(self.max_radius, d.max_radius is not None, apart),
         }
         return {
-            "geometry.centerDistance": Entry(d.center_distance),
-            "geometry.beltLength": Entry(d.length),
+            "geometry.centerDistance": Entry(d.center_distance), "geometry.beltLength": Entry(d.length),
             "geometry.wedgeAngle": _chosen(d.wedge_angle, d.wedge_angle != Dimensions.wedge_angle, "11 degrees, as usual"),
             **{f"{pulley}.{name}": stop for pulley in ("primary", "secondary") for name, stop in stops.items()},
-            **self._ring(),
-            **self._elements(),
-        }
+            **self._ring(), **self._elements(),
+        }  # fmt: skip
 
     def _ring(self) -> dict[str, Entry]:
         d = self.dimensions
@@ -187,8 +183,7 @@ class Belt:
 
     def _elements(self) -> dict[str, Entry]:
         d = self.dimensions
-        mass, thickness = self.element_mass, self.element_thickness
-        counted, weighed = d.elements or d.element_thickness, d.element_mass is not None
+        mass, thickness, weighed = self.element_mass, self.element_thickness, d.element_mass is not None
         number = f"{self.elements} elements of {1e3 * mass:.4g} g on the pitch line"
         filled = f"{number}, each 59 % of width x {1e3 * d.element_height:g} mm x thickness, 7800 kg/m3"
         wider, thicker = d.width / WIDTH, thickness / THICKNESS
@@ -202,7 +197,7 @@ class Belt:
         return {
             "belt.pitchOffset": _chosen(self.pitch_offset, d.pitch_offset is not None, saddle),
             "belt.play": Entry(self.play, play, "of the unstretched ring"),
-            "belt.elementThickness": Entry(thickness, "geometry" if counted else "typical", "mean"),
+            "belt.elementThickness": Entry(thickness, "geometry" if d.elements or d.element_thickness else "typical", "mean"),
             "belt.massPerLength": Entry(per_length, "geometry", number) if weighed else Entry(per_length, "typical", filled),
             "belt.elementInertia": Entry(inertia, "typical", bar),
             "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
@@ -215,20 +210,14 @@ class Belt:
 
     def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:
         """The parameter set. `values` are the parameters of the set `base`, used where nothing follows from the dimensions.
-
-        `changes` are values of the user. They come first.
-        """
+        `changes` are values of the user. They come first."""
         taken = {key: Entry(value, "typical", f"as {base}") for key, value in values.items()}
-        given = {key: Entry(value) for key, value in changes.items()}
+        entries = {**taken, **self.entries, **{key: Entry(value) for key, value in changes.items()}}
         d = self.dimensions
+        about = f"belt of {1e3 * d.width:g} mm with 2 x {d.layers} layers, {self.elements} elements, {1e3 * d.length:g} mm long"
+        note = "SI units. Start values of the FMU by variable name. Given values come from the user, geometry ones follow from them; "
         return {
-            "id": name,
-            "about": f"belt of {1e3 * d.width:g} mm with 2 x {d.layers} layers, {self.elements} elements, {1e3 * d.length:g} mm long, on axes "
-            f"{1e3 * d.center_distance:g} mm apart",
-            "note": "SI units. Start values of the FMU by variable name. Given values come from the user, geometry ones follow from them; "
-            "typical ones are or contain engineering values.",
-            "parameters": {
-                key: {"value": entry.value, "origin": entry.origin} | ({"note": entry.note} if entry.note else {})
-                for key, entry in {**taken, **self.entries, **given}.items()
-            },
-        }
+            "id": name, "about": f"{about}, on axes {1e3 * d.center_distance:g} mm apart",
+            "note": note + "typical ones are or contain engineering values.",
+            "parameters": {name: {key: part for key, part in one._asdict().items() if part != ""} for name, one in entries.items()},
+        }  # fmt: skip

@@ -30,14 +30,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables import columns, points
-from pushbelt.tables.faults import TableError
+from pushbelt.tables.sheet import TableError
 
 from . import parameters
 
@@ -95,7 +95,6 @@ def parser() -> argparse.ArgumentParser:
 @console.program("calibrate", "tables")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
-    provenance.begin("calibrate", arguments)
     if options.template is not None:
         options.template.write_text(columns.template(), encoding="utf-8")
         print(options.template.resolve())

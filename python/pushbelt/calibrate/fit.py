@@ -87,9 +87,7 @@ class Fit(NamedTuple):
 
 def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
-
-    First a fit with a robust loss finds the outliers, which are then left out.
-    """
+    First a fit with a robust loss finds the outliers, which are then left out."""
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
@@ -143,9 +141,8 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
         misfit = f"the root mean square of the residuals is {last:.3g} standard deviations, above {MISFIT:g}"
     elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
-    return Fit(
-        estimates, spread, (first, last), before, search.states, search.evaluations, search.converged, tuple(kept.tolist()), of_all, misfit
-    )
+    solved = before, search.states, search.evaluations, search.converged
+    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit)
 
 
 def _rms(relative: Array) -> float:

@@ -70,8 +70,8 @@ class Model:
         """The measured values with the model's, `found`, or the `reason` why there is none, and whether the fit contains them. `residual` is
         model minus measurement, `relative` the same in standard deviations."""
         found = self.column(states)
-        reasons = [states[place].reason for place in self.values["point"]]
-        rows = self.values.assign(found=found, reason=np.array(reasons, dtype=object), kept=kept, residual=found - self.values["measured"])
+        reasons = np.array([states[place].reason for place in self.values["point"]], dtype=object)
+        rows = self.values.assign(found=found, reason=reasons, kept=kept, residual=found - self.values["measured"])
         return rows.assign(relative=rows["residual"] / rows["sd"])
 
     def column(self, states: Sequence[Found]) -> Array:
@@ -92,14 +92,11 @@ class Model:
     def slopes(
         self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
     ) -> Array:
-        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if not
-        `central`, one-sided ones, with steps to the other side only for outstanding points.
-
-        A steady state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two
-        one-sided slopes contradict each other, the smallest of both and their mean is used. A lost point has no slope.
-        """
-        carried = [place for place, found in enumerate(base) if found.reason is None]
-        middle = self.column(base)
+        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if
+        not `central`, one-sided ones, with steps to the other side only for outstanding points. A steady state may jump to
+        another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes contradict
+        each other, the smallest of both and their mean is used. A lost point has no slope."""
+        carried, middle = [place for place, found in enumerate(base) if found.reason is None], self.column(base)
 
         def differences(side: int, places: Sequence[Sequence[int]]) -> Array:
             """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""

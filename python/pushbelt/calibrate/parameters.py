@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import PushbeltError, similar
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")  # Parameters that are fitted by default
 Pair = tuple[float, float]
@@ -59,10 +58,8 @@ def choose(
     wanted: Mapping[str, float | None], limits: Mapping[str, Pair], variables: Mapping[str, Any], values: Mapping[str, float],
     priors: Mapping[str, Pair] | None = None,
 ) -> list[Parameter]:  # fmt: skip
-    """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`, else the FMU's.
-
-    A name without its pulley, such as `tiltStiffness`, means both pulleys.
-    """
+    """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`,
+    else the FMU's. A name without its pulley, such as `tiltStiffness`, means both pulleys."""
     priors = priors or {}
     for given, what in ((limits, "bounds are"), (priors, "a prior is")):
         if unknown := given.keys() - wanted.keys():
@@ -80,8 +77,7 @@ def _parameter(
     known = {full: one for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"}
     names = (name,) if name in variables else (f"primary.{name}", f"secondary.{name}")
     if not known.keys() >= set(names):
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        raise ParameterError(f"the FMU has no real parameter {name}" + (f"; did you mean {near[0]}?" if near else ""))
+        raise ParameterError(f"the FMU has no real parameter {name}{similar(name, known)}")
     first = known[names[0]]
     start = values.get(names[0], float(first.start)) if start is None else start
     low, high = (end if given is None else float(given) for end, given in ((-math.inf, first.min), (math.inf, first.max)))
@@ -100,8 +96,5 @@ def _parameter(
 
 def assign(parameters: Sequence[Parameter], coordinates: Sequence[float]) -> dict[str, float]:
     """Values of the FMU's variables at these coordinates."""
-    return {
-        variable: parameter.value(float(coordinate))
-        for parameter, coordinate in zip(parameters, coordinates, strict=True)
-        for variable in parameter.variables
-    }
+    pairs = zip(parameters, coordinates, strict=True)
+    return {variable: one.value(float(coordinate)) for one, coordinate in pairs for variable in one.variables}

@@ -3,29 +3,116 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
+from pushbelt.report.charts import Chart, Panel, Series, around
+from pushbelt.report.style import BLUE, MUTED, ORANGE
 from pushbelt.tables import points
 from pushbelt.tables.columns import MEASURED
 from pushbelt.tables.points import Rig
 
-from . import figures, fit, model, worker
+from . import fit, model, worker
 from .fit import Estimate, Fit
 from .model import Model, Score, of, plain, quantities, score
 
+SURE = 2.0  # Half-width of the shaded band, in standard deviations
+LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
+FAR = 6.0
+"""Residual of an outlier, in medians of the absolute residuals. That is four standard deviations of a normal distribution."""
+INSET = 0.02  # Distance of the marks of outliers from the border, as a share of the axis
+LOOKS = ({"colour": BLUE, "size": 7}, {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8})
+"""Looks of the leading set and of the other one."""
+ARROWS = {(0, 1): "triangle-up", (0, -1): "triangle-down", (1, 0): "triangle-right", (-1, 0): "triangle-left"}
+Range = tuple[float, float]
+Sets = Mapping[str, pd.DataFrame]
+Text = Callable[[Any], str]
+_brief = partial(plain, digits=3)
 WORST = 10  # Number of values with the largest residuals in the list
 DEFAULT = "bench168"
 short = partial(plain, digits=4, none="–")
 SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
+
+
+def reach(rows: pd.DataFrame) -> float:
+    """Largest residual of the bulk, in standard deviations."""
+    sizes = rows["relative"].abs()
+    far = max(LEAST_REACH, FAR * sizes.median())
+    return max(LEAST_REACH, sizes[sizes <= far].max())
+
+
+def chart(quantity: str, sets: Sets) -> Chart:
+    """The figures of a quantity. The first set leads; it must have values. The axes fit their bulk; its outliers are at the
+    border, with their values."""
+    sets = {name: rows.assign(at=rows["ratio"].fillna(rows["speed_ratio"])) for name, rows in sets.items()}
+    leading = next(iter(sets.values()))
+    most = reach(leading)
+    bulk = leading[leading["relative"].abs() <= most]
+    x_range, y_range = around([bulk["measured"]]), around([bulk[["measured", "found"]].to_numpy().ravel()])
+    ends = [max(x_range[0], y_range[0]), min(x_range[1], y_range[1])]
+    line = Series("model as measured", ends, ends, ORANGE, width=1.0)
+    series, note = _inside(sets, "measured", "found", x_range, y_range, lambda row: f"{_brief(row.measured)}, model {_brief(row.found)}")
+    title = f"{quantity}: model over measurement"
+    compared = Panel(title, [line, *series], "measured", "model", x_range=x_range, y_range=y_range, height=270, note=note)
+    over = [_over(sets, label, across, 1.15 * most) for label, across in (("torque, N·m", "torque"), ("ratio", "at"))]
+    return Chart([compared, *over], f"Residuals of {quantity}", columns=3, common_legend=True)
+
+
+def _over(sets: Sets, label: str, across: str, most: float) -> Panel:
+    places = pd.concat([rows[across] for rows in sets.values()])
+    span = around([(places.min() - 1e-3, places.max() + 1e-3)])
+    series, note = _inside(sets, across, "relative", span, (-most, most), lambda row: _brief(row.relative))
+    sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
+    title = "Residual, standard deviations"
+    return Panel(title, [sure, *series], label, x_range=span, y_range=(-most, most), height=270, note=note)
+
+
+def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Text) -> tuple[list[Series], str]:
+    """The points within the axes; beyond them those of the leading set at the border, with their values, and a count of the others."""
+    series: list[Series] = []
+    notes = []
+    low, high = np.array([x_range, y_range]).T[:, :, None]
+    for k, (name, rows) in reversed(list(enumerate(sets.items()))):
+        at = rows[[x, y]].to_numpy(dtype=float).T
+        sides = np.sign(at - np.clip(at, low, high)).astype(int)
+        beyond = sides.any(axis=0)
+        series.append(Series(name, *at[:, ~beyond], kind="points", labels=_labels(rows[~beyond]), **LOOKS[k]))
+        if k == 0:
+            inset = INSET * (high - low)
+            series += _marked(name, rows, np.clip(at, low + inset, high - inset), sides, sum(x_range) / 2, text)
+        elif beyond.any():
+            notes.append(f"{beyond.sum()} values of {name} are outside the figure.")
+    return series, " ".join(notes)
+
+
+def _labels(rows: pd.DataFrame) -> list[str]:
+    return [row.name or f"line {row.line}" for row in rows.itertuples()]
+
+
+def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: float, text: Text) -> Iterator[Series]:
+    """Arrows at the border, with values beside them, every other one further inside."""
+    for (right, up), marker in ARROWS.items():
+        chosen = np.flatnonzero((sides[1] == up) & ((sides[0] == right) | (up != 0)))
+        chosen = chosen[np.argsort(border[0, chosen])]
+        if chosen.size:
+            inside = {0: "", 1: "bottom center", -1: "top center"}[up]
+            beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
+            texts = [text(row) for row in rows.iloc[chosen].itertuples()]
+            yield Series(
+                name, *border[:, chosen], **LOOKS[0] | {"kind": "points", "marker": marker, "size": 10},  # type: ignore[arg-type]
+                labels=[": ".join(pair) for pair in zip(_labels(rows.iloc[chosen]), texts, strict=True)], texts=texts,
+                text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
+            )  # fmt: skip
 
 
 class Results:
@@ -63,11 +150,8 @@ def outliers(results: Results) -> str:
         place = f"line {row.line}" + (f" at {row.time:g} s" if row.time == row.time else "")
         model = f" ({abs(row.relative):.3g} standard deviations from {row.found:.5g})" if row.found == row.found else ""
         found.append(f"{place}, {row.quantity} {row.measured:.5g}{model}")
-    text = (
-        f"left out as outliers: {'; '.join(found)}. The root mean square of the residuals is "
-        f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
-    )
-    return text if found else ""
+    scatter = f"{results.fit.rms[1]:.3g} standard deviations without them and {results.fit.rms_of_all:.3g} with them"
+    return f"left out as outliers: {'; '.join(found)}. The root mean square of the residuals is {scatter}" if found else ""
 
 
 def write_parameters(results: Results, path: Path) -> None:
@@ -82,12 +166,9 @@ def write_parameters(results: Results, path: Path) -> None:
             kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
             entries[name] = entry if estimate.undetermined is None else kept
     document = {
-        "id": path.stem,
-        "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
-        "fits": results.fit.misfit is None,
-        "note": "SI units. Start values of the FMU by variable name.",
-        "parameters": entries,
-    }
+        "id": path.stem, "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
+        "fits": results.fit.misfit is None, "note": "SI units. Start values of the FMU by variable name.", "parameters": entries,
+    }  # fmt: skip
     path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
 
 
@@ -113,9 +194,7 @@ def write_html(results: Results, path: Path) -> None:
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
     context = {
-        "results": results, "fit": found, "used": len(used),
-        "outliers": outliers(results),
-        "rms": found.rms,
+        "results": results, "fit": found, "used": len(used), "outliers": outliers(results), "rms": found.rms,
         "lost_values": int(rows["reason"].notna().sum()),
         "quantities": [_quantity(results, q) for q in quantities(rows) if len(of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
@@ -136,12 +215,10 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     after, before = of(results.rows, quantity), of(results.before, quantity)
     kept = after[after["kept"]] if after["kept"].any() else after
     return {
-        "meaning": MEASURED[quantity].meaning,
-        "unit": _unit(quantity),
-        "score": score(kept, quantity),
+        "meaning": MEASURED[quantity].meaning, "unit": _unit(quantity), "score": score(kept, quantity),
         "before": score(before[before.index.isin(kept.index)], quantity).rms,
-        "picture": figures.chart(quantity, {"fitted": after, "start values": before}),
-    }
+        "picture": chart(quantity, {"fitted": after, "start values": before}),
+    }  # fmt: skip
 
 
 # Hold-out
@@ -163,17 +240,14 @@ def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> 
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
     context = {
-        "rig": rig,
-        "version": described(fmu).version or "",
-        "scores": scores,
-        "variators": list(sets),
+        "rig": rig, "version": described(fmu).version or "", "scores": scores, "variators": list(sets),
         "notes": points.understood(rig)[1:],
         "figures": [
-            (q, MEASURED[q].meaning, figures.chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
+            (q, MEASURED[q].meaning, chart(q, {name: own for name, rows in sets.items() if len(own := of(rows, q))}))
             for q in dict.fromkeys(one.quantity for one in scores if one.count)
         ],
         "lost": [(name, row) for name, rows in sets.items() for row in _lost(rows).itertuples()],
-    }
+    }  # fmt: skip
     page.write_html("calibrate/holdout.html.j2", context, folder / "report.html", plain=short)
     return scores
 

@@ -29,6 +29,9 @@ RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
 in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
 
 Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
+_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
+RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
+"""Inputs of a recorded shift."""
 
 
 class Found(NamedTuple):
@@ -38,9 +41,6 @@ class Found(NamedTuple):
     reason: str | None = None  # Reason why there is no steady state
     missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
     solves: int = 1  # Number of steady states that were solved
-
-
-_open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -56,13 +56,9 @@ def solve(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Po
     """Results of the model at a point. An error of the FMU becomes the reason."""
     if directory not in _open:
         _open[directory] = SteadyStates(Archive(directory, fmpy.read_model_description(str(fmu))))
-    states = _open[directory]
+    kind = _record if point.samples else _shift if point.shifting else _at_speed_ratio if point.ratio is None else _steady
     try:
-        if point.samples:
-            return _record(states, parameters, point)
-        if point.shifting:
-            return _shift(states, parameters, point)
-        return _at_speed_ratio(states, parameters, point) if point.ratio is None else _steady(states, parameters, point, point.ratio)
+        return kind(_open[directory], parameters, point)
     except UnitError as error:
         _open.pop(directory).close()
         return Found({}, str(error), 2.0)
@@ -87,7 +83,8 @@ def _started(
     return Found({}, unit.not_steady, 2.0 - carried)
 
 
-def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
+def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float | None = None) -> Found:
+    ratio = point.ratio if ratio is None else ratio
     unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
     return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 
@@ -110,10 +107,8 @@ def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point
 
 
 def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """The shift rate at the ratio of the point.
-
-    The run starts at a ratio from which it reaches the point's ratio in the middle of the window if it shifts as measured.
-    """
+    """The shift rate at the ratio of the point. The run starts at a ratio from which it reaches the point's ratio in the middle
+    of the window if it shifts as measured."""
     assert point.ratio is not None and point.primary_force is not None
     (measured,) = point.measured
     revolution = 2.0 * math.pi / point.speed
@@ -131,16 +126,10 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio})
 
 
-RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
-"""Inputs of a recorded shift."""
-
-
 def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
-    """The ratio at each sample of a recorded shift.
-
-    The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
-    and the secondary pulley turns as recorded, at the primary speed over the ratio.
-    """
+    """The ratio at each sample of a recorded shift. The run starts in the steady state at the first ratio. Torque and forces
+    are the recorded ones, linear between the samples, and the secondary pulley turns as recorded, at the primary speed over the
+    ratio."""
     inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
     unit = _started(states, parameters, record, ratio, ratio, primary_force)

@@ -51,12 +51,8 @@ def parser() -> argparse.ArgumentParser:
     options.add_set(fmu, "start value of a parameter or an input")
     fmu.add_argument("--variator", metavar="NAME", help=f"applied first, {options.VARIATOR}")
     fmu.add_argument("--ssv", type=Path, metavar="SET.ssv", help="applied next, a parameter set: System Structure Parameter Values 1.0")
-    fmu.add_argument(
-        "--flat",
-        action="store_true",
-        help="flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
-        "--set and --ssv have the names with dots",
-    )
+    text = "flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
+    fmu.add_argument("--flat", action="store_true", help=text + "--set and --ssv have the names with dots")
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")

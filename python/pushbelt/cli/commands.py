@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import shutil
 import sys
 from collections.abc import Mapping
@@ -11,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ArgumentError, similar
-from ..fmu import cache, flat, ssv, start_values
+from ..fmu import cache, flat, start_values
 from ..fmu.data import parameter_set
 from ..fmu.files import DOCS, default_fmu
 from ..fmu.unit import Archive, Instance, UnitError
 from ..fmu.untrusted import described
-from ..fmu.variables import Variables
 from ..maps import unit as map_unit
 from ..maps.data import Maps
 
@@ -35,7 +33,7 @@ def write_fmu(options: argparse.Namespace) -> int:
         raise ArgumentError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
     if options.ssv:
-        given |= ssv.read(options.ssv, archive.variables)
+        given |= start_values.read_ssv(options.ssv, archive.variables)
     given |= dict(options.set)
     values = start_values.checked(archive.variables, given)
     remarks = _tried(archive, values, "values")
@@ -91,10 +89,11 @@ def write_map_fmu(options: argparse.Namespace) -> int:
 
 def _solved_maps(variator: str, folder: Path, *, short: bool) -> Maps:
     """The default maps of a parameter set, or a few lines of them. Finished lines remain in a folder beside the FMU."""
+    from ..maps import __main__
+
     output = folder / "pushbelt-maps"
-    program = importlib.import_module("pushbelt.maps.__main__")
     words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator, *["--short"] * short]
-    if program.main(words) != 0:
+    if __main__.main(words) != 0:
         raise ArgumentError("there are no maps")
     return Maps.read(output / "maps.nc")
 
@@ -102,31 +101,22 @@ def _solved_maps(variator: str, folder: Path, *, short: bool) -> Maps:
 def show_cache(options: argparse.Namespace) -> int:
     folder = cache.folder()
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
-    if options.clear:
-        if folder.is_dir():
-            shutil.rmtree(folder)
-        print(f"removed {folder} ({size / 1e6:.1f} MB)")
-    else:
-        print(f"{folder} ({size / 1e6:.1f} MB)")
+    if options.clear and folder.is_dir():
+        shutil.rmtree(folder)
+    print(f"{'removed ' if options.clear else ''}{folder} ({size / 1e6:.1f} MB)")
     return 0
 
 
 def show_variables(options: argparse.Namespace) -> int:
     words = [word.lower() for word in options.words]
-    variables = Variables(described(options.fmu or default_fmu()).modelVariables)
+    variables = start_values.Variables(described(options.fmu or default_fmu()).modelVariables)
     fields = "profile." in " ".join(words)
-    found = [
-        one
-        for one in variables.values()
-        if (options.kind is None or one.causality == options.kind)
-        and all(word in f"{one.name} {one.description}".lower() for word in words)
-        and (fields or not one.name.startswith(("profile.", "profile_")))
-    ]
+    kinds = [one for one in variables.values() if options.kind in (None, one.causality)]
+    named = [one for one in kinds if all(word in f"{one.name} {one.description}".lower() for word in words)]
+    found = [one for one in named if fields or not one.name.startswith(("profile.", "profile_"))]
     if not found:
-        wanted = " ".join(options.words)
-        raise ArgumentError(
-            f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{similar(wanted, variables)}"
-        )
+        what, near = f"no {options.kind or 'variable'} has {' and '.join(options.words)}", similar(" ".join(options.words), variables)
+        raise ArgumentError(f"{what} in its name or description{near}")
     for one in found:
         print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
     print(f"{len(found)} of {len(variables)} variables" + ("" if fields else "; `pushbelt variables profile.` lists the fields"))

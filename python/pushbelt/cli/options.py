@@ -8,6 +8,7 @@ import re
 import shlex
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,12 +28,10 @@ VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 
 def program(name: str, description: str | None, writes: str, fmu: str = "the FMU to run", needed: bool = True) -> argparse.ArgumentParser:
     """The parser of a program, with `--fmu` and `--output`. `fmu` says what the FMU is for; without `needed` its absence is no error."""
-    found = argparse.ArgumentParser(
-        prog=typed(name), description=description, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    found = argparse.ArgumentParser(prog=typed(name), description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     # A default that is a text is read like a word of the command line, so a missing FMU is an error only where it is needed.
-    kind = _fmu if needed else _fmu_if_any
-    found.add_argument("--fmu", type=kind, default="", metavar="FILE", help=f"{fmu} [default: that of the package]")
+    kind, text = _fmu if needed else _fmu_if_any, f"{fmu} [default: that of the package]"
+    found.add_argument("--fmu", type=kind, default="", metavar="FILE", help=text)
     found.add_argument("--output", type=Path, default=f"pushbelt-{name}", metavar="FOLDER", help=f"folder for {writes} [default: %(default)s]")
     return found
 
@@ -104,6 +103,7 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group = parser.add_argument_group("how the table is read")
     example = "such as --map i=ratio.geometric, --map n_P=\"primary.speed [rpm]\", --map T_P=-primary.torque or --map i=1/ratio.speed"
     text = f"what a column is, {example}; can be repeated"
+    mapped = partial(assignment, form="title=name", empty=False)
     group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME", help=text)
     group.add_argument("--decimal", choices=DECIMAL, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
@@ -121,18 +121,11 @@ def numbers(text: str) -> tuple[float, ...]:
     return tuple(float(number) for number in text.split(","))
 
 
-def assignment(text: str, form: str = "NAME=VALUE") -> tuple[str, str]:
+def assignment(text: str, form: str = "NAME=VALUE", empty: bool = True) -> tuple[str, str]:
     name, separator, value = (part.strip() for part in text.partition("="))
-    if not separator or not name:
+    if not separator or not name or not (value or empty):
         raise argparse.ArgumentTypeError(f"{text} is not of the form {form}")
     return name, value
-
-
-def mapped(text: str) -> tuple[str, str]:
-    title, name = assignment(text, "title=name")
-    if not name:
-        raise argparse.ArgumentTypeError(f"{text} is not of the form title=name")
-    return title, name
 
 
 def quantity(dimension: str, default: str, example: str) -> Callable[[str], float]:

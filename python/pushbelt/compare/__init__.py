@@ -1,4 +1,1 @@
-"""Comparison of two runs: `python -m pushbelt.compare A B`, for two result files or two output folders of the programs.
-
-Data flow: files → runs (pairs, differences) → figures → report.
-"""
+"""Comparison of two result files, or of two output folders of the programs: files → runs (pairs, differences) → report."""

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_variator, program
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
@@ -28,7 +28,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--variables", type=lambda text: tuple(text.split(",")), default=(), metavar="A,B,…", help=columns)
     add_variator(parser)
     options = parser.parse_args(arguments)
-    provenance.begin("compare", arguments)
     variables = described(options.fmu).modelVariables if options.fmu else ()
     pairs = runs.pairs(options.a, options.b, {one.name: one.unit for one in variables if one.unit})
     wanted = {name for pair in pairs for name in pair.names}

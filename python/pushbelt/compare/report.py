@@ -29,17 +29,13 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
     belt; `parameters` are those of the variator."""
     folder.mkdir(parents=True, exist_ok=True)
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
+    found = ((pair, d) for pair in pairs for d in pair.differences)
     rows = (
-        [pair.name, d.name, pair.units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share]
-        for pair in pairs
-        for d in pair.differences
+        [pair.name, d.name, pair.units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share] for pair, d in found
     )
-    header = ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"]
-    tables.write(folder / "differences.csv", header, rows)
-    shown = [
-        (key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters))
-        for key, pair in ((f"run-{k}", pair) for k, pair in enumerate(pairs, start=1))
-    ]
+    tables.write(folder / "differences.csv", ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"], rows)
+    keys = [f"run-{k}" for k in range(1, len(pairs) + 1)]
+    shown = [(key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters)) for key, pair in zip(keys, pairs, strict=True)]
     path = folder / "report.html"
     page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, path)
     return path
@@ -49,10 +45,8 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tupl
     """The belt of each run; empty unless both files have the required columns."""
     if not all(run.columns.keys() >= set(needed(parameters)) for run in pair.runs):
         return []
-    return [
-        (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))
-        for who, run in zip("AB", pair.runs, strict=True)
-    ]
+    runs = zip("AB", pair.runs, strict=True)
+    return [(who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group)) for who, run in runs]
 
 
 def places(field: str) -> list[str]:
@@ -79,23 +73,16 @@ def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
 
 def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:
     """Both runs in each column. By default the columns with the largest differences come first. Figures of one group share the cursor."""
-    names = [name for name in wanted if name in pair.names] or [
-        d.name for d in pair.differences if not d.name.startswith(FIELD)
-    ][:MOST]
+    most = [d.name for d in pair.differences if not d.name.startswith(FIELD)][:MOST]
+    names = [name for name in wanted if name in pair.names] or most
     shown = {name: in_figures(pair.units.get(name, "")) for name in names}
     looks = (("A", BLUE, ""), ("B", ORANGE, "dash"))
-    start = min(float(run.time[0]) for run in pair.runs)
-    end = max(float(run.time[-1]) for run in pair.runs)
-    rows = [
-        (
-            f"{name} ({shown[name][1]})" if name in pair.units else name,
-            [
-                Series(who, run.time, shown[name][0] * run[name], colour, dash=dash)
-                for (who, colour, dash), run in zip(looks, pair.runs, strict=True)
-            ],
-            {},
-        )
-        for name in names
-    ]
+    start, end = min(float(run.time[0]) for run in pair.runs), max(float(run.time[-1]) for run in pair.runs)
+
+    def lines(name: str) -> list[Series]:
+        runs = zip(looks, pair.runs, strict=True)
+        return [Series(who, run.time, shown[name][0] * run[name], colour, dash=dash) for (who, colour, dash), run in runs]
+
+    rows = [(f"{name} ({shown[name][1]})" if name in pair.units else name, lines(name), {}) for name in names]
     panels = stack(rows, "time (s)", x_range=(start, end), height=170)
     return Chart(panels, f"Both runs of {pair.name} over time", columns=2, linked=True, group=group, least_width=330)

@@ -64,12 +64,8 @@ class Pair:
     def equal(self) -> bool:
         """Whether the runs have the same columns, times and gaps, and no column differs."""
         a, b = self.runs
-        return (
-            a.columns.keys() == b.columns.keys()
-            and np.array_equal(a.time, b.time)
-            and all(np.array_equal(np.isfinite(a[name]), np.isfinite(b[name])) for name in self.names)
-            and not self.differing
-        )
+        same = a.columns.keys() == b.columns.keys() and np.array_equal(a.time, b.time)
+        return same and all(np.array_equal(np.isfinite(a[name]), np.isfinite(b[name])) for name in self.names) and not self.differing
 
 
 def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:

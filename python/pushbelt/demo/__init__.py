@@ -1,4 +1,1 @@
-"""Demonstration of the pushbelt FMU: simulations of published data, and a report.
-
-    `simulate` (load cases, manoeuvre; each runs the FMU) → events and checks → figures → report
-"""
+"""Demonstration of the pushbelt FMU: simulations of published data (`simulate`), events and checks of them, and a report."""

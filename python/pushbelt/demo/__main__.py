@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Sequence
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_short, add_variator, program
 
 
@@ -16,7 +16,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_short(parser, "three load cases and 1 s of the manoeuvre")
     add_variator(parser)
     options = parser.parse_args(arguments)
-    provenance.begin("demo", arguments)
     # Imported here, so that the help needs no packages of the extras.
     from . import events, report, simulate
 

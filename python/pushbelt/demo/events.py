@@ -33,8 +33,7 @@ def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list
     reach = max(1, round(window / (time[1] - time[0])))
     change = np.abs(values[reach:] - values[:-reach])
     found = []
-    for first, last in intervals(np.arange(len(change)), change > size):
-        first, last = int(first), int(last)
+    for first, last in ((int(first), int(last)) for first, last in intervals(np.arange(len(change)), change > size)):
         before, after = values[first], values[min(last + reach, len(values) - 1)]
         middle = first + int(np.argmax(np.abs(np.diff(values[first : last + reach + 1]))))
         found.append((float(time[middle]), float(before), float(after)))
@@ -53,10 +52,9 @@ def launch(trace: Trace) -> Event:
     end = shifting[0] if shifting.size else len(time) - 1
     driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
     end = driving[-1] if driving.size else end
-    evidence = (
-        f"secondary from 0 to {RPM * speed[end]:.0f} rpm at ratios of {ratio[: end + 1].min():.2f} to "
-        f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %"
-    )
+    slip = 100 * np.abs(trace["slip"][moving[0] : end + 1]).max()
+    ratios = f"ratios of {ratio[: end + 1].min():.2f} to {ratio[: end + 1].max():.2f}"
+    evidence = f"secondary from 0 to {RPM * speed[end]:.0f} rpm at {ratios}; slip at most {slip:.1f} %"
     return Event(name, True, evidence, float(time[moving[0]]), float(time[end]))
 
 
@@ -73,10 +71,8 @@ def shift(trace: Trace) -> Event:
     end = crossing + np.flatnonzero(ratio[crossing:] < low + 0.05 * (high - low))[0]
     rate = np.gradient(ratio[start : end + 1], time[start : end + 1]).min()
     slipping = (trace["macroSlip"][start : end + 1] > 0.5).mean() * (time[end] - time[start])
-    evidence = (
-        f"ratio from {ratio[start]:.2f} to {ratio[end]:.2f}, through 1 at {time[crossing]:.2f} s, "
-        f"at most {-rate:.2f} 1/s; macro-slip for {slipping:.2f} s of it"
-    )
+    course = f"ratio from {ratio[start]:.2f} to {ratio[end]:.2f}, through 1 at {time[crossing]:.2f} s"
+    evidence = f"{course}, at most {-rate:.2f} 1/s; macro-slip for {slipping:.2f} s of it"
     return Event(name, True, evidence, float(time[start]), float(time[end]))
 
 
@@ -87,13 +83,11 @@ def torque_steps(trace: Trace) -> list[Event]:
     for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=20.0):
         if any(start - 0.1 <= at <= end + 0.1 for start, end in slipping):
             continue
-        window = (trace.time >= at) & (trace.time <= at + 0.3)
+        window = _within(trace, at, at + 0.3)
         belt = -trace["primary.shaftTorque"][window][-1]
         first, last = 100 * trace["slip"][window][[0, -1]]
-        evidence = (
-            f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, "
-            f"utilisation {trace['torqueUtilisation'][window][-1]:.2f}"
-        )
+        utilisation = trace["torqueUtilisation"][window][-1]
+        evidence = f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, utilisation {utilisation:.2f}"
         events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, evidence, at))
     return events or [Event("Torque steps", False, "no step of the primary torque above 20 N·m within 30 ms")]
 
@@ -119,15 +113,10 @@ def _within(trace: Trace, start: float, end: float) -> Array:
 
 def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
     during = _within(trace, start, end)
-    torque = trace["primary.externalTorque"][during].max()
-    carried = np.median(-trace["primary.shaftTorque"][during])
-    slip = 100 * np.abs(trace["slip"][during]).max()
-    loss = 1e-3 * trace["loss.total"][during].max()
-    evidence = (
-        f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); "
-        f"slip up to {slip:.0f} %, loss up to {loss:.3g} kW"
-    )
-    return Event(name, True, evidence, start, end)
+    torque, carried = trace["primary.externalTorque"][during].max(), np.median(-trace["primary.shaftTorque"][during])
+    slip, loss = 100 * np.abs(trace["slip"][during]).max(), 1e-3 * trace["loss.total"][during].max()
+    evidence = f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); slip up to {slip:.0f} %"
+    return Event(name, True, f"{evidence}, loss up to {loss:.3g} kW", start, end)
 
 
 def _recovery(trace: Trace, overload_end: float) -> Event:
@@ -137,11 +126,9 @@ def _recovery(trace: Trace, overload_end: float) -> Event:
         return Event(name, False, f"slip is still {100 * slip[-1]:.1f} % at the end")
     late = np.flatnonzero((trace.time > overload_end) & (slip > 0.03))
     settled = float(trace.time[late[-1] + 1]) if late.size else overload_end
-    evidence = (
-        f"slip below 3 % permanently {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
-        f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}"
-    )
-    return Event(name, True, evidence, overload_end, settled)
+    evidence = f"slip below 3 % permanently {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended"
+    last = f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}"
+    return Event(name, True, f"{evidence}; {last}", overload_end, settled)
 
 
 def detect(trace: Trace) -> list[Event]:
@@ -155,10 +142,9 @@ def detect(trace: Trace) -> list[Event]:
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
     pairs = list(values)
-    numbers = [value for _, value in pairs]
     outside = [result.case.name for result, value in pairs if not low <= value <= high]
-    largest = max(numbers)
-    found = f"{min(numbers):.3g} to {largest:.3g}{unit}" if largest >= 1e-3 else f"below 0.001{unit}"
+    least, largest = min(value for _, value in pairs), max(value for _, value in pairs)
+    found = f"{least:.3g} to {largest:.3g}{unit}" if largest >= 1e-3 else f"below 0.001{unit}"
     return Check(statement, not outside, found + (f"; outside: {', '.join(outside)}" if outside else ""))
 
 
@@ -189,10 +175,9 @@ def energy_bound(trace: Trace) -> Array:
 
 
 def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
-    names = ("underdrive", "medium", "overdrive")
     ratios = {(r.case.ratio_name, r.case.torque): r.steady["thrustRatio"] for r in cases}
     torques = {torque for _, torque in ratios}
-    table = np.array([[ratios[name, torque] for torque in torques] for name in names])
+    table = np.array([[ratios[name, torque] for torque in torques] for name in ("underdrive", "medium", "overdrive")])
     found = " < ".join(f"{mean:.3f}" for mean in table.mean(axis=1))
     statement = "Thrust ratio orders underdrive < medium < overdrive at every torque"
     return Check(statement, bool((np.diff(table, axis=0) > 0.0).all()), f"{found} (means over the torques)")
@@ -202,24 +187,20 @@ def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str
     profiles = [(curve_at(parameters, r.steady), r.steady.profile) for r in cases]
     gains = [curve.push_force_gains(profile.position, profile.push_force) for curve, profile in profiles]
     built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
-    return Check(
-        "Push force builds up in the primary arc and decays in the secondary arc",
-        min(built_up) > 0.0 and min(decayed) > 0.0,
-        f"by {min(built_up):.0f} to {max(built_up):.0f} N, by {min(decayed):.0f} to {max(decayed):.0f} N",
-    )
+    found = f"by {min(built_up):.0f} to {max(built_up):.0f} N, by {min(decayed):.0f} to {max(decayed):.0f} N"
+    statement = "Push force builds up in the primary arc and decays in the secondary arc"
+    return Check(statement, min(*built_up, *decayed) > 0.0, found)
 
 
 def _manoeuvre(trace: Trace) -> list[Check]:
-    residual, bound = np.abs(trace["energy.residual"]), energy_bound(trace)
-    events = detect(trace)
+    residual, bound, events = np.abs(trace["energy.residual"]), energy_bound(trace), detect(trace)
     missing = [event.name for event in events if not event.occurred]
     found = f"at most {100 * (residual / bound).max():.0f} % of the bound, {residual.max():.3g} J"
-    within = bool((residual <= bound).all())
     occurred = f"missing: {', '.join(missing)}" if missing else f"{len(events)} events"
+    statement = "Energy residual of the manoeuvre stays within its bound at every output point"
     return [
-        Check("Energy residual of the manoeuvre stays within its bound at every output point", within, found),
-        Check("Every event of the manoeuvre occurs", not missing, occurred),
-    ]
+        Check(statement, bool((residual <= bound).all()), found), Check("Every event of the manoeuvre occurs", not missing, occurred),
+    ]  # fmt: skip
 
 
 def evaluate(results: DemoResults) -> list[Check]:

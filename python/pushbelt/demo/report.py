@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +10,162 @@ import numpy as np
 
 from pushbelt import tables
 from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
+from pushbelt.fmu.geometry import Array, TwoPulleyCurve
+from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report import page
 from pushbelt.report.belt_view import belt_view, of_run, steady
+from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
-from . import events, figures
+from . import events
+from .events import Event, energy_bound
 from .simulate import START_VALUES, STEP, DemoResults
 
+RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
+LOSSES = (
+    ("loss.sheaves", "sheave friction", BLUE), ("loss.ring", "ring friction", ORANGE), ("loss.layers", "ring layers", GREEN),
+    ("loss.joints", "joints of the chain", GREEN), ("loss.spin", "turning elements", RED), ("loss.shafts", "shafts", VIOLET),
+    ("loss.other", "rest", MUTED),
+)  # fmt: skip
+"""Output, name and colour of each loss. Those that a belt does not have are not shown."""
+STANDSTILL = 1.0  # Least secondary speed for quotients of speeds, rad/s
+TIME = "time (s)"
+GROUP = "manoeuvre"  # Group name of charts and belt that share a cursor
 CHOSEN_CASE = "overdrive-100"  # The load case whose fields along the belt are shown
 SHOWN_TIME = 4.0  # Initial time of the belt animation in the manoeuvre, s
+
+
+def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
+    torques = sorted({result.case.torque for result in results})
+    thrust, efficiency = [], []
+    for name, colour in RATIO_COLOURS.items():
+        line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
+        marked = {"colour": colour, "marker": "circle"}
+        thrust.append(Series(name, torques, [r.steady["thrustRatio"] for r in line], **marked))
+        efficiency.append(Series(name, torques, [100 * r.steady["efficiency"] for r in line], **marked))
+    lines = {"Thrust ratio": thrust, "Efficiency of the shafts (%)": efficiency}
+    panels = [*(Panel(title, series, "primary torque (N·m)") for title, series in lines.items()), _loss_shares(results, torques)]
+    return Chart(panels, "Thrust ratio, efficiency and losses of the load cases", columns=3)
+
+
+def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) -> Panel:
+    ordered = sorted(results, key=lambda r: (list(RATIO_COLOURS).index(r.case.ratio_name), r.case.torque))
+    places = np.array([k + 0.8 * (k // len(torques)) for k in range(len(ordered))])
+    names = [f"{r.case.ratio_name}, {r.case.torque:g} N·m" for r in ordered]
+    ticks = tuple((float(place), f"{r.case.torque:g}") for place, r in zip(places, ordered, strict=True))
+    groups = zip(places.reshape(len(RATIO_COLOURS), -1), RATIO_COLOURS, strict=True)
+    series = [
+        Series(label, places, [r.steady[part] for r in ordered], colour, "bars", labels=names, bar_width=0.82)
+        for part, label, colour in LOSSES
+        if any(r.steady[part] for r in ordered)
+    ]
+    shades = [Shade(group[0] - 0.5, group[-1] + 0.5, "#ffffff", name, 0.0) for group, name in groups]
+    return Panel("Losses (W) by ratio and torque (N·m)", series, x_ticks=ticks, stacked=True, shades=shades)
+
+
+def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
+    moving = np.abs(trace["secondary.speed"]) > STANDSTILL
+
+    def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
+        return Series(name, trace.time, values, colour, dash=dash)
+
+    of_speeds, slip = np.where(moving, trace["ratio.speed"], np.nan), np.where(moving, 100 * trace["slip"], np.nan)
+    bound = energy_bound(trace)
+    kilowatts = {"scale": "symlog", "linear_to": 1.0, "y_ticks": tuple((k, f"{k:g}") for k in (0, 0.5, 1, 10, 100))}
+    torques = [
+        line("P, external", trace["primary.externalTorque"], MUTED, "dash"),
+        line("P, carried by the belt", -trace["primary.shaftTorque"], BLUE),
+        line("S, of the belt", trace["secondary.shaftTorque"], ORANGE),
+    ]
+    forces = [
+        line(f"{pulley[0].upper()}, {what}", 1e-3 * trace[f"{pulley}.{name}"], colour, dash)
+        for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
+        for what, name, dash in (("of the belt", "axialForce", ""), ("clamping", "clampingForce", "dash"))
+    ]
+    ratios = [line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN), line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash")]
+    bounds = [line("bound", bound, MUTED, "dash"), line("−bound", -bound, MUTED, "dash")]
+    residual = [line("residual", trace["energy.residual"], VIOLET), *bounds]
+    losses = [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])]
+    marks = [Mark(event.start, str(k)) for k, event in enumerate((e for e in events if e.occurred), start=1)]
+    rows = [
+        ("Torques (N·m)", torques, {"marks": marks}),
+        ("Axial forces (kN)", forces, {}),
+        ("Speeds (rpm)", _speeds(line, trace), {}),
+        ("Ratio", ratios, {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))}),
+        ("Slip (%), linear to 3 %, logarithmic beyond", [line("slip", slip, RED)], _slip_axis(slip[moving])),
+        ("Losses (kW), linear to 1 kW, logarithmic beyond", losses, kilowatts),
+        ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
+    ]
+    common = {"x_range": (float(trace.time[0]), float(trace.time[-1])), "height": 190, "marks": [Mark(mark.x) for mark in marks]}
+    panels = stack(rows, TIME, shades=_macro_slip(trace.time, trace["macroSlip"]), **common)
+    label = "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time"
+    return Chart(panels, label, linked=True, group=GROUP)
+
+
+def _speeds(line: Callable[[str, Array, str], Series], trace: Trace) -> list[Series]:
+    return [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)]
+
+
+def _slip_axis(shown: Array) -> dict[str, object]:
+    span = min(-1.0, 1.3 * float(shown.min(initial=0.0))), max(5.0, 1.5 * float(shown.max(initial=0.0)))
+    ticks = (-100, -10, -3, 0, 1, 2, 3, 10, 100)
+    texts = tuple((float(tick), str(tick).replace("-", "\N{MINUS SIGN}")) for tick in ticks)
+    return {"scale": "symlog", "linear_to": 3.0, "y_range": span, "y_ticks": texts}
+
+
+def _macro_slip(time: Array, flag: Array) -> list[Shade]:
+    return [Shade(start, max(end, start + 0.01), RED) for start, end in intervals(time, flag, gap=0.02)]
+
+
+def overload(trace: Trace, start: float, end: float) -> Chart:
+    """Torques, speeds and loss between two times, as a close-up of macro-slip."""
+    inside = (trace.time >= start) & (trace.time <= end)
+    time = trace.time[inside]
+
+    def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
+        return Series(name, time, values[inside], colour, dash=dash)
+
+    carried = line("carried by the belt", -trace["primary.shaftTorque"], BLUE)
+    torques = [line("external", trace["primary.externalTorque"], MUTED, "dash"), carried]
+    losses = [line("all", 1e-3 * trace["loss.total"], RED)]
+    shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
+    rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
+    panels = [Panel(title, series, TIME, shades=shades, x_range=span) for title, series in rows]
+    return Chart(panels, "Torque, speeds and losses during macro-slip", columns=3, linked=True)
+
+
+def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
+    """Fields along the belt, with shaded arcs. A chain has neither push force nor gaps."""
+    order = np.append(np.arange(len(profile.position)), 0)
+    xi = 1e3 * np.append(profile.position, curve.length)
+    rows = (
+        ("Push force (kN)", 1e-3 * profile.push_force, BLUE),
+        ("Ring tension (kN)", 1e-3 * profile.ring_tension, ORANGE),
+        ("Normal force per flank (kN/m)", 1e-3 * profile.normal_force, GREEN),
+        ("Radial deviation (mm)", 1e3 * profile.radial_deviation, VIOLET),
+        ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),
+        ("Gap between elements (µm)", 1e6 * profile.gap, MUTED),
+    )
+    if not profile.push_force.any():
+        rows = rows[1:-1]
+    names = [title.split(" (")[0] for title, _, _ in rows]
+    lines = [
+        (title, [Series(name, xi, values[order], colour, marker="circle", size=4)], {"shades": shaded_arcs(curve, named=name == names[0])})
+        for name, (title, values, colour) in zip(names, rows, strict=True)
+    ]
+    panels = stack(lines, "place ξ along the belt (mm)", x_range=(0.0, 1e3 * curve.length), height=170)
+    return Chart(panels, f"{', '.join(names)} along the belt", linked=True)
+
+
+def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
+    """Segments of the belt, with the arcs in the colour of their pulley."""
+    borders = 1e3 * np.array(curve.borders)
+    labels = ("S arc", "upper strand", "P arc", "push strand", "S arc")
+    colours = (ORANGE, INK, BLUE, INK, ORANGE)
+    return [
+        Shade(start, end, colour, label if named else "", 0.0 if colour == INK else 0.08)
+        for start, end, label, colour in zip(borders[:-1], borders[1:], labels, colours, strict=True)
+    ]
 
 
 def write_html(results: DemoResults, path: Path) -> None:
@@ -28,47 +177,33 @@ def _context(results: DemoResults) -> dict[str, Any]:
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
     found = events.detect(trace)
-    overload = results.manoeuvre.snapshots.get(8.6)
+    slips_through = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": figures.load_cases(results.cases),
-        "manoeuvre": figures.manoeuvre(trace, found),
+        "cases": load_cases(results.cases), "manoeuvre": manoeuvre(trace, found),
         "moving_belt": belt_view(
-            of_run(trace, results.manoeuvre.snapshots, results.parameters),
-            results.parameters,
-            "The belt on its pulleys during the manoeuvre",
-            group=figures.GROUP,
-            start=min(SHOWN_TIME, float(trace.time[-1])),
+            of_run(trace, results.manoeuvre.snapshots, results.parameters), results.parameters,
+            "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])),
         ),
-        "fields": figures.fields(chosen.steady.profile, curve),
+        "fields": fields(chosen.steady.profile, curve),
         "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
-    }
+    }  # fmt: skip
     if slipping is not None:
-        pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)
-    if overload is not None:
-        moment = int(np.argmin(np.abs(trace.time - 8.6)))
-        theta = float(trace["reference.theta"][moment])
-        pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
+        pictures["overload"] = overload(trace, slipping.start - 0.1, slipping.end + 0.2)
+    if slips_through is not None:
+        theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
+        pictures["overload_fields"] = fields(slips_through, curve_of(results.parameters, theta))
     return {
-        "version": results.fmu_version,
+        "version": results.fmu_version, "variator": results.variator,
+        "parameters": results.parameters, "chain": is_chain(results.parameters),
         "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
-        "events": found,
-        "checks": events.evaluate(results),
-        "manoeuvre": results.manoeuvre,
-        "step": STEP,
-        "duration": float(trace.time[-1]),
-        "standstill": figures.STANDSTILL,
-        "start_values": START_VALUES,
+        "events": found, "checks": events.evaluate(results), "manoeuvre": results.manoeuvre,
+        "step": STEP, "duration": float(trace.time[-1]), "standstill": STANDSTILL, "start_values": START_VALUES,
         "residual": float(np.abs(trace["energy.residual"]).max()),
         "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * STEP),
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
-        "chosen": chosen,
-        "speed": load_case_speed(),
-        "parameters": results.parameters,
-        "variator": results.variator,
-        "chain": is_chain(results.parameters),
-        "pictures": pictures,
-    }
+        "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
+    }  # fmt: skip
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

@@ -22,6 +22,7 @@ SNAPSHOT_STEP = 0.025  # Time between records of the fields along the belt, s
 START_VALUES: Mapping[str, float] = {"secondary.inertia": 4.0, "initial.ratio": 2.2, "initial.primarySpeed": 0.0}
 """Start values of the manoeuvre: the vehicle as an inertia on the secondary shaft, at standstill in underdrive."""
 _CASE_TICKS, _MANOEUVRE_TICKS = 5, 100
+SHORT_TORQUES, SHORT_DURATION = (100.0,), 1.0  # Torques of the load cases, N·m, and duration of the manoeuvre, s, at a first look
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,6 @@ class DemoResults:
     parameters: Mapping[str, float]  # Parameters of the variator in the load cases and the manoeuvre
     units: Mapping[str, str]
     variator: str  # Name or file of the parameter set
-
-
-SHORT_TORQUES, SHORT_DURATION = (100.0,), 1.0  # Torques of the load cases, N·m, and duration of the manoeuvre, s, at a first look
 
 
 def _manoeuvre(archive: Archive, variator: str, inputs: Trace, duration: float) -> ManoeuvreResult:

@@ -5,6 +5,5 @@ Data flow in each step of 10 ms:
     cycle → driver → car (engine, launch clutch) ─┐
                      control → hydraulics ────────┴→ FMU (variator, vehicle as inertia) → measured → driver, control
 
-`thrust_map` first solves for the FMU's steady states. `simulate` runs the loop, and `report` presents the results.
-`python -m pushbelt.drive` runs all of them.
+`measure` first solves for the FMU's steady states. `simulate` runs the loop, and `report` presents the results.
 """

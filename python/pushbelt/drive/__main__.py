@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
@@ -38,7 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     parser.add_argument("--maps", type=Path, metavar="FILE", help=text)
     options = parser.parse_args(arguments)
-    provenance.begin("drive", arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:
@@ -47,9 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from . import report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
-    plan = dataclasses.replace((runs.SHORT if options.short else runs.FULL)[options.cycle], **given)
-    if options.until is not None:
-        plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
+    plan = (runs.SHORT if options.short else runs.FULL)[options.cycle]
+    end = plan.cycle[1] if options.until is None else plan.cycle[0] + options.until
+    plan = dataclasses.replace(plan, cycle=(plan.cycle[0], end), **given)
     begin = time.perf_counter()
     results = runs.run_all(options.fmu, plan, options.output)
     options.output.mkdir(parents=True, exist_ok=True)

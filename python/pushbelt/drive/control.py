@@ -98,10 +98,8 @@ class SlipControl:
     ) -> None:
         """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
         self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation
-        self.fallback = SafetyFactor(friction, safety)
-        self.interventions = 0
-        self._integral = 0.0
-        self._rescue_left = 0.0
+        self.fallback, self.interventions = SafetyFactor(friction, safety), 0
+        self._integral = self._rescue_left = 0.0
 
     @property
     def intervening(self) -> bool:
@@ -124,13 +122,11 @@ class SlipControl:
         if measured.primary_speed < self.LEAST_SPEED:
             self._integral = self._rescue_left = 0.0
             return self.fallback.force(measured, step)
-        stable = self.stable_utilisation(measured)
+        stable, slip = self.stable_utilisation(measured), abs(measured.slip)
         utilisation = min(self.utilisation, stable)
         wanted = self.set_point(measured.ratio, math.copysign(utilisation, measured.torque))
-        slip = abs(measured.slip)
         if measured.macro_slip or slip > 2.0 * wanted + 0.01:
-            if not self.intervening:
-                self.interventions += 1
+            self.interventions += not self.intervening
             self._rescue_left = self.HOLD
         error = slip - wanted
         feed_forward = self.friction.clamping_force(measured, 1.0 / utilisation)
@@ -174,8 +170,7 @@ class RatioControl:
 
     def __init__(self, friction: Friction, thrust_map: ThrustMap, limits: tuple[float, float]) -> None:
         self.friction, self.map, self.limits = friction, thrust_map, limits
-        self._integral = 0.0
-        self._shift_speed = 0.0
+        self._integral = self._shift_speed = 0.0
         self._last: float | None = None
 
     def forces(self, target: float, measured: Measured, secondary: float, step: float) -> tuple[float, float]:
@@ -192,8 +187,7 @@ class RatioControl:
             if primary < low:
                 primary, secondary = low, self._secondary_for(low, 0.0, measured, secondary)
             return min(primary, high), secondary
-        wanted = self.APPROACH * (math.log(target) - ratio_log)
-        wanted = clip(wanted, -self.FASTEST, self.FASTEST)
+        wanted = clip(self.APPROACH * (math.log(target) - ratio_log), -self.FASTEST, self.FASTEST)
         error = wanted - self._shift_speed
         per_speed = self._force_per_shift_speed(wanted, measured, secondary)
         correction = per_speed * self.PROPORTIONAL * error + self._integral
@@ -203,8 +197,7 @@ class RatioControl:
         if primary < least:
             secondary = self._secondary_for(least + correction, wanted, measured, secondary)
             primary, saturated_down = least, secondary >= high
-        saturated_up = primary > high
-        if not (saturated_up and error < 0.0) and not (saturated_down and error > 0.0):
+        if not (primary > high and error < 0.0) and not (saturated_down and error > 0.0):
             self._integral += step * per_speed * self.INTEGRAL * error
         return min(primary, high), secondary
 
@@ -233,8 +226,5 @@ class RatioControl:
         below, above = secondary, self.limits[1]
         for _ in range(12):
             middle = 0.5 * (below + above)
-            if self._shifting(wanted, measured, middle) < primary:
-                below = middle
-            else:
-                above = middle
+            below, above = (middle, above) if self._shifting(wanted, measured, middle) < primary else (below, middle)
         return above

@@ -13,6 +13,17 @@ from .piecewise import interpolate
 
 PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra high": (1477, 1800)}
 """Parts of the cycle, s."""
+URBAN = (
+    (0, 0), (11, 0), (15, 15), (23, 15), (25, 10), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32), (93, 10),
+    (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (178, 32),
+    (185, 10), (188, 0), (195, 0),
+)  # fmt: skip
+"""Elementary urban cycle of UN Regulation No. 83, Annex 4: break points of the speed trace, s and km/h."""
+EXTRA_URBAN = (
+    (0, 0), (20, 0), (25, 15), (27, 15), (36, 35), (38, 35), (46, 50), (48, 50), (61, 70), (111, 70), (119, 50), (188, 50),
+    (201, 70), (251, 70), (286, 100), (316, 100), (336, 120), (346, 120), (362, 80), (370, 50), (380, 0), (400, 0),
+)  # fmt: skip
+"""Extra-urban cycle of the same regulation."""
 
 
 class Cycle:
@@ -29,10 +40,8 @@ class Cycle:
         return interpolate(time, *self._points)
 
     def section(self, start: float, stop: float) -> Cycle:
-        """A section of the trace, with time starting at 0.
-
-        Raises ValueError if the section does not start at standstill: the simulated belt starts at rest.
-        """
+        """A section of the trace, with time starting at 0. Raises ValueError if the section does not start at standstill: the
+        simulated belt starts at rest."""
         if not self.time[0] <= start < stop <= self.time[-1]:
             raise ArgumentError(f"{start:g} to {stop:g} s is not within the cycle of {self.duration:g} s")
         if self.at(start) > 0.0:
@@ -47,10 +56,7 @@ class CycleMissingError(PushbeltError, ValueError):
 
 
 def wltc_class_3b() -> Cycle:
-    """The whole cycle, 1800 s in steps of 1 s.
-
-    Raises CycleMissingError if its table is not installed.
-    """
+    """The whole cycle, 1800 s in steps of 1 s. Raises CycleMissingError if its table is not installed."""
     # Only the table is loaded. The package requires a version of `jsonschema` that is too old for other packages, hence --no-deps.
     try:
         from wltp.cycles import class3
@@ -64,19 +70,6 @@ def wltc_class_3b() -> Cycle:
     return Cycle(np.arange(len(speed), dtype=float), speed)
 
 
-URBAN = (
-    (0, 0), (11, 0), (15, 15), (23, 15), (25, 10), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32), (93, 10),
-    (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (178, 32),
-    (185, 10), (188, 0), (195, 0),
-)  # fmt: skip
-"""Elementary urban cycle of UN Regulation No. 83, Annex 4: break points of the speed trace, s and km/h."""
-EXTRA_URBAN = (
-    (0, 0), (20, 0), (25, 15), (27, 15), (36, 35), (38, 35), (46, 50), (48, 50), (61, 70), (111, 70), (119, 50), (188, 50),
-    (201, 70), (251, 70), (286, 100), (316, 100), (336, 120), (346, 120), (362, 80), (370, 50), (380, 0), (400, 0),
-)  # fmt: skip
-"""Extra-urban cycle of the same regulation."""
-
-
 def nedc() -> Cycle:
     """The New European Driving Cycle, 1180 s: four urban cycles and the extra-urban one."""
     places = {float(start + time): kmh for start in (0, 195, 390, 585) for time, kmh in URBAN}
@@ -84,8 +77,5 @@ def nedc() -> Cycle:
     return Cycle(np.array(list(places)), np.array(list(places.values()), dtype=float) / 3.6)
 
 
-CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {
-    "wltc": ("WLTC class 3b", wltc_class_3b),
-    "nedc": ("NEDC", nedc),
-}
+CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {"wltc": ("WLTC class 3b", wltc_class_3b), "nedc": ("NEDC", nedc)}
 """Title and table by the name on the command line."""

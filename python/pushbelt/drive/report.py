@@ -2,24 +2,167 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from pushbelt import tables
 from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.results import intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view
+from pushbelt.report.belt_view import SPEEDS, Motion, belt_view, over_time
+from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
+from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
-from . import figures
-from .merit import Pump, merit
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, OF_STEPS, STEP, Run
-from .thrust_map import FORCE
+from .thrust_map import FORCE, ThrustMap
 from .vehicle import demo_car
 
+PULLEYS = ("primary", "secondary")
+TIME = "time in the cycle (s)"
+LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED), strict=True))
+DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
+"""Colours of `LOSSES` in the distribution of the engine's work."""
+RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
+GROUP = "drive"  # Group name of charts and belt that share a cursor
+LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
 CSV_STEP = 0.1  # Time between the rows of the results, s
+
+
+@dataclass(frozen=True)
+class Pump:
+    """A pump of fixed displacement on the engine, which maintains the higher of the two pressures and a margin.
+
+    P = (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the rest flows back through a valve. The values
+    are typical; they are not from a source.
+    """
+
+    displacement: float = 12e-6  # V, m³ per revolution
+    margin: float = 2e5  # Pressure lost on the way, Pa
+    efficiency: float = 0.85  # η
+
+    def power(self, run: Run) -> Array:
+        """Power that the pump takes from the engine over time, W."""
+        pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + self.margin
+        revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
+        return pressure * self.displacement * revolutions / self.efficiency
+
+
+class Merit(NamedTuple):
+    supplied: float  # Energy that the shafts carry into the variator, at the primary in drive and at the secondary in overrun, J
+    lost: float  # Energy lost in the variator, J
+    pump: float  # Energy that the pump takes from the engine, J
+    distance: float  # m
+    pressure: float  # Mean pressure in the secondary circuit, Pa
+    efficiency: float  # Of the variator over the cycle: 1 − lost/supplied; NaN if nothing was supplied
+    with_pump: float  # The same if the pump counts as a loss, and its energy as supplied
+    lost_per_km: float  # Energy lost in variator and pump, J/km; NaN at a standstill
+
+
+def merit(run: Run, pump: Pump = Pump()) -> Merit:  # noqa: B008
+    """Figures of merit of a run, by sums over the communication steps."""
+    # Powers are those of the belt, without the drag of the shafts.
+    into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
+    sums = (into_the_belt + run["loss.shafts"].sum(), pump.power(run).sum(), np.abs(run["speed.car"]).sum())
+    supplied, pumped, distance = (run.setup.step * float(one) for one in sums)
+    lost = run.variator_loss
+
+    def over(part: float, whole: float) -> float:
+        return part / whole if whole > 0.0 else math.nan
+
+    return Merit(
+        supplied, lost, pumped, distance, float(run["secondary.pressure"].mean()), 1.0 - over(lost, supplied),
+        1.0 - over(lost + pumped, supplied + pumped), 1e3 * over(lost + pumped, distance),
+    )  # fmt: skip
+
+
+def drive(run: Run, group: str = "") -> Chart:
+    def line(name: str, values: Array, colour: str, width: float = 1.2) -> Series:
+        return Series(name, run.time, values, colour, width=width)
+
+    losses = [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()]
+    ratios = [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)]
+    rows = [
+        ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
+        ("Ratio r_S/r_P", ratios, {"scale": "log", "y_ticks": RATIO_TICKS}),
+        ("Speeds (rpm)", [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)], {}),
+        ("Pressures (bar)", [line(p, 1e-5 * run[f"{p}.pressure"], c) for p, c in (("primary", BLUE), ("secondary", ORANGE))], {}),
+        ("Slip (%)", [line("slip", 100.0 * run["slip"], BLUE)], {"y_range": (-3.0, 4.0)}),
+        ("Loss of the variator (W)", losses, {}),
+    ]
+    macro = intervals(run.time, run["macroSlip"], gap=0.2)
+    shades = [Shade(start, stop + STEP, RED, opacity=0.25) for start, stop in macro]
+    panels = stack(rows, TIME, shades=shades, x_range=(float(run.time[0]), float(run.time[-1])), height=200)
+    return Chart(panels, "Speed, ratio, engine speed, pressures, slip and losses over time", linked=True, group=group)
+
+
+def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
+    moments = np.array(sorted(run.snapshots))
+    columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
+    return over_time(moments, columns, run.snapshots, parameters)
+
+
+def savings(fixed: Run, slip: Run) -> Chart:
+    """Accumulated variator loss of the two clamping strategies, and the distribution of utilisation over time."""
+    edges = np.arange(0.0, 1.15, 0.025)
+    loss, share = [], []
+    for run, look in zip((fixed, slip), LOOKS, strict=True):
+        loss.append(Series(run.setup.name, run.time, 1e-3 * STEP * np.cumsum(run.loss), **look))
+        counts = STEP * np.histogram(run["utilisation.signed"][run["primary.power"] > 1000.0], edges)[0]
+        share.append(Series(run.setup.name, np.repeat(edges, 2)[1:-1], np.repeat(counts, 2), **look))
+    panels = [
+        Panel("Variator loss, added up (kJ)", loss, TIME, height=270),
+        Panel("Time (s) at a torque utilisation, above 1 kW", share, "torque utilisation", height=270),
+    ]
+    return Chart(panels, "Variator loss of both strategies added up over time, and torque utilisation", columns=2, common_legend=True)
+
+
+def energy_shares(fixed: Run, slip: Run) -> Chart:
+    losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
+    colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
+    energies = [run.energies() for run in (slip, fixed)]
+    shown = {part: colour for part, colour in colours.items() if any(e[part] for e in energies)}
+    series = [Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows") for part, colour in shown.items()]
+    ticks = ((0.0, slip.setup.name), (1.0, fixed.setup.name))
+    return Chart([Panel("Energy (kJ)", series, y_ticks=ticks, stacked=True, height=170)], "Shares of energy")
+
+
+def low_friction(fixed: Run, slip: Run) -> Chart:
+    """Slip, secondary force and loss of both strategies on a belt with less friction than they assume."""
+    runs = list(zip((fixed, slip), LOOKS, strict=True))
+    rows: dict[str, Callable[[Run], Array]] = {
+        "Slip (%)": lambda run: 100.0 * run["slip"],
+        "Secondary clamping force (kN)": lambda run: 1e-3 * run["secondary.clampingForceTotal"],
+        "Variator loss, added up (kJ)": lambda run: 1e-3 * STEP * np.cumsum(run.loss),
+    }
+    lines = {title: [Series(run.setup.strategy, run.time, of(run), **look) for run, look in runs] for title, of in rows.items()}
+    panels = [Panel(title, series, TIME) for title, series in lines.items()]
+    return Chart(panels, "Slip, secondary force and loss of both strategies with low friction", columns=3, linked=True)
+
+
+def operating_points(table: ThrustMap, run: Run) -> Chart:
+    """The thrust-ratio map and the operating points of the car on it."""
+    some = np.arange(0, len(run.time), 50)
+    some = some[run["primary.speed"][some] > 60.0]
+    ratio, utilisation, thrust = (run[name][some] for name in ("ratio.geometric", "utilisation.signed", "thrustRatio"))
+    expected = [table.thrust_ratio(i, u) for i, u in zip(ratio, utilisation, strict=True)]
+    ends = [float(table.thrust.min()), float(table.thrust.max())]
+    points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": [f"{time:.1f} s" for time in run.time[some]]}
+    lines = Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)
+    worked, same = Series("worked at", ratio, utilisation, **points), Series("as in the map", ends, ends, INK, width=0.9)
+    axes = {"x_label": "ratio", "y_label": "torque utilisation", "x_scale": "log", "x_ticks": RATIO_TICKS, "height": 350}
+    compared = {"x_label": "of the map (steady)", "y_label": "of the belt", "y_range": (ends[0] - 0.5, ends[1] + 0.5), "height": 350}
+    panels = [
+        Panel("Thrust ratio of the map, and operating points", [worked], fields=[lines], **axes),
+        Panel("Thrust ratio while driving", [Series("belt", expected, thrust, **points), same], **compared),
+    ]
+    return Chart(panels, "Contours of the thrust ratio with operating points", columns=2)
 
 
 def speed_error(run: Run) -> tuple[float, float]:
@@ -31,17 +174,13 @@ def speed_error(run: Run) -> tuple[float, float]:
 def ratio_error(run: Run) -> float:
     """Root mean square of ln(ratio/target) while the primary pulley turns fast enough to shift."""
     turning = run["primary.speed"] > 60.0
-    if not turning.any():
-        return 0.0
-    return float(np.sqrt(np.mean(np.log(run["ratio.geometric"] / run["ratio.target"])[turning] ** 2)))
+    squares = np.log(run["ratio.geometric"] / run["ratio.target"])[turning] ** 2
+    return float(np.sqrt(np.mean(squares))) if squares.size else 0.0
 
 
 def balance_gap(run: Run) -> float:
-    """Net work of the engine minus all losses and the change of stored energy, J.
-
-    The FMU's stored energy includes the car; the engine's flywheel is added. The work of the clamping forces is small and not
-    subtracted.
-    """
+    """Net work of the engine minus all losses and the change of stored energy, J. The FMU's stored energy includes the car; the
+    engine's flywheel is added. The work of the clamping forces is small and not subtracted."""
     energies, inertia = run.energies(), demo_car().engine_inertia
     stored = run["stored.energy"] + 0.5 * inertia * run["engine.speed"] ** 2
     spent = sum(energies[part] for part in ("variator", "launch clutch", "road load", "brakes"))
@@ -50,9 +189,7 @@ def balance_gap(run: Run) -> float:
 
 def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables.
-
-    Energies are those since the start of the run.
-    """
+    Energies are those since the start of the run."""
     every = round(CSV_STEP / STEP)
     energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
     table = np.column_stack([run.time, *{**run.columns, **energies}.values()])[::every]
@@ -62,12 +199,10 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
 def write_html(results: Results, path: Path) -> None:
     parameters = parameter_set(results.plan.variator)
     fixed, slip, close_up, *slippery = results.runs
-    motion, title = figures.belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
-    belt = belt_view(motion, parameters, title, group=figures.GROUP, start=0.5 * sum(results.plan.cycle))
+    motion, title = belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
+    belt = belt_view(motion, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
-        "version": results.version,
-        "plan": results.plan,
-        "car": demo_car(),
+        "version": results.version, "plan": results.plan, "car": demo_car(),
         "rows": [
             {
                 "run": run, "energies": run.energies(), "speed": speed_error(run), "ratio": ratio_error(run),
@@ -78,19 +213,12 @@ def write_html(results: Results, path: Path) -> None:
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "losses": [part for part in LOSSES if any(run[f"loss.{part}"].any() for run in results.runs)],
-        "pump": Pump(),
-        "map_force": FORCE,
+        "pump": Pump(), "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
-        "step": STEP,
-        "low_friction": LOW_FRICTION,
         "pictures": {
-            "belt": belt,
-            "drive": figures.drive(slip, figures.GROUP),
-            "close_up": figures.drive(close_up),
-            "savings": figures.savings(fixed, slip),
-            "energy": figures.energy_shares(fixed, slip),
-            "low_friction": figures.low_friction(*slippery),
-            "map": figures.operating_points(results.thrust_map, slip),
+            "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up), "savings": savings(fixed, slip),
+            "energy": energy_shares(fixed, slip), "low_friction": low_friction(*slippery),
+            "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
     page.write_html("drive/drive.html.j2", context, path)

@@ -24,16 +24,10 @@ from .vehicle import Car, Vehicle
 
 STEP = 0.01  # Default communication and control step, s
 COARSE = {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3}
-MESHES: Mapping[str, Mapping[str, float]] = {
-    "coarse": COARSE,
-    "accurate": COARSE | {"solver.tolerance": 1e-4},
-    "default": {},
-}
+MESHES: Mapping[str, Mapping[str, float]] = {"coarse": COARSE, "accurate": COARSE | {"solver.tolerance": 1e-4}, "default": {}}
 """Start values by name of mesh: a coarse one for long runs, the same with a smaller error in time, and the FMU's default."""
-
 LOSSES = ("sheaves", "ring", "layers", "joints", "spin", "shafts", "seals", "other")
 """Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
-
 OUTPUTS = (
     *"primary.speed secondary.speed ratio.geometric slip primary.radius thrustRatio torqueUtilisation primary.shaftTorque".split(),
     *"primary.axialForce secondary.axialForce secondary.clampingForceTotal primary.power secondary.power loss.total".split(),
@@ -43,7 +37,6 @@ OUTPUTS = (
     "secondary.radius",
 )
 """FMU variables that are recorded."""
-
 SIGNALS: Mapping[str, str] = {
     **{name: unit for name, unit in vehicle.SIGNALS.items() if name not in ("secondary.torque", "torque.estimated", "power.demand")},
     **dict.fromkeys(("ratio.target", "intervening", "utilisation.signed"), "1"),
@@ -52,10 +45,8 @@ SIGNALS: Mapping[str, str] = {
 """Units of the recorded signals that are no variables of the FMU."""
 OF_STEPS = ("work.engine", "loss.clutch")  # Signals that are energies of one step
 COLUMNS = (*OUTPUTS, "macroSlip", "primary.pressure", "secondary.pressure", *SIGNALS)
-
 INPUTS = {"primary.torque": "clutch.torque", **{name: name for name in ("secondary.torque", "primary.pressure", "secondary.pressure")}}
 """Inputs of the FMU, and the signal of each."""
-
 VARIATOR = "bench168"  # Parameter set of the drives
 
 
@@ -92,17 +83,15 @@ class Run:
 
     def energies(self) -> dict[str, float]:
         """Work and losses over the run, J."""
-        step, speed = self.setup.step, self["speed.car"]
-        engine = self["work.engine"]
+        step, speed, engine = self.setup.step, self["speed.car"], self["work.engine"]
         losses = {part: step * float(self[f"loss.{part}"].sum()) for part in LOSSES}
         return {
-            "engine, driving": float(engine[engine > 0.0].sum()),
-            "engine, braking": float(-engine[engine < 0.0].sum()),
+            "engine, driving": float(engine[engine > 0.0].sum()), "engine, braking": float(-engine[engine < 0.0].sum()),
             "variator": sum(losses.values()),
             **{f"variator, {part}": loss for part, loss in losses.items()},
             "launch clutch": float(self["loss.clutch"].sum()),
             **{name: step * float((self[f"force.{force}"] * speed).sum()) for name, force in (("road load", "road"), ("brakes", "brake"))},
-        }
+        }  # fmt: skip
 
     @property
     def loss(self) -> Array:
@@ -129,9 +118,7 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
 
 def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progress: Callable[[float], None] = lambda _: None) -> Run:
     """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
-
-    Raises UnitError with the time if the FMU rejects a step.
-    """
+    Raises UnitError with the time if the FMU rejects a step."""
     parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
     control = TransmissionControl(car, setup.strategy, friction, thrust_map, setup.clamping)

@@ -76,18 +76,14 @@ class ThrustMap:
         return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
 
     def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0, secondary: float = FORCE) -> float:
-        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it.
-
-        `secondary` is the secondary clamping force, N.
-        """
+        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it. `secondary` is the
+        secondary clamping force, N."""
         low, high = excess - NEARBY, excess + NEARBY
         points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
-        steepest = max(
-            # F_P = κ F_S exp ε
-            (rate - rate_before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high))
-            for (start, rate_before), (end, rate) in pairwise(points)
-            if end > low and start < high
-        )
+        near = (pair for pair in pairwise(points) if pair[1][0] > low and pair[0][0] < high)
+        # F_P = κ F_S exp ε
+        slopes = ((0.5 * (start + end), (rate - before) / (end - start)) for (start, before), (end, rate) in near)
+        steepest = max(slope / math.exp(clip(middle, low, high)) for middle, slope in slopes)
         return steepest / self.thrust_ratio(ratio, utilisation) * self.acting_force(secondary) / secondary
 
     def _rates(self, ratio: float, utilisation: float) -> list[float]:
@@ -99,10 +95,8 @@ class ThrustMap:
         return [sum(map(mul, shares, corners)) for corners in zip(a, b, c, d, strict=True)]
 
     def stable_utilisation(self, ratio: float, flywheel: float) -> float:
-        """Largest positive torque utilisation that has a steady state and at which −dκ/du · `flywheel` ≥ 0 is below 1.
-
-        The thrust ratio falls towards capacity. Its slopes are taken at the middle of their intervals and interpolated linearly.
-        """
+        """Largest positive torque utilisation that has a steady state and at which −dκ/du · `flywheel` ≥ 0 is below 1. The
+        thrust ratio falls towards capacity. Its slopes are taken at the middle of their intervals and interpolated linearly."""
         m, p = interval(self._plain.ratios, ratio)
         low, high = (interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2])
         return (1.0 - p) * low + p * high
@@ -122,10 +116,8 @@ class ThrustMap:
 
     @classmethod
     def of_maps(cls, maps: Maps) -> ThrustMap:
-        """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, which need these shift utilisations.
-
-        Tables are interpolated linearly in the force and in the square of the speed.
-        """
+        """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, which need these shift utilisations. Tables are
+        interpolated linearly in the force and in the square of the speed."""
         axes = maps.axes
         if tuple(axes["shiftUtilisation"]) != SHIFT_UTILISATIONS:
             raise ArgumentError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")

@@ -59,10 +59,8 @@ class Car:
         return air + self.mass * GRAVITY * self.rolling_resistance * math.tanh(speed / 0.1)
 
     def brake_force(self, demand: float, speed: float, step: float) -> float:
-        """Force of the brakes, N, for a demand in N. Near standstill it is proportional to speed, so that it holds the car.
-
-        The slope is at most half of the limit at which the communication step would cause oscillation.
-        """
+        """Force of the brakes, N, for a demand in N. Near standstill it is proportional to speed, so that it holds the car. The
+        slope is at most half of the limit at which the communication step would cause oscillation."""
         width = max(0.05, 2.0 * demand * step / self.mass)
         return min(demand, self.max_brake) * clip(speed / width, -1.0, 1.0)
 
@@ -108,20 +106,15 @@ class Powertrain:
     SUBSTEP = 1e-3  # s
 
     def __init__(self, car: Car) -> None:
-        self.car = car
-        self.speed = car.idle_speed  # Speed of the engine, rad/s
-        self.torque = 0.0  # Of the engine, N·m
-        self.locked = False
-        self.clutch_loss = 0.0  # Heat generated in the clutch over the last step, J
-        self.engine_work = 0.0  # Work of the engine over the last step, J
+        self.car, self.locked = car, False
+        self.speed, self.torque = car.idle_speed, 0.0  # Of the engine, rad/s and N·m
+        self.clutch_loss = self.engine_work = 0.0  # Heat generated in the clutch and work of the engine over the last step, J
         self._last_pulley: float | None = None
         self._acceleration = 0.0
 
     def advance(self, demand: float, pulley: float, step: float) -> float:
-        """Advances by a communication step; returns the mean clutch torque, N·m.
-
-        `demand` is the demanded engine torque, N·m; `pulley` is the primary speed, rad/s, held constant over the step.
-        """
+        """Advances by a communication step; returns the mean clutch torque, N·m. `demand` is the demanded engine torque, N·m;
+        `pulley` is the primary speed, rad/s, held constant over the step."""
         car = self.car
         self._follow(pulley, step)
         count = max(round(step / self.SUBSTEP), 1)
@@ -146,14 +139,10 @@ class Powertrain:
         share = step / (self.SYNCHRONISATION + step)
         self._acceleration += share * ((pulley - last) / step - self._acceleration)
         self._last_pulley = pulley
-        if self.locked:
-            self.locked = pulley > self.OPEN_SPEED
-        else:
-            self.locked = pulley > self.LOCK_SPEED and abs(self.speed - pulley) < 5.0
+        self.locked = pulley > self.OPEN_SPEED if self.locked else pulley > self.LOCK_SPEED and abs(self.speed - pulley) < 5.0
 
     def _clutch_torque(self, pulley: float) -> float:
-        difference = self.speed - pulley
-        inertia = self.car.engine_inertia
+        difference, inertia = self.speed - pulley, self.car.engine_inertia
         if self.locked:
             torque = self.torque - inertia * self._acceleration + inertia / self.SYNCHRONISATION * difference
             return clip(torque, -self.CLUTCH_LIMIT, self.CLUTCH_LIMIT)
@@ -183,10 +172,9 @@ class Driver:
         if wanted == 0.0 and ahead == 0.0 and speed < 0.3:
             self._integral = 0.0
             return -self.HOLD, 0.0
-        error = wanted - speed
+        error, limit = wanted - speed, car.mass * 4.0
         acceleration = (ahead - wanted) / self.PREVIEW
         force = car.mass * (acceleration + self.PROPORTIONAL * error + self._integral) + car.road_load(wanted)
-        limit = car.mass * 4.0
         if abs(force) < limit and wanted > 0.0:
             self._integral += step * self.INTEGRAL * error
         force = clip(force, -limit, limit)
@@ -197,9 +185,7 @@ class Vehicle:
     """Driver and car. The car's inertia is a parameter of the variator FMU (secondary shaft)."""
 
     def __init__(self, car: Car, cycle: Cycle) -> None:
-        self.car = car
-        self.driver = Driver(car, cycle)
-        self.powertrain = Powertrain(car)
+        self.car, self.driver, self.powertrain = car, Driver(car, cycle), Powertrain(car)
 
     def advance(self, time: float, primary_speed: float, secondary_speed: float, ratio: float, step: float) -> dict[str, float]:
         """`SIGNALS` over a step, s, from a time, s, with the shaft speeds, rad/s, and the ratio at that time."""
@@ -215,17 +201,9 @@ class Vehicle:
         road = car.road_load(speed)
         expected = min(max(wanted_torque, 0.0), car.full_load(powertrain.speed)) if primary_speed > 20.0 else 0.0
         return {
-            "clutch.torque": clutch,
-            "secondary.torque": -car.lever * (road + brake),
-            "torque.estimated": math.copysign(max(abs(clutch), expected), clutch),
-            "power.demand": power,
-            "speed.target": self.driver.cycle.at(time),
-            "speed.car": speed,
-            "engine.speed": powertrain.speed,
-            "engine.torque": powertrain.torque,
-            "clutch.locked": powertrain.locked,
-            "force.brake": brake,
-            "force.road": road,
-            "work.engine": powertrain.engine_work,
-            "loss.clutch": powertrain.clutch_loss,
-        }
+            "clutch.torque": clutch, "secondary.torque": -car.lever * (road + brake),
+            "torque.estimated": math.copysign(max(abs(clutch), expected), clutch), "power.demand": power,
+            "speed.target": self.driver.cycle.at(time), "speed.car": speed,
+            "engine.speed": powertrain.speed, "engine.torque": powertrain.torque, "clutch.locked": powertrain.locked,
+            "force.brake": brake, "force.road": road, "work.engine": powertrain.engine_work, "loss.clutch": powertrain.clutch_loss,
+        }  # fmt: skip

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
@@ -29,7 +29,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
     add_material(parser, "--safety")
     options = parser.parse_args(arguments)
-    provenance.begin("durability", arguments)
     # Imported here, so that the help needs no packages of the extras.
     from . import report
     from .damage import damage
@@ -49,18 +48,15 @@ def _files(path: Path) -> list[Path]:
     """The file itself, or the runs of a drive's folder."""
     if not path.is_dir():
         return [path]
-    found = [path / name for name in DRIVES if (path / name).is_file()]
-    if not found:
-        raise DurabilityError(f"{path} has no {' or '.join(DRIVES)}: name a file, or the folder of `drive`")
-    return found
+    if found := [path / name for name in DRIVES if (path / name).is_file()]:
+        return found
+    raise DurabilityError(f"{path} has no {' or '.join(DRIVES)}: name a file, or the folder of `drive`")
 
 
 def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
     """Parameters of the variator by name: start values of the FMU, and above them those of the parameter set."""
-    values = {}
-    if fmu is not None:
-        started = [one for one in described(fmu).modelVariables if one.causality == "parameter" and one.start is not None]
-        values = {one.name: float(one.start) for one in started if one.type in ("Real", "Integer")}
+    started = [one for one in (described(fmu).modelVariables if fmu else ()) if one.causality == "parameter" and one.start is not None]
+    values = {one.name: float(one.start) for one in started if one.type in ("Real", "Integer")}
     if variator is not None or fmu is None:
         values |= parameter_set(variator or "bench168")
     if is_chain(values):

@@ -45,16 +45,14 @@ def count_loop(stress: Array) -> list[tuple[float, float, float]]:
 
 
 def cycles(table: Table) -> dict[str, Cycles]:
-    """The cycles of a revolution at each row, by name of the part: from the outputs of each pulley, or counted on the stress along the ring.
-
-    No cycle spans several revolutions.
-    """
+    """The cycles of a revolution at each row, by name of the part: from the outputs of each pulley, or counted on the stress
+    along the ring. No cycle spans several revolutions."""
     if table.field is None:
         columns = {p: (AMPLITUDE.format(p), MEAN.format(p)) for p in PULLEYS}
         once = np.ones((len(table.lines), 1))
         return {f"{p} pulley": Cycles(table[a][:, None], table[m][:, None], once, m) for p, (a, m) in columns.items()}
     counted = [count_loop(row) for row in table.field]
-    most = max(2, *(len(row) for row in counted))
+    most = max(2, *map(len, counted))
     padded = np.array([row + [(0.0, 0.0, 0.0)] * (most - len(row)) for row in counted])
     parts = {"largest cycle": padded[:, :1], OTHERS: padded[:, 1:]}
     return {name: Cycles(part[..., 0], part[..., 1], part[..., 2], f"{FIELD}[…]") for name, part in parts.items()}
@@ -81,9 +79,7 @@ class Damage:
         self.utilisation = float(largest) / material.allowed
         # Damage of each part at each row, with the fatigue limit and with a curve that continues below it, and Miner's sums.
         self.rows = {
-            limited: {
-                name: self.turns * (part.count * material.damage(equivalent[name], limited)).sum(axis=1) for name, part in parts.items()
-            }
+            limited: {k: self.turns * (one.count * material.damage(equivalent[k], limited)).sum(axis=1) for k, one in parts.items()}
             for limited in (True, False)
         }
         self.total, self.total_without_limit = (float(sum(one.sum() for one in rows.values())) for rows in self.rows.values())
@@ -92,15 +88,13 @@ class Damage:
 
     def share(self, rows: Array | slice = slice(None), part: str | None = None) -> float:
         """Share of the damage of some rows or all, of one part or of all."""
-        found = self.rows[self.limited]
-        whole = sum(one.sum() for one in found.values())
-        chosen = sum(one[rows].sum() for name, one in found.items() if part in (None, name))
+        whole = self.total if self.limited else self.total_without_limit
+        chosen = sum(one[rows].sum() for name, one in self.rows[self.limited].items() if part in (None, name))
         return float(chosen / whole) if whole > 0.0 else 0.0
 
     def life(self, damage: float) -> tuple[float, float | None]:
         """Hours and kilometres until the sum is 1; infinite without damage. Kilometres are None without distance."""
-        distance = self.table.distance
-        times = 1.0 / damage if damage > 0.0 else np.inf
+        distance, times = self.table.distance, 1.0 / damage if damage > 0.0 else np.inf
         return times * self.table.duration / 3600.0, None if distance is None else times * distance / 1000.0
 
     def classes(self) -> list[Class]:
@@ -115,10 +109,9 @@ class Damage:
         return found
 
     def clamped(self, factor: float) -> Damage | None:
-        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the strength.
-
-        The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not change.
-        """
+        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the
+        strength. The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not
+        change."""
         table, values = self.table, self.parameters
         if table.field is not None or any(f"{pulley}.radius" not in table.columns for pulley in PULLEYS):
             return None
@@ -160,9 +153,6 @@ def damage(table: Table, material: Material, parameters: Mapping[str, float]) ->
         column = part.column.replace("Mean", "Amplitude")
         table.refuse(impossible, column, lambda row, sizes=sizes: f"an amplitude of {sizes[row]:.4g} {limits}")
         for what, stress in (("mean", part.mean), ("largest", part.mean + part.amplitude)):
-            sizes, text = stress.max(axis=1), f"Pa, is not below the strength, {material.strength:.4g} Pa"
-            table.refuse(
-                sizes >= material.strength, part.column,
-                lambda row, what=what, sizes=sizes, text=text: f"the {what} stress, {sizes[row]:.4g} {text}",
-            )  # fmt: skip
+            sizes, text = stress.max(axis=1), f"the {what} stress, {{:.4g}} Pa, is not below the strength, {material.strength:.4g} Pa"
+            table.refuse(sizes >= material.strength, part.column, lambda row, sizes=sizes, text=text: text.format(sizes[row]))
     return Damage(table, material, parameters, parts)

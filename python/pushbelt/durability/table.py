@@ -13,21 +13,14 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
-from pushbelt.tables.faults import TableError
 from pushbelt.tables.names import Column
-from pushbelt.tables.sheet import Sheet
+from pushbelt.tables.sheet import Sheet, TableError
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
 FIELD = "profile.ringStress"
 BACK = 1.0  # Largest decrease of the distance in a step, m: a car that rolls back at a standstill.
 GAP = 10.0  # A step longer than this multiple of the median step is a gap.
-
-
-class DurabilityError(PushbeltError, ValueError):
-    """The table cannot be used. The message has line, column and value."""
-
-
 STRESS = Column("stress", -1e11, 1e11, "stress along the ring", (), "Pa")
 STRESSES: Mapping[str, Column] = {
     **{AMPLITUDE.format(p): Column("stress", 0.0, 1e11, f"stress amplitude on the {p} pulley", (), "Pa") for p in PULLEYS},
@@ -44,6 +37,10 @@ COLUMNS: Mapping[str, Column] = {
     **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
 }
 """Columns that are read. Those without a unit are in SI units."""
+
+
+class DurabilityError(PushbeltError, ValueError):
+    """The table cannot be used. The message has line, column and value."""
 
 
 class Table:
@@ -71,11 +68,8 @@ class Table:
 
 
 def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
-    """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles, the
-    stress along the ring is read.
-
-    Raises DurabilityError for faults of the file, and OSError if the file cannot be read.
-    """
+    """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles,
+    the stress along the ring is read. Raises DurabilityError for faults of the file, and OSError if the file cannot be read."""
     try:
         sheet = sheets.read(path, COLUMNS, misspelled=False)
         field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
@@ -97,9 +91,8 @@ def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
 def _complete(sheet: Sheet, places: list[str], counted: bool, kilometres: bool) -> None:
     """Checks that the required columns are there, and that each row has all values."""
     required = ["time", "ring.speed", *((places or [f"{FIELD}[1]"]) if counted else STRESSES), *["distance"] * kilometres]
-    missing = [name for name in required if name not in sheet.taken]
     text = ""
-    if missing:
+    if missing := [name for name in required if name not in sheet.taken]:
         known = [(name, COLUMNS.get(name, STRESS)) for name in missing]
         text = ", line 1: no column " + ", ".join(f"{name} ({one.meaning}, {one.default or '1'})" for name, one in known)
         text += "; a life in kilometres needs it, --hours gives the life in hours" * (missing == ["distance"])
@@ -128,5 +121,5 @@ def _check_course(table: Table) -> None:
         driven = table["distance"]
         back = np.diff(driven, prepend=driven[0]) < -BACK
         table.refuse(back, "distance", lambda row: f"{driven[row]:g} m is below the {driven[row - 1]:g} m of the row before")
-        nowhere = np.arange(len(time)) == len(time) - 1 if table.distance <= 0.0 else np.zeros(1, dtype=bool)
+        nowhere = (np.arange(len(time)) == len(time) - 1) & (table.distance <= 0.0)
         table.refuse(nowhere, "distance", lambda _: "no distance is driven, so there is no life in kilometres")

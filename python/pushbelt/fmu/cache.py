@@ -24,8 +24,7 @@ VARIABLE = "PUSHBELT_CACHE"  # Environment variable with the folder of the cache
 
 def folder() -> Path:
     """The folder of the cache: that of the environment variable `PUSHBELT_CACHE`, or the user's. It may not exist."""
-    named = os.environ.get(VARIABLE)
-    return Path(named) if named else Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
+    return Path(os.environ.get(VARIABLE) or platformdirs.user_cache_dir("pushbelt", appauthor=False))
 
 
 def unpacked(fmu: Path) -> Archive:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 from collections.abc import Mapping
@@ -11,12 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import MissingFileError
+from ..errors import MissingFileError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import TwoPulleyCurve, primary_radius, theta_of
 from .results import BeltState, LoadCase, Trace
 from .untrusted import InputFileError, read_parameters
+
+REMOVED = {
+    "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
+    "belt.filmForce": "delete it, and see CHANGELOG.md for the new values of belt.filmDamping and belt.squeezeDamping",
+}
+"""Parameters of earlier versions, and what to do."""
+SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
+BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
 def parameter_set(name: str) -> dict[str, float]:
@@ -31,10 +38,8 @@ def parameter_set(name: str) -> dict[str, float]:
     path = Path(name) if is_file else RESOURCES / "parameters" / f"{name}.json"
     if not path.is_file():
         there = sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
-        near = difflib.get_close_matches(path.stem, there, n=1, cutoff=0.5)
-        hint = f"; is {near[0]} meant?" if near and not is_file else ""
-        what = f"no file {name}" if is_file else f"no variator {name!r}"
-        raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{hint}")
+        what, near = (f"no file {name}", "") if is_file else (f"no variator {name!r}", similar(name, there))
+        raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{near}")
     values = read_parameters(path)
     _refuse_old(path, values)
     if is_chain(values):
@@ -46,23 +51,14 @@ def is_chain(parameters: Mapping[str, float]) -> bool:
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
 
 
-REMOVED = {
-    "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
-    "belt.filmForce": "delete it, and see CHANGELOG.md for the new values of belt.filmDamping and belt.squeezeDamping",
-}
-"""Parameters of earlier versions, and what to do."""
-
-
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
     """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
     for name in REMOVED.keys() & values.keys():
         raise InputFileError(f"{path}: {name} has been removed; {REMOVED[name]}")
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
-            raise InputFileError(
-                f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance. "
-                "Set the clearance to 0 for the linear tilt of earlier versions"
-            )
+            why = f"{pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance"
+            raise InputFileError(f"{path}: {why}. Set the clearance to 0 for the linear tilt of earlier versions")
 
 
 def published_data() -> dict[str, Any]:
@@ -97,10 +93,6 @@ def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius:
     return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
 
 
-SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
-BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
-
-
 def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
     """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N. Torque in N·m,
     pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more."""
@@ -116,15 +108,13 @@ def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float)
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:
     """The nine load cases in their published order, with a safety factor of 1.3 and at least 6 kN of secondary clamping force."""
-    described = published_data()["loadCases"]
-    friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
-    cases = []
+    described, cases = published_data()["loadCases"], []
     for name in described["order"]:
         ratio_name, torque = name.rsplit("-", 1)
         theta = described["theta"][ratio_name]
         radius = curve_of(parameters, theta).primary_radius - parameters["belt.pitchOffset"]
-        force = max(clamping_force(float(torque), radius, friction, wedge_angle, safety=1.3), 6000.0)
-        cases.append(LoadCase(ratio_name, theta, float(torque), force))
+        needed = clamping_force(float(torque), radius, parameters["friction.pulley"], parameters["geometry.wedgeAngle"], safety=1.3)
+        cases.append(LoadCase(ratio_name, theta, float(torque), max(needed, 6000.0)))
     return cases
 
 

@@ -1,7 +1,5 @@
 """Enumerations of the FMU by name. A test compares them with the model description."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 
 RingModel = IntEnum("RingModel", "ALE0 ALE")  # Values of `ring.model`

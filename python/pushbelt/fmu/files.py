@@ -28,10 +28,6 @@ def found(variable: str, name: str, build: str) -> Path:
     named = os.environ.get(variable)
     path = Path(named) if named else DATA / name if DATA.is_dir() else TREE / "target" / name
     if not path.is_file():
-        why = (
-            f"the path is from the environment variable {variable}"
-            if named
-            else f"in the source tree it is built by `{build}`"
-        )
+        why = f"the path is from the environment variable {variable}" if named else f"in the source tree it is built by `{build}`"
         raise MissingFileError(f"there is no FMU at {path}; {why}")
     return path

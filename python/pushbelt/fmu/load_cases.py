@@ -38,9 +38,8 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
         slope = found / load if before is None else (found - before[1]) / (load - before[0])
         before = load, found
         load += limit if slope == 0.0 else max(-limit, min(limit, -excess / slope))
-    raise NotFoundError(
-        f"no load torque gives a belt torque of {wanted:g} N·m; the last one, {before[0]:g} N·m, gives {before[1]:g} N·m"
-    )
+    last = f"the last one, {before[0]:g} N·m, gives {before[1]:g} N·m"
+    raise NotFoundError(f"no load torque gives a belt torque of {wanted:g} N·m; {last}")
 
 
 def solve(unit: Instance, start_values: Mapping[str, float], torque: float) -> SteadyState:

@@ -1,34 +1,105 @@
-"""Start values set by a user: check against the FMU's variable table, and a copy of the FMU with them."""
+"""The FMU's variables, a user's start values that are checked against them, also from SSV, and copies of the FMU."""
 
 from __future__ import annotations
 
 import hashlib
 import math
 import zipfile
-from collections.abc import Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from ..errors import PushbeltError, similar
+from ..errors import PushbeltError, UnknownNameError, similar
 from ..whole_file import copy_archive
+from .results import dataframe
+
+if TYPE_CHECKING:
+    import pandas
 
 DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"  # File of start values that the library reads: one line `name = value` each
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
 TRUTH = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
+SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+LARGEST_SSV = 10_000_000  # Largest size of an SSV file, bytes
 SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
+
+
+@dataclass(frozen=True, repr=False)
+class Variable:
+    name: str
+    type: str  # `Real`, `Integer`, `Boolean` or `Enumeration`
+    causality: str  # `parameter`, `input`, `output` or `local`
+    variability: str  # `fixed`, `tunable`, `discrete` or `continuous`. A tunable parameter can be set during a run.
+    unit: str  # Unit; `1` without one
+    description: str
+    start: float | None  # Start value. Booleans are True and False, enumerations have the number of an item.
+    min: float | None
+    max: float | None
+    nominal: float | None
+    items: Mapping[str, int]  # Names and numbers of an enumeration
+
+    @classmethod
+    def of(cls, declared: Any) -> Variable:
+        """A variable of a model description that fmpy has read."""
+        read = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}.get(declared.type, float)
+        items = declared.declaredType.items if declared.type == "Enumeration" else ()
+        return cls(
+            **{name: getattr(declared, name) for name in ("name", "type", "causality", "variability")},
+            unit=declared.unit or "1", description=declared.description or "",
+            start=None if declared.start is None else read(declared.start),
+            **{key: None if (text := getattr(declared, key)) is None else float(text) for key in ("min", "max", "nominal")},
+            items={one.name: int(one.value) for one in items},
+        )  # fmt: skip
+
+    @property
+    def facts(self) -> list[str]:
+        """Start value, and the range, the items or the unit."""
+        unit, found = "" if self.unit == "1" else f" {self.unit}", []
+        if self.start is not None:
+            named = {number: name for name, number in self.items.items()}
+            shown = str(self.start) if self.type == "Boolean" else named.get(self.start, f"{self.start:g}")
+            found.append(f"start {shown}{unit}")
+        if self.items:
+            found.append(f"one of {', '.join(self.items)}")
+        elif self.min is not None and self.max is not None:
+            found.append(f"range {self.min:g} to {self.max:g}{unit}")
+        elif unit and self.start is None:
+            found.append(self.unit)
+        return found
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {', '.join([f'{self.variability} {self.causality}', *self.facts])}; {self.description}>"
+
+
+class Variables(dict[str, Variable]):
+    """The FMU's variables by name. An unknown name raises UnknownNameError with similar ones."""
+
+    def __init__(self, declared: Iterable[Any]) -> None:
+        super().__init__((one.name, Variable.of(one)) for one in declared)
+
+    def __missing__(self, name: str) -> Variable:
+        raise UnknownNameError(f"the FMU has no variable {name}{similar(name, self)}")
+
+    def __repr__(self) -> str:
+        counts = Counter(one.causality for one in self.values())
+        return f"<Variables: {', '.join(f'{count} {kind}s' for kind, count in counts.items())}>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table over the names, with a column for each attribute. Needs `pushbelt[maps]`."""
+        return dataframe([asdict(one) for one in self.values()]).set_index("name")
 
 
 class StartValueError(PushbeltError, ValueError):
     """A value that the FMU does not accept. The message contains the variable and the reason."""
 
 
-def checked(
-    variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
-) -> dict[str, float]:
+def checked(variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE) -> dict[str, float]:
     """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an
     enumeration's item. Raises StartValueError for an unknown name, a wrong type, or a number out of range."""
     return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}
@@ -78,6 +149,42 @@ def _read(variable: Any, value: Any) -> tuple[float | None, str]:
     if variable.type == "Real":
         return number, ""
     return int(number) if number == int(number) else None, f"= {value!r} is not an integer"
+
+
+# Parameter sets as SSV files (System Structure Parameter Values 1.0), which other tools read and write
+
+
+def check_ssv(document: etree._Element) -> None:
+    """Raises StartValueError if a document violates the schema, which fmpy contains."""
+    from fmpy.ssp import ssd
+
+    checker = etree.XMLSchema(etree.parse(str(Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd")))
+    if not checker.validate(document):
+        raise StartValueError(f"the file violates the schema of SSV 1.0: {checker.error_log.last_error}")
+
+
+def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
+    """The values of an SSV file, checked against the FMU's variables. Units must be those of the FMU. Raises
+    StartValueError if the file cannot be used, OSError if it cannot be read."""
+    content = path.read_bytes()
+    if len(content) > LARGEST_SSV:
+        raise StartValueError(f"{path} has more than {LARGEST_SSV} bytes")
+    try:
+        root = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
+        check_ssv(root)
+        values = {}
+        for element in root.iter(f"{{{SSV}}}Parameter"):
+            name, kind = element.get("name", ""), element[0]
+            own = variables[name].unit or "1" if name in variables else None
+            if own is not None and kind.get("unit", own) != own:
+                raise StartValueError(f"{name} has the unit {kind.get('unit')}; the unit of the FMU is {own}")
+            values[name] = kind.get("value", "")
+        return checked(variables, values)
+    except (etree.XMLSyntaxError, StartValueError) as error:
+        raise StartValueError(f"{path}: {error}") from error
+
+
+# Copies of the FMU
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:

@@ -7,6 +7,7 @@ Enumerations are plain numbers, for workers that do not have this package.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 
 from .enumerations import Axial, Drive
 from .unit import Archive, Instance, UnitError
@@ -18,29 +19,19 @@ def _steady(
     parameters: Mapping[str, float], ratio: float, speed: float, force: float, drives: tuple[Drive, Drive], axial: Axial
 ) -> StartValues:
     return {
-        **parameters,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "primary.drive": drives[0].value,
-        "primary.axial": axial.value,
-        "secondary.drive": drives[1].value,
-        "secondary.axial": Axial.FORCE.value,
-        "secondary.clampingForce": force,
-    }
+        **parameters, "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
+        "primary.drive": drives[0].value, "primary.axial": axial.value,
+        "secondary.drive": drives[1].value, "secondary.axial": Axial.FORCE.value, "secondary.clampingForce": force,
+    }  # fmt: skip
 
 
-def driven_by_torque(
-    parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
-) -> StartValues:
+def driven_by_torque(parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float) -> StartValues:
     """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force specified."""
     values = _steady(parameters, ratio, speed, force, (Drive.TORQUE, Drive.SPEED), Axial.HELD)
     return values | {"primary.torque": torque, "secondary.speedSetpoint": speed / ratio}
 
 
-def driven_by_slip(
-    parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float
-) -> StartValues:
+def driven_by_slip(parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float) -> StartValues:
     """Both shafts held at speeds with a slip between them; primary sheave held, secondary force specified."""
     values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.SPEED), Axial.HELD)
     return values | {"primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / ratio * (1.0 - slip)}
@@ -51,12 +42,11 @@ def driven_at_speed(
 ) -> StartValues:
     """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces specified.
     The run starts with the primary force that holds the ratio. With `held` the primary sheave is held instead."""
-    axial = Axial.HELD if held else Axial.FORCE
-    values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.TORQUE), axial)
+    values = _steady(parameters, ratio, speed, force, (Drive.SPEED, Drive.TORQUE), Axial.HELD if held else Axial.FORCE)
     return values | {"primary.speedSetpoint": speed, "secondary.torque": load}
 
 
-class SteadyStates:
+class SteadyStates(AbstractContextManager["SteadyStates"]):
     """An instance of the FMU that is started at one steady state after another. It is replaced after a failed call. It
     is a context manager, which frees its instance at its end."""
 
@@ -64,9 +54,6 @@ class SteadyStates:
         """`parameters` are start values of all states. The FMU is loaded at the first state."""
         self.archive, self.parameters = archive, dict(parameters or {})
         self._unit: Instance | None = None
-
-    def __enter__(self) -> SteadyStates:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

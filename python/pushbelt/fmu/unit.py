@@ -9,6 +9,7 @@ import re
 import shutil
 import threading
 from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -41,7 +42,7 @@ class Message(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Archive:
+class Archive(AbstractContextManager["Archive"]):
     """An unpacked FMU. It is a context manager, which removes the directory at its end."""
 
     directory: Path
@@ -54,9 +55,6 @@ class Archive:
         description = described(fmu)
         with named(fmu):
             return cls(Path(fmpy.extract(str(fmu), directory)), description)
-
-    def __enter__(self) -> Archive:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.remove()
@@ -88,7 +86,7 @@ class Reals:
         self.values = (ctypes.c_double * len(references))()
 
 
-class Instance:
+class Instance(AbstractContextManager["Instance"]):
     """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
     _logs: ClassVar[dict[int, list[Message]]] = {}
@@ -114,9 +112,6 @@ class Instance:
         except UnitError:
             self.free()
             raise
-
-    def __enter__(self) -> Instance:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.free()
@@ -187,7 +182,7 @@ class Instance:
 
     def get(self, name: str) -> float:
         variable = self.variables[name]
-        value = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])[0]
+        (value,) = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])
         return bool(value) if variable.type == "Boolean" else value
 
     def reals(self, names: Iterable[str]) -> Reals:
@@ -196,17 +191,14 @@ class Instance:
         return Reals(names, (self.variables[name].valueReference for name in names))
 
     def get_reals(self, reals: Reals) -> Array:
-        count = len(reals.names)
-        self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, count, reals.values)
+        self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, len(reals.names), reals.values)
         return np.array(reals.values)
 
     def set_ramps(self, inputs: Reals, values: Iterable[float], rates: Iterable[float]) -> None:
         """Sets real inputs that vary linearly in time over the next step: present values, and rates per second."""
-        count = len(inputs.names)
-        array = ctypes.c_double * count
-        slave = self._slave
+        slave, count = self._slave, len(inputs.names)
+        array, orders = ctypes.c_double * count, (ctypes.c_int32 * count)(*[1] * count)
         self._call(slave.fmi2SetReal, slave.component, inputs.references, count, array(*values))
-        orders = (ctypes.c_int32 * count)(*[1] * count)
         self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
 
     def outputs(self) -> dict[str, float]:
@@ -224,12 +216,9 @@ class Instance:
     def linearise(self, frequency: float) -> dict[str, Any]:
         """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)
         are states. Raises UnitError if there is none. `warnings` contains its warnings."""
-        try:
-            function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
-        except AttributeError:
-            raise UnitError(
-                "this version of the FMU does not support linear models: it has no function pushbeltLinearize"
-            ) from None
+        if not hasattr(library := self._slave.dll, "pushbeltLinearize"):
+            raise UnitError("this version of the FMU does not support linear models: it has no function pushbeltLinearize")
+        function, free = library.pushbeltLinearize, library.pushbeltFreeText
         function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
         free.argtypes, free.restype = [ctypes.c_void_p], None
         text = ctypes.c_void_p()
@@ -283,17 +272,13 @@ def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
     refuse_others(description.modelName, description)
     identifier = description.coSimulation.modelIdentifier
     binaries = binaries_of(archive.directory)
+    # Without it fmpy knows the older names of folders only.
+    library = binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension
+    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": name}
     with _LOADING.lock:
         here = os.getcwd()
         try:
-            return fmi2.FMU2Slave(
-                guid=description.guid,
-                unzipDirectory=str(archive.directory),
-                modelIdentifier=identifier,
-                instanceName=name,
-                # Without it fmpy knows the older names of folders only.
-                libraryPath=binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension,
-            )
+            return fmi2.FMU2Slave(unzipDirectory=str(archive.directory), libraryPath=library, **given)
         except Exception as error:
             why = _not_executable(archive) or str(error).strip()
             raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
@@ -327,8 +312,5 @@ def _not_executable(archive: Archive) -> str | None:
 
 def output_names(variables: Iterable[Any]) -> list[str]:
     """Real outputs, and the locals that are not fields along the belt."""
-    return [
-        variable.name
-        for variable in variables
-        if variable.type == "Real" and variable.causality in ("output", "local") and not variable.name.startswith("profile.")
-    ]
+    found = (one.name for one in variables if one.type == "Real" and one.causality in ("output", "local"))
+    return [name for name in found if not name.startswith("profile.")]

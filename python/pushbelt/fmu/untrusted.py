@@ -36,12 +36,10 @@ def checked_archive(path: Path) -> None:
         raise InputFileError(f"{path} is not a readable FMU or other archive: {error}") from error
     if len(entries) > MOST_FILES:
         raise InputFileError(f"{path} contains {len(entries)} files, above the limit of {MOST_FILES}")
-    seen = set()
+    seen: set[str] = set()
     for entry in entries:
-        if why := _objection(entry):
+        if why := "appears twice" if entry.filename in seen else _objection(entry):
             raise InputFileError(f"{path} is not unpacked: {entry.filename!r} {why}")
-        if entry.filename in seen:
-            raise InputFileError(f"{path} is not unpacked: {entry.filename!r} appears twice")
         seen.add(entry.filename)
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_FILE:

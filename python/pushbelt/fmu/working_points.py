@@ -18,11 +18,8 @@ from .unit import Instance, UnitError
 
 REFERENCE_LEVER = 5e-5  # Friction coefficient times radius of the secondary bearings, m
 SHAFTS = {
-    "primary.drag.constant": 0.0,
-    "primary.drag.viscous": 0.0,
+    **{f"{pulley}.drag.{kind}": 0.0 for pulley in ("primary", "secondary") for kind in ("constant", "viscous")},
     "primary.bearing.friction": 0.0,
-    "secondary.drag.constant": 0.0,
-    "secondary.drag.viscous": 0.0,
     "secondary.bearing.friction": 1e-3,
     "secondary.bearing.radius": REFERENCE_LEVER / 1e-3,
     # With the inertia of a car neither shaft would follow a shift, because the primary speed is held.
@@ -74,10 +71,8 @@ def point(unit: Instance, ratio: float) -> dict[str, float]:
     found = {name: float(unit.get(name)) for name in OUTPUTS}
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
     speed = unit.get("secondary.speed")
-    found["beltTorqueLoss"] = -torques[0] - torques[1] / ratio
-    found["bearingLoad"] = unit.get("loss.shafts") / (speed * math.tanh(speed / FADING_SPEED) * REFERENCE_LEVER)
-    found["macroSlip"] = float(unit.get("macroSlip"))
-    return found
+    load = unit.get("loss.shafts") / (speed * math.tanh(speed / FADING_SPEED) * REFERENCE_LEVER)
+    return found | {"beltTorqueLoss": -torques[0] - torques[1] / ratio, "bearingLoad": load, "macroSlip": float(unit.get("macroSlip"))}
 
 
 def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
@@ -122,12 +117,10 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     known = {-1.0: least, 1.0: most}
     return {
         "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
-        "capacity": [least, most],
-        "capacitySlip": [low, high],
+        "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
         "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
         "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
-        "reasons": reasons,
-    }
+    }  # fmt: skip
 
 
 def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:

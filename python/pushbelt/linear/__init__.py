@@ -1,1 +1,1 @@
-"""Linear models about steady states: one (`model`), over a grid (`grid`), in physical coordinates (`physical`), between points (`interpolation`)."""
+"""Linear models about steady states: one (`model`), in physical coordinates (`physical`), over a grid (`grid`)."""

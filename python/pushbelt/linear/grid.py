@@ -1,11 +1,17 @@
-"""Linear models over a grid of working points, and their files: `.npz` for numpy, `.mat` for MATLAB, `.json` for other tools."""
+"""Linear models over a grid of working points, between its points, and in files: `.npz`, `.mat` for MATLAB, `.json`.
+
+The mode of the slip is some hundred times as fast as the others: A = A_s + λ r ℓ with its pole λ, its eigenvectors ℓ and r (ℓ r = 1), and
+A_s of the slow modes (ℓ A_s = 0, A_s r = 0). ℓ x is nearly the slip, ω_P − i ω_S. The elements of λ r ℓ are much larger than the slow poles,
+and change with the ratio. So λ, ℓ, r and A_s are interpolated, not their sum. B and C are divided in the same way.
+"""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +21,96 @@ from numpy.typing import NDArray
 from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
-from . import interpolation
 from .model import Array, LinearModel
+from .physical import sorted_poles
 
 if TYPE_CHECKING:
     import pandas
 
+FASTER = 10.0  # Ratio of the fastest pole and the next one above which the fastest is interpolated by itself
+
+Weighted = Sequence[tuple[LinearModel, float]]
 ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
+
+
+def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple[tuple[int, ...], float]]:
+    """Points of the grid around a point, with their weights."""
+    if unknown := [name for name in point if name not in axes]:
+        raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
+    found: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
+    for name, values in axes.items():
+        if name not in point and len(values) > 1:
+            raise ArgumentError(f"a value of {name} is missing: the grid has {len(values)} values of it")
+        along = _along(name, values, point.get(name, values[0]))
+        found = [((*place, k), weight * share) for place, weight in found for k, share in along]
+    return found
+
+
+def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
+    """Neighbours of a value along an axis, with their weights."""
+    order = np.argsort(values)
+    low, high = values[order[[0, -1]]]
+    tolerance = 1e-9 * max(abs(low), abs(high))
+    if not low - tolerance <= value <= high + tolerance:
+        raise ArgumentError(f"{name} = {value:g} is outside of the grid, {low:g} to {high:g}")
+    at, along = (np.log(value), np.log(values)) if name == "ratio" else (value, values)
+    place = float(np.interp(at, along[order], np.arange(len(values))))
+    weights = {int(place): 1.0 - place % 1.0, int(np.ceil(place)): place % 1.0 or 1.0}
+    return [(int(order[k]), weight) for k, weight in weights.items() if weight > 0.0]
+
+
+def interpolated(models: Weighted) -> LinearModel:
+    """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
+    first = models[0][0]
+    if first.coordinates != "physical":
+        raise ArgumentError("modal coordinates differ from point to point, so they have no mean: make the grid with states='physical'")
+    kind = attrgetter("inputs", "outputs", "states", "sample_time")
+    if any(kind(one) != kind(first) for one, _ in models):
+        raise ArgumentError("the models have different inputs, states or sample times and cannot be interpolated")
+
+    def mean(of: Callable[[LinearModel], Any]) -> Any:
+        return sum(weight * np.asarray(of(one)) for one, weight in models)
+
+    def named(of: Callable[[LinearModel], Mapping[str, float]]) -> dict[str, float]:
+        names = tuple(of(first))
+        return dict(zip(names, mean(lambda one: [of(one)[name] for name in names]).tolist(), strict=True))
+
+    a, b, c = (mean(attrgetter(name)) for name in "abc")
+    parts = [_parts(one) for one, _ in models]
+    if None not in parts:
+        weights = [weight for _, weight in models]
+        a, b, c = _matrices(*(np.tensordot(weights, np.array(each), 1) for each in zip(*parts, strict=True)))
+    return replace(
+        first, a=a, b=b, c=c, d=mean(attrgetter("d")), poles=sorted_poles(a),
+        **{name: named(attrgetter(name)) for name in ("held", "given", "values")},
+        slip=float(mean(attrgetter("slip"))), macro_slip=any(one.macro_slip for one, _ in models),
+        remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
+    )  # fmt: skip
+
+
+def _parts(model: LinearModel) -> tuple[Array, ...] | None:
+    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster than
+    the others."""
+    poles = model.poles
+    if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
+        return None
+    values, vectors = np.linalg.eig(model.a)
+    fast = int(np.argmax(np.abs(values)))
+    left, right = np.linalg.inv(vectors)[fast].real, vectors[:, fast].real
+    if left[0] == 0.0:
+        return None
+    right, left = right * left[0], left / left[0]
+    slow = np.eye(len(left)) - np.outer(right, left)
+    rest = slow @ model.a @ slow, slow @ model.b, model.c @ slow
+    return np.array(values[fast].real), left, right, left @ model.b, model.c @ right, *rest
+
+
+def _matrices(pole: Array, left: Array, right: Array, inputs: Array, outputs: Array, *rest: Array) -> tuple[Array, Array, Array]:
+    """A, B and C. The slow rest is projected, so that the fast mode is exactly an eigenvector of A."""
+    a, b, c = rest
+    right = right / (left @ right)
+    slow = np.eye(len(right)) - np.outer(right, left)
+    return slow @ a @ slow + pole * np.outer(right, left), slow @ b + np.outer(right, inputs), c @ slow + np.outer(outputs, left)
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,10 +119,8 @@ class LinearGrid:
 
     axes: Mapping[str, Array]
     """Values along each axis: `ratio` (1), `torque` (N·m), `speed` (rad/s), `force` (N), or names of parameters."""
-    models: NDArray[np.object_]
-    """One `LinearModel` per point, or None."""
-    reasons: NDArray[np.object_]
-    """Reason for each missing model; empty where there is a model."""
+    models: NDArray[np.object_]  # One `LinearModel` per point, or None
+    reasons: NDArray[np.object_]  # Reason for each missing model; empty where there is a model
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -59,17 +146,17 @@ class LinearGrid:
     def interpolate(self, **point: float) -> LinearModel:
         """The model between the points of a grid in physical coordinates: linear along each axis, along `ratio` in its logarithm.
 
-        The slip's mode is interpolated by itself (`interpolation`), because its large coefficients nearly cancel in the slow poles.
+        The slip's mode is interpolated by itself, because its large coefficients nearly cancel in the slow poles.
         A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
         interpolated A.
 
         Raises ArgumentError for modal coordinates, for a value outside of the grid, and next to a point without a model.
         """
-        around = interpolation.corners(self.axes, point)
+        around = corners(self.axes, point)
         missing = [place for place, _ in around if self.models[place] is None]
         if missing:
             raise ArgumentError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
-        return interpolation.interpolated([(self.models[place], weight) for place, weight in around])
+        return interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
         axes = ", ".join(f"{name} {one.min():.4g} to {one.max():.4g} ({len(one)})" for name, one in self.axes.items())
@@ -80,10 +167,8 @@ class LinearGrid:
         """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
         rows = []
         for place, model in np.ndenumerate(self.models):
-            row: dict[str, Any] = dict(self.point(place))
-            if model is not None:
-                row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
-            rows.append(row | {"reason": self.reasons[place]})
+            found = {} if model is None else {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
+            rows.append({**self.point(place), **found, "reason": self.reasons[place]})
         return dataframe(rows)
 
     def to_control(self) -> NDArray[np.object_]:
@@ -145,25 +230,18 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
     """Matrices and values of a model by their names in the files."""
+    named = {"held": model.inputs, "given": model.inputs, "values": model.outputs}
     return {
-        **model._matrices(),
-        "poles": model.poles,
-        "held": np.array([model.held[name] for name in model.inputs]),
-        "given": np.array([model.given[name] for name in model.inputs]),
-        "values": np.array([model.values[name] for name in model.outputs]),
-        "states": np.array(model.states),
-        "slip": np.array(model.slip),
-        "macroSlip": np.array(float(model.macro_slip)),
-    }
+        **model._matrices(), "poles": model.poles,
+        **{kind: np.array([getattr(model, kind)[name] for name in names]) for kind, names in named.items()},
+        "states": np.array(model.states), "slip": np.array(model.slip), "macroSlip": np.array(float(model.macro_slip)),
+    }  # fmt: skip
 
 
 def _npz(grid: LinearGrid, path: Path) -> None:
     """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    rows = {
-        place: _arrays(model) | {"order": np.array(len(model.a)), "remarks": np.array("\n".join(model.remarks))}
-        for place, model in np.ndenumerate(grid.models)
-        if model is not None
-    }
+    there = {place: model for place, model in np.ndenumerate(grid.models) if model is not None}
+    rows = {k: _arrays(one) | {"order": np.array(len(one.a)), "remarks": np.array("\n".join(one.remarks))} for k, one in there.items()}
 
     def full(name: str) -> Array:
         values = [row[name] for row in rows.values()]
@@ -173,7 +251,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
             found[(*place, *map(slice, value.shape))] = value
         return found
 
-    first = next(model for _, model in grid.points())
+    first = next(iter(there.values()))
     np.savez_compressed(
         path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
         **{name: full(name) for name in next(iter(rows.values()))},
@@ -206,9 +284,7 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 
 
 def _json(grid: LinearGrid, path: Path) -> None:
-    models = [
-        grid.point(place) | ({"reason": grid.reasons[place]} if model is None else model.document())
-        for place, model in np.ndenumerate(grid.models)
-    ]
+    rows = np.ndenumerate(grid.models)
+    models = [grid.point(k) | ({"reason": grid.reasons[k]} if model is None else model.document()) for k, model in rows]
     axes = {name: values.tolist() for name, values in grid.axes.items()}
     path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

@@ -31,41 +31,28 @@ class LinearPointError(PushbeltError, RuntimeError):
 class LinearModel:
     """A linear model about a working point."""
 
-    a: Array
-    """(states, states), 1/s."""
-    b: Array
-    """(states, inputs)."""
-    c: Array
-    """(outputs, states)."""
+    a: Array  # (states, states), 1/s
+    b: Array  # (states, inputs)
+    c: Array  # (outputs, states)
     d: Array
     """Shape (outputs, inputs): direct feedthrough, including the quasi-static response of modes that are not in A."""
     inputs: tuple[str, ...]
     """Inputs, by names of FMU variables: clamping forces (N), torques (N·m), or set points of speeds (rad/s)."""
-    outputs: tuple[str, ...]
-    """Outputs, by names of FMU variables."""
+    outputs: tuple[str, ...]  # Outputs, by names of FMU variables
     states: tuple[str, ...]
     """Names of the states; `mode1` is the slowest. An oscillatory mode has two states, such as `mode2.re` and `mode2.im`."""
-    poles: NDArray[np.complex128]
-    """Eigenvalues of A in the order of the states, 1/s."""
-    held: Mapping[str, float]
-    """Values of the inputs that hold the point."""
-    values: Mapping[str, float]
-    """Outputs at the point."""
-    units: Mapping[str, str]
-    """Units of inputs and outputs, and of ln i."""
-    frequency: float
-    """Frequency, Hz, below which modes are states."""
+    poles: NDArray[np.complex128]  # Eigenvalues of A in the order of the states, 1/s
+    held: Mapping[str, float]  # Values of the inputs that hold the point
+    values: Mapping[str, float]  # Outputs at the point
+    units: Mapping[str, str]  # Units of inputs and outputs, and of ln i
+    frequency: float  # Frequency, Hz, below which modes are states
     slip: float
-    macro_slip: bool
-    """Whether the belt slips through at the point."""
-    given: Mapping[str, float]
-    """Values of the inputs that were set at the instance."""
-    remarks: tuple[str, ...]
-    """Differences of the point from the specified one."""
+    macro_slip: bool  # Whether the belt slips through at the point
+    given: Mapping[str, float]  # Values of the inputs that were set at the instance
+    remarks: tuple[str, ...]  # Differences of the point from the specified one
     coordinates: str = "modal"
     """`modal`, or `physical`: the states are speeds (rad/s) and the logarithm of the ratio, as deviations from the point."""
-    sample_time: float | None = None
-    """Sample time of `ad`, `bd`, `cd`, `dd`, s."""
+    sample_time: float | None = None  # Sample time of `ad`, `bd`, `cd`, `dd`, s
 
     def __repr__(self) -> str:
         at = f"ratio {self.values['ratio.geometric']:.4g}, " if "ratio.geometric" in self.values else ""
@@ -84,35 +71,25 @@ class LinearModel:
             **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
             inputs=tuple(one["name"] for one in loads),
             outputs=tuple(one["name"] for one in readings),
-            states=tuple(states),
-            poles=poles[:, 0] + 1j * poles[:, 1],
-            held={one["name"]: one["held"] for one in loads},
+            states=tuple(states), poles=poles[:, 0] + 1j * poles[:, 1],
+            held={one["name"]: one["held"] for one in loads}, given={one["name"]: one["given"] for one in loads},
             values={one["name"]: one["value"] for one in readings},
             units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
-            frequency=document["frequency"]["value"],
-            slip=document["slip"],
-            macro_slip=bool(document["macroSlip"]),
-            given={one["name"]: one["given"] for one in loads},
+            frequency=document["frequency"]["value"], slip=document["slip"], macro_slip=bool(document["macroSlip"]),
             remarks=tuple(document["remarks"]),
-            coordinates=document.get("coordinates", "modal"),
-            sample_time=document.get("sampleTime"),
-        )
+            coordinates=document.get("coordinates", "modal"), sample_time=document.get("sampleTime"),
+        )  # fmt: skip
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
         return {
-            "coordinates": self.coordinates,
-            "sampleTime": self.sample_time,
-            "frequency": {"unit": "Hz", "value": self.frequency},
+            "coordinates": self.coordinates, "sampleTime": self.sample_time, "frequency": {"unit": "Hz", "value": self.frequency},
             "inputs": [{"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]} for name in self.inputs],
             "outputs": [{"name": name, "unit": self.units[name], "value": self.values[name]} for name in self.outputs],
-            "states": list(self.states),
-            "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
-            "slip": self.slip,
-            "macroSlip": self.macro_slip,
-            "remarks": list(self.remarks),
+            "states": list(self.states), "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
+            "slip": self.slip, "macroSlip": self.macro_slip, "remarks": list(self.remarks),
             **{name: matrix.tolist() for name, matrix in self._matrices().items()},
-        }
+        }  # fmt: skip
 
     def _matrices(self) -> dict[str, Array]:
         """The matrices by their names in files; with a sample time also those in discrete time."""
@@ -151,8 +128,7 @@ class LinearModel:
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""
-        outputs = self.outputs if outputs is None else tuple(outputs)
-        inputs = self.inputs if inputs is None else tuple(inputs)
+        outputs, inputs = (own if some is None else tuple(some) for some, own in ((outputs, self.outputs), (inputs, self.inputs)))
         rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
         d = self.d[np.ix_(rows, columns)]
         return replace(self, b=self.b[:, columns], c=self.c[rows], d=d, inputs=inputs, outputs=outputs)

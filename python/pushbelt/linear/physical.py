@@ -52,9 +52,8 @@ def physical(model: LinearModel) -> LinearModel:
         raise NotPhysicalError("no physical coordinate is free: both speeds and the ratio are held")
     n, taken = len(names), modes_needed(model)
     if len(model.poles) < taken:
-        raise NotPhysicalError(
-            f"{len(model.poles)} modes are below {model.frequency:g} Hz, but {taken} are needed for {', '.join(names)}"
-        )
+        there = f"{len(model.poles)} modes are below {model.frequency:g} Hz"
+        raise NotPhysicalError(f"{there}, but {taken} are needed for {', '.join(names)}")
     # Between groups of modes A is zero.
     a, b, c, d = _quasi_static(model.a, model.b, model.c, model.d, taken)
     rows, scale = _rows(model, c, names)
@@ -67,13 +66,11 @@ def physical(model: LinearModel) -> LinearModel:
     lengths = np.linalg.norm(scaled, axis=0)
     condition = float(np.linalg.cond(scaled / np.where(lengths > 0.0, lengths, 1.0)))
     if not condition < WORST:
-        raise NotPhysicalError(
-            f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}"
-        )
-    back = np.linalg.inv(rows)
-    direct = share @ b if taken > n else None
+        raise NotPhysicalError(f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}")
+    back, modal = np.linalg.inv(rows), b
     a, b, c = rows @ a @ back, rows @ b, c @ back
-    if direct is not None:
+    if taken > n:
+        direct = share @ modal
         b[n] -= (a[n, n] + natural) * direct / natural
         a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
@@ -91,13 +88,8 @@ def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array
     if len(a) == n:
         return a, b, c, d
     gone = np.linalg.solve(a[n:, n:], np.hstack([a[n:, :n], b[n:]]))
-    of_states, of_inputs = gone[:, :n], gone[:, n:]
-    return (
-        a[:n, :n] - a[:n, n:] @ of_states,
-        b[:n] - a[:n, n:] @ of_inputs,
-        c[:, :n] - c[:, n:] @ of_states,
-        d - c[:, n:] @ of_inputs,
-    )
+    of_states, of_inputs, coupling = gone[:, :n], gone[:, n:], a[:n, n:]
+    return a[:n, :n] - coupling @ of_states, b[:n] - coupling @ of_inputs, c[:, :n] - c[:, n:] @ of_states, d - c[:, n:] @ of_inputs
 
 
 def _rows(model: LinearModel, c: Array, names: Sequence[str]) -> tuple[Array, Array]:

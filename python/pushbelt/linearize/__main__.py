@@ -14,18 +14,99 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-from pushbelt import console, provenance
+import numpy as np
+
+from pushbelt import console
 from pushbelt.cli.options import add_variator, program
+from pushbelt.errors import ArgumentError
+from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
-from pushbelt.linear.points import FREQUENCY, STATES
+from pushbelt.points import FREQUENCY, STATES
 from pushbelt.variator import Variator
 
-from . import points
-
+AXES = {
+    "initial.ratio": "ratio", "primary.torque": "torque", "initial.primarySpeed": "speed", "secondary.clampingForce": "force",
+}  # fmt: skip
+"""Names of the FMU's variables, and of the corresponding axes of a grid."""
+REACTIONS = ("primary.clampingForce", "secondary.torque")
+"""Loads that hold a point. A specified value is compared with the required one."""
+SAME = 0.01  # Largest relative difference between a specified and a required load
+SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
+"""Smallest magnitude of a load in this comparison, N and N·m."""
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
+
+
+class Asked(NamedTuple):
+    """The specified points and parameters."""
+
+    points: Mapping[str, list[float]]  # Values of `AXES`
+    loads: Mapping[str, float]  # Values of `REACTIONS`
+    parameters: Mapping[str, str]  # Parameters with one value
+    changes: Mapping[str, list[str]]  # Parameters with several values
+    safety: float | None
+
+    def axes(self, variator: Variator) -> dict[str, Any]:
+        """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
+        of speed or force is not an axis."""
+        found = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
+        found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
+        found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque")}
+        return found | ({"force": None} if self.safety else {})
+
+
+def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
+    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
+    found: dict[str, list[Any]] = {}
+    for setting in settings:
+        name, _, text = setting.partition("=")
+        if not (name and text):
+            raise ArgumentError(f"`{setting}` is not of the form NAME=VALUE")
+        if name in found:
+            raise ArgumentError(f"{name} appears twice")
+        found[name] = _values(name, text)
+        if name in REACTIONS and len(found[name]) > 1:
+            raise ArgumentError(f"{name} follows from the point: give at most one value, which is compared with the result")
+    points = {name: found.pop(name) for name in AXES if name in found}
+    loads = {name: found.pop(name)[0] for name in REACTIONS if name in found}
+    parameters = {name: words[0] for name, words in found.items() if len(words) == 1}
+    changes = {name: words for name, words in found.items() if len(words) > 1}
+    if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
+        raise ArgumentError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
+    if safety is not None and "secondary.clampingForce" in points:
+        raise ArgumentError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
+    return Asked(points, loads, parameters, changes, safety)
+
+
+def _values(name: str, text: str) -> list[Any]:
+    """Numbers of a point, and texts of a parameter."""
+    read, parts = (float if name in (*AXES, *REACTIONS) else lambda word: str(word).strip()), text.split(":")
+    try:
+        if len(parts) != 3:
+            return [read(word) for word in text.split(",")]
+        if 2 <= int(parts[2]) <= 1000:
+            return [read(value) for value in np.linspace(float(parts[0]), float(parts[1]), int(parts[2])).tolist()]
+    except ValueError:
+        pass
+    raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of 2 to 1000")
+
+
+def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
+    """The grid without the points that require other loads than the specified ones."""
+    models, reasons = grid.models.copy(), grid.reasons.copy()
+    for place, model in np.ndenumerate(grid.models):
+        held = {} if model is None else {name: (model.held.get(name, given), given) for name, given in loads.items()}
+        if why := [
+            f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
+            for name, (held, given) in held.items()
+            if not abs(held - given) <= SAME * max(abs(held), abs(given), SMALL[name])
+        ]:
+            at = ", ".join(f"{name} {value:g}" for name, value in grid.point(place).items())
+            models[place], reasons[place] = None, f"no linear model at {at}: {'; '.join(why)}"
+    return LinearGrid(grid.axes, models, reasons)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -49,19 +130,18 @@ def parser() -> argparse.ArgumentParser:
 @console.program("linearize", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_intermixed_args(arguments)
-    provenance.begin("linearize", arguments)
-    asked = points.read(options.settings, options.safety)
+    wanted = asked(options.settings, options.safety)
     # Imported here, so that the help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
     given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
-    with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
-        axes = asked.axes(variator)
-        size = math.prod(len(values) for values in (*axes.values(), *asked.changes.values()) if isinstance(values, list))
+    with Variator(options.variator or {}, wanted.parameters, fmu=options.fmu) as variator:
+        axes = wanted.axes(variator)
+        size = math.prod(len(values) for values in (*axes.values(), *wanted.changes.values()) if isinstance(values, list))
         with progress_bar(size, "working points") as bar:
-            each = {"changes": asked.changes, "after_each": lambda: bar.update(1)}
-            grid = variator.linear_grid(**axes, safety=asked.safety or 1.0, **each, **given)
-    return write(points.without_other_loads(grid, asked.loads), options)
+            each = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
+            grid = variator.linear_grid(**axes, safety=options.safety or 1.0, **each, **given)
+    return write(without_other_loads(grid, wanted.loads), options)
 
 
 def write(grid: LinearGrid, options: argparse.Namespace) -> int:

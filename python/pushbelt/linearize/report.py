@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,18 +37,14 @@ class Drawn(NamedTuple):
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
-    found = list(grid.points())
-    drawn = chosen(grid)
-    drawn[0].model.select(outputs)
-    first = found[0][1]
-    path = folder / "report.html"
+    found, drawn, path = list(grid.points()), chosen(grid), folder / "report.html"
+    first = drawn[0].model.select(outputs)
     context = {
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
-        "first": first,
         "charts": [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs],
-        "drawn": len(drawn),
-    }
+        "first": found[0][1], "drawn": len(drawn),
+    }  # fmt: skip
     page.write_html("linearize/linearize.html.j2", context, path)
     return path
 
@@ -67,16 +63,13 @@ def chosen(grid: LinearGrid) -> list[Drawn]:
         kept[coloured] = _spread(values[coloured], MOST_DASHED if dashed else len(COLOURS))
     if dashed:
         kept[dashed] = _spread(values[dashed], len(DASHES))
-    return [
-        Drawn(
-            title(grid, point),
-            COLOURS[kept[coloured].index(point[coloured])] if coloured else COLOURS[0],
-            DASHES[kept[dashed].index(point[dashed])] if dashed else "",
-            model,
-        )
-        for point, model in found
-        if all(point[axis] in kept[axis] for axis in kept)
-    ] or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
+
+    def place(axis: str, point: Mapping[str, float]) -> int:
+        return kept[axis].index(point[axis]) if axis else 0
+
+    shown = [(point, model) for point, model in found if all(point[axis] in kept[axis] for axis in kept)]
+    looks = [(title(grid, point), COLOURS[place(coloured, point)], DASHES[place(dashed, point)], model) for point, model in shown]
+    return [Drawn(*one) for one in looks] or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
 
 
 def _spread(values: list[float], most: int) -> list[float]:

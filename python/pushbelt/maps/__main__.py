@@ -13,14 +13,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_short, add_study, numbers, program
 from pushbelt.errors import ArgumentError
 from pushbelt.study.tasks import variator
 
 from .data import AXES, Maps
-from .lines import collect
-from .plan import COARSE, SHORT, Plan
+from .plan import COARSE, SHORT, Plan, collect
 
 GIVEN = ("force", "speed", "ratio", "utilisation")  # Axes with an option
 
@@ -40,7 +39,6 @@ def parser() -> argparse.ArgumentParser:
 @console.program("maps", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
-    provenance.begin("maps", arguments)
     given = {name: getattr(options, name) for name in (*GIVEN, "ratios") if getattr(options, name) is not None}
     if given.get("ratios", 2) < 2:
         raise ArgumentError("at least two ratios are needed")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -37,6 +37,14 @@ class Axis(NamedTuple):
     description: str
 
 
+class Quantity(NamedTuple):
+    """A table: its axes, unit and description."""
+
+    axes: tuple[str, ...]
+    unit: str
+    description: str
+
+
 AXES: Mapping[str, Axis] = {
     "force": Axis("N", "Secondary clamping force"),
     "speed": Axis("rad/s", "Primary speed without slip"),
@@ -47,15 +55,6 @@ AXES: Mapping[str, Axis] = {
     "shiftUtilisation": Axis("1", "Torque utilisation at which shifts are measured"),
     "excess": Axis("1", "ln(F_P/(kappa F_S)), kappa the thrust ratio that holds the ratio"),
 }
-
-
-class Quantity(NamedTuple):
-    """A table: its axes, unit and description."""
-
-    axes: tuple[str, ...]
-    unit: str
-    description: str
-
 
 POINT = (*ROUTE, "utilisation")
 SHIFT = (*ROUTE, "shiftUtilisation")
@@ -92,11 +91,9 @@ LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lo
 class Maps:
     """A data set of maps."""
 
-    axes: Mapping[str, Array]
-    """Ascending values of each axis."""
+    axes: Mapping[str, Array]  # Ascending values of each axis
     tables: Mapping[str, Array]
-    parameters: Mapping[str, float]
-    """Parameters of the variator, by names of FMU variables."""
+    parameters: Mapping[str, float]  # Parameters of the variator, by names of FMU variables
     source: Mapping[str, str] = field(default_factory=dict)
     """What the maps are from: model, version and GUID of the FMU."""
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -139,14 +136,11 @@ class Maps:
     def document(self) -> dict[str, Any]:
         """Everything as JSON values."""
         return {
-            "format": "pushbelt maps",
-            "version": VERSION,
-            "source": dict(self.source),
-            "parameters": dict(self.parameters),
+            "format": "pushbelt maps", "version": VERSION, "source": dict(self.source), "parameters": dict(self.parameters),
             "axes": {name: {**axis._asdict(), "values": self.axes[name].tolist()} for name, axis in AXES.items()},
             "tables": {name: {**table._asdict(), "values": self.tables[name].tolist()} for name, table in TABLES.items()},
             "reasons": dict(self.reasons),
-        }
+        }  # fmt: skip
 
     @classmethod
     def of_document(cls, document: Any) -> Maps:
@@ -154,9 +148,7 @@ class Maps:
         try:
             if document["format"] != "pushbelt maps" or document["version"] != VERSION:
                 raise MapError(f"these are not pushbelt maps of version {VERSION}")
-            axes, tables = (
-                {name: np.array(entry["values"], dtype=float) for name, entry in document[part].items()} for part in ("axes", "tables")
-            )
+            axes, tables = arrays_of(document)
             parameters = {name: float(value) for name, value in document["parameters"].items()}
             return cls(axes, tables, parameters, dict(document["source"]), dict(document["reasons"]))
         except (LookupError, TypeError, AttributeError) as error:
@@ -164,21 +156,17 @@ class Maps:
 
     def write(self, path: Path) -> None:
         """Writes `.json`, `.npz` or `.nc`."""
-        writers = {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf}
-        if path.suffix not in writers:
-            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        write = _of_suffix(path, {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf})
         path.parent.mkdir(parents=True, exist_ok=True)
-        writers[path.suffix](path)
+        write(path)
 
     @classmethod
     def read(cls, path: Path) -> Maps:
         """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
-        readers = {".json": lambda path: json.loads(path.read_text(encoding="utf-8")), ".npz": _read_npz, ".nc": _read_netcdf}
-        if path.suffix not in readers:
-            raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+        read = _of_suffix(path, {".json": lambda one: json.loads(one.read_bytes()), ".npz": _read_npz, ".nc": _read_netcdf})
         path.open("rb").close()
         try:
-            return cls.of_document(readers[path.suffix](path))
+            return cls.of_document(read(path))
         except MapError as why:
             raise MapError(f"{path}: {why}") from why
         # Readers of damaged files raise any of these.
@@ -217,6 +205,18 @@ class Maps:
                     variable.flag_meanings = " ".join(STATES).encode()
 
 
+def _of_suffix(path: Path, functions: Mapping[str, Callable[[Path], Any]]) -> Callable[[Path], Any]:
+    if path.suffix not in functions:
+        raise MapError(f"{path.name} is none of maps.nc, maps.npz and maps.json")
+    return functions[path.suffix]
+
+
+def arrays_of(document: Mapping[str, Any]) -> tuple[dict[str, Array], ...]:
+    """Axes and tables of JSON values."""
+    parts = (document[part].items() for part in ("axes", "tables"))
+    return tuple({name: np.array(entry["values"], dtype=float) for name, entry in part} for part in parts)
+
+
 def _read_npz(path: Path) -> Any:
     with np.load(path, allow_pickle=False) as file:
         return _of_arrays(int(file["version"]), {name: str(file[name]) for name in TEXTS}, file, "axis_")
@@ -231,10 +231,6 @@ def _read_netcdf(path: Path) -> Any:
 
 
 def _of_arrays(version: int, texts: Mapping[str, str], arrays: Mapping[str, Array], prefix: str = "") -> Any:
-    return {
-        "format": "pushbelt maps",
-        "version": version,
-        "axes": {name: {"values": arrays[prefix + name]} for name in AXES},
-        "tables": {name: {"values": arrays[name]} for name in TABLES},
-        **{name: json.loads(text) for name, text in texts.items()},
-    }
+    axes, tables = ({name: {"values": arrays[start + name]} for name in names} for names, start in ((AXES, prefix), (TABLES, "")))
+    about = {name: json.loads(text) for name, text in texts.items()}
+    return {"format": "pushbelt maps", "version": version, "axes": axes, "tables": tables, **about}

@@ -81,11 +81,9 @@ def _csv(maps: Maps, path: Path) -> None:
 def _torque_loss(maps: Maps, path: Path) -> None:
     """Torque loss at the primary shaft over speed, ratio, force and torque, as vehicle simulations take it; gaps are left out."""
     frame = _points(maps)[maps.valid.ravel()]
-    columns = {
-        "force_N": frame.force, "ratio_1": frame.ratio, "speed_rpm": RPM * frame.speed, "torque_Nm": frame.primaryTorque,
-        "torque_loss_Nm": frame.torqueLoss,
-    }  # fmt: skip
-    pandas.DataFrame(columns).to_csv(path, index=False, float_format="%.9g", lineterminator="\r\n")
+    frame = frame.assign(speed=RPM * frame.speed)[["force", "ratio", "speed", "primaryTorque", "torqueLoss"]]
+    header = ["force_N", "ratio_1", "speed_rpm", "torque_Nm", "torque_loss_Nm"]
+    frame.to_csv(path, header=header, index=False, float_format="%.9g", lineterminator="\r\n")
 
 
 WRITERS: Mapping[str, Callable[[Maps, Path], object]] = {

@@ -81,14 +81,9 @@ class Border:
 
 
 def panel(
-    title: str,
-    quantity: Quantity,
-    axes: tuple[Array, Array],
-    values: Array,
-    levels: Array,
-    kinds: Mapping[str, np.ndarray],
+    title: str, quantity: Quantity, axes: tuple[Array, Array], values: Array, levels: Array, kinds: Mapping[str, np.ndarray],
     border: Border,
-) -> Panel:
+) -> Panel:  # fmt: skip
     """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation."""
     unit = quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
@@ -116,24 +111,16 @@ def panel(
 
 def _rows(utilisation: Array, border: Border) -> Array:
     """Closer values over the utilisation with those of the border, up to it if that is less than a step away."""
-    low, high = (
-        np.append(side[np.isfinite(side)], end)
-        for side, end in zip(border.utilisation, utilisation[[0, -1]], strict=True)
-    )
+    low, high = (np.append(side[np.isfinite(side)], end) for side, end in zip(border.utilisation, utilisation[[0, -1]], strict=True))
     step = np.diff(utilisation)[[0, -1]] if len(utilisation) > 1 else np.zeros(2)
     first, last = max(low.min(), utilisation[0] - step[0]), min(high.max(), utilisation[-1] + step[1])
-    rows = np.concatenate(
-        [utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS), low, high]
-    )
+    rows = np.concatenate([utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS), low, high])
     return np.unique(rows[(rows >= first) & (rows <= last)])
 
 
 def _beyond(ratio: Array, ends: tuple[float, float], border: Border) -> list[Series]:
     """The capacity as a line, and what is beyond it as areas without a name, so that the legend does not hide them."""
-    known = [
-        np.where(np.isfinite(side), np.clip(side, *ends), end)
-        for side, end in zip(border.utilisation, ends, strict=True)
-    ]
+    known = [np.where(np.isfinite(side), np.clip(side, *ends), end) for side, end in zip(border.utilisation, ends, strict=True)]
     wide = ratio * np.interp(np.arange(len(ratio)), [0, len(ratio) - 1], [0.995, 1.005])
     return [
         *(Series("", wide, side, COVER, "band", upper=np.full_like(side, end), opacity=1.0)

@@ -1,23 +1,31 @@
-"""What is solved: an FMU, parameters and axes, and an identity (hash) of everything that determines the results."""
+"""What is solved: an FMU, parameters and axes, with an identity of all that determines the results; and maps of the solved lines."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property, partial
-from types import ModuleType
+from operator import itemgetter
 from typing import Any
+
+import numpy as np
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import steady, working_points
-from pushbelt.fmu.data import pitch_radius
+from pushbelt.fmu.data import pitch_radius, torque_capacity
+from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.working_points import SHAFTS, Along, Line
+from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS, SHAFTS, Along, Line
 from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
+from .data import AXES, POINT, STATES, TABLES, Maps
+
+COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "macroSlip"}
+"""Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
 MARGIN = 1.06
 """Factor between the ratios of the end stops and the outermost ratios. A loaded belt rests within it of the stops."""
 
@@ -26,19 +34,15 @@ MARGIN = 1.06
 class Grid:
     """Axes of the maps, each ascending."""
 
-    force: tuple[float, ...] = (2500.0, 6000.0, 15000.0, 40000.0)
-    """Secondary clamping force, N."""
-    speed: tuple[float, ...] = (60.0, 200.0, 450.0)
-    """Primary speed, rad/s."""
-    ratio: tuple[float, ...] = ()
-    """Geometric ratio; empty for `ratios` values between the end stops."""
+    force: tuple[float, ...] = (2500.0, 6000.0, 15000.0, 40000.0)  # Secondary clamping force, N
+    speed: tuple[float, ...] = (60.0, 200.0, 450.0)  # Primary speed, rad/s
+    ratio: tuple[float, ...] = ()  # Geometric ratio; empty for `ratios` values between the end stops
     ratios: int = 7
     utilisation: tuple[float, ...] = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
     """Torque utilisation; negative where the secondary pulley drives."""
     slip_share: tuple[float, ...] = (-1.0, -0.6, -0.35, -0.15, -0.05, 0.0, 0.05, 0.15, 0.35, 0.6, 1.0)
     """Slips of the traction, divided by the slip at capacity."""
-    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)
-    """Torque utilisations at which shifts are measured."""
+    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)  # Torque utilisations at which shifts are measured
     excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.25, 0.5, 0.9)
     """ln(F_P/(κ F_S)) of the shifts, with 0."""
 
@@ -87,11 +91,8 @@ class Plan(Tasks):
     @cached_property
     def full(self) -> dict[str, float]:
         """All parameters of the FMU: those that are given, and the defaults of the others."""
-        defaults = {
-            name: variable.start
-            for name, variable in self.variables.items()
-            if variable.causality == "parameter" and not name.startswith(("initial.", "solver."))
-        }
+        parameters = {name: one.start for name, one in self.variables.items() if one.causality == "parameter"}
+        defaults = {name: start for name, start in parameters.items() if not name.startswith(("initial.", "solver."))}
         return {**checked(self.variables, defaults, {"parameter"}), **self.parameters}
 
     @cached_property
@@ -102,9 +103,7 @@ class Plan(Tasks):
         low, high = stops(self.full)
         return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
-    @property
-    def procedure(self) -> tuple[ModuleType, ...]:
-        return working_points, steady
+    procedure = (working_points, steady)
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:
@@ -122,3 +121,101 @@ class Plan(Tasks):
 
     def document(self) -> dict[str, Any]:
         return {"parameters": dict(self.full), "grid": {**asdict(self.grid), "ratio": self.ratios}}
+
+
+# Solved lines
+
+
+def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
+    """The maps of all lines. Lines without results have those of the nearest line."""
+    found = {index: row for index, row in rows.items() if "points" in row}
+    if not found:
+        raise ArgumentError(f"no line has a steady state: {'; '.join(sorted({row.get('reason', '') for row in rows.values()}))}")
+    grid = plan.grid
+    values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
+    axes = dict(zip(AXES, map(np.array, values), strict=True))
+    route = tuple(len(axes[name]) for name in POINT[:3])
+    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
+
+    def gathered(get: Callable[[Mapping[str, Any]], Any]) -> Array:
+        values = np.array([get(found[source]) for source in sources], dtype=float)
+        return values.reshape(*route, *values.shape[1:])
+
+    raw = {name: gathered(lambda row, name=name: row["points"][name]) for name in POINT_COLUMNS}  # type: ignore[misc]
+    state, reasons = _states(plan, rows, raw["macroSlip"], axes["utilisation"])
+    tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
+    tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
+    tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
+    tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
+    # The slope over the two intervals about excess 0; over one at the border of the axis.
+    zero = int(np.flatnonzero(axes["excess"] == 0.0)[0])
+    ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]
+    tables["shiftGain"] = np.diff(tables["shiftRate"][..., ends])[..., 0] / (np.diff(axes["excess"][ends])[0] or 1.0)
+    tables |= with_shafts(plan.full, axes, tables)
+    description = plan.description
+    source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
+    assert tables.keys() == TABLES.keys()
+    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons)
+
+
+def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
+    """The nearest line with results, by indices of the axes; a step along the ratio counts least."""
+    weights = np.array([3.0, 2.0, 1.0])
+    place = np.array(np.unravel_index(index, shape))
+    return min(found, key=lambda other: float(weights @ np.abs(np.array(np.unravel_index(other, shape)) - place)))
+
+
+def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array) -> tuple[Array, dict[str, str]]:
+    """The table `state`, and the reasons for missing steady states."""
+    state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
+    for index in range(len(plan.tasks())):
+        place = np.unravel_index(index, state.shape[:3])
+        row = rows.get(index, {})
+        for k, utilisation in enumerate(utilisations):
+            why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")
+            if why is not None:
+                beyond = why.startswith("beyond the capacity")
+                state[(*place, k)] = STATES.index("beyond_capacity" if beyond else "not_found")
+                reasons["/".join(map(str, (*place, k)))] = why
+    return state, reasons
+
+
+def filled(values: Array) -> Array:
+    """Values with gaps (NaN) filled with the nearest value along the last axis."""
+    there = np.isfinite(values)
+    if not there.any(axis=-1).all():
+        raise ArgumentError("a line has no steady state")
+    places = np.arange(values.shape[-1])
+    away = np.where(there[..., None, :], np.abs(places[:, None] - places), values.shape[-1])
+    return np.take_along_axis(values, away.argmin(axis=-1), axis=-1)
+
+
+def monotone(rates: Array, excesses: Array) -> Array:
+    """Shift rates with 0 inserted at excess 0, made to grow with the excess; missing ones (NaN) are those of the nearest excess."""
+    zero = int(np.flatnonzero(excesses == 0.0)[0])
+    full = filled(np.insert(rates, zero, 0.0, axis=-1))
+    scale = 1e-6 * np.max(np.abs(full), axis=-1, keepdims=True) * np.abs(excesses)
+    above = np.maximum.accumulate(np.maximum(full, scale)[..., zero:], axis=-1)
+    below = np.maximum.accumulate(np.maximum(-full, scale)[..., zero::-1], axis=-1)[..., ::-1]
+    return np.concatenate([-below[..., :-1], above], axis=-1)
+
+
+def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> dict[str, Array]:
+    """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
+    force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
+    per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
+    torque = utilisation * force * per_force[None, None, :, None]
+    # The secondary shaft turns at speed/ratio, the primary one faster by the slip.
+    turning = {"primary": speed / (1.0 - tables["slip"]), "secondary": speed / ratio}
+    drag = {}
+    for pulley, omega in turning.items():
+        lever = parameters[f"{pulley}.bearing.friction"] * parameters[f"{pulley}.bearing.radius"]
+        loaded = parameters[f"{pulley}.drag.constant"] + lever * tables["bearingLoad"]
+        drag[pulley] = np.tanh(omega / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * omega
+    into = torque + drag["primary"]
+    out = ratio * (torque - tables["beltTorqueLoss"]) - drag["secondary"]
+    power_in, power_out = into * turning["primary"], out * turning["secondary"]
+    driving, driven = np.where(power_in > 0.0, (power_in, power_out), (-power_out, -power_in))
+    efficiency = np.divide(driven, driving, out=np.zeros_like(driven), where=(driving > 0.0) & (driven > 0.0))
+    shafts = sum(drag[pulley] * turning[pulley] for pulley in turning)
+    return {"primaryTorque": torque, "lossShafts": shafts, "torqueLoss": into - out / ratio, "efficiency": efficiency}

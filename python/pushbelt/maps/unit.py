@@ -8,6 +8,7 @@ from __future__ import annotations
 import codecs
 import json
 import re
+import uuid
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,18 +28,11 @@ FORMAT, VERSION = "pushbelt map unit", 1
 USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
 """Tables of the FMU."""
 GEOMETRY = (
-    *(f"geometry.{name}" for name in ("centerDistance", "beltLength", "wedgeAngle")),
-    *("belt.pitchOffset", "friction.fall", "friction.fallSpeed"),
-)
+    "geometry.centerDistance", "geometry.beltLength", "geometry.wedgeAngle", "belt.pitchOffset", "friction.fall", "friction.fallSpeed",
+)  # fmt: skip
 """Parameters of the variator that the tables contain."""
-VARIABLES = (
-    "friction.pulley",
-    *(
-        f"{side}.{name}"
-        for side in ("primary", "secondary")
-        for name in ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
-    ),
-)
+OF_PULLEYS = ("inertia", "minRadius", "maxRadius", "drag.constant", "drag.viscous", "bearing.friction", "bearing.radius")
+VARIABLES = ("friction.pulley", *(f"{side}.{name}" for side in ("primary", "secondary") for name in OF_PULLEYS))
 """Parameters of the variator that the FMU has as variables."""
 DIGITS = 9  # Significant digits of the tables
 TOKENS = re.compile(r'\b(guid|instantiationToken)="\{([0-9a-f-]{36})\}"')
@@ -64,27 +58,24 @@ def tables_of(maps: Maps) -> bytes:
     tables["traction"] = np.maximum.accumulate(tables["traction"], axis=-1)
     rounded = np.vectorize(lambda value: float(f"{value:.{DIGITS}g}"))
     document = {
-        "format": FORMAT,
-        "version": VERSION,
-        "source": dict(maps.source),
-        "maps": maps.identity,
+        "format": FORMAT, "version": VERSION, "source": dict(maps.source), "maps": maps.identity,
         "parameters": {name: maps.parameters[name] for name in GEOMETRY},
         "startValues": {name: maps.parameters[name] for name in VARIABLES},
-        "axes": {name: {"unit": AXES[name].unit, "values": maps.axes[name].tolist()} for name in AXES},
+        "axes": {name: {"unit": axis.unit, "values": maps.axes[name].tolist()} for name, axis in AXES.items()},
         "tables": {
             name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()}
             for name, values in tables.items()
         },
-    }
+    }  # fmt: skip
     # Only the numbers of tables are nested lists, so the file is compact without being one line.
     return (json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
 
 def hash_of(content: bytes) -> int:
     """The hash of the tables in the token, without a byte-order mark: FNV-1a with 128 bits (Fowler, Noll, Vo)."""
-    found, mask = _START, (1 << 128) - 1
+    found = _START
     for byte in content.removeprefix(codecs.BOM_UTF8):
-        found = ((found ^ byte) * _PRIME) & mask
+        found = ((found ^ byte) * _PRIME) % (1 << 128)
     return found
 
 
@@ -93,9 +84,7 @@ def with_tables(description: str, before: bytes | None, after: bytes) -> str:
     change = hash_of(after) ^ (hash_of(before) if before is not None else 0)
 
     def token(match: re.Match[str]) -> str:
-        digits = f"{int(match[2].replace('-', ''), 16) ^ change:032x}"
-        parts = (digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])
-        return f'{match[1]}="{{{"-".join(parts)}}}"'
+        return f'{match[1]}="{{{uuid.UUID(int=uuid.UUID(match[2]).int ^ change)}}}"'
 
     found, count = TOKENS.subn(token, description, count=1)
     if not count:

@@ -26,7 +26,7 @@ from ..errors import ArgumentError
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
 from . import unit as map_unit
-from .data import MapError, Maps
+from .data import MapError, Maps, arrays_of
 from .plan import stops
 
 SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
@@ -103,13 +103,9 @@ class MapVariator:
         self.secondary_speed = self.primary_speed * (1.0 - np.broadcast_to(slip, self.count)) / self.ratio
 
     def step(
-        self,
-        duration: float,
-        primary_torque: ArrayLike,
-        secondary_torque: ArrayLike,
-        primary_force: ArrayLike,
+        self, duration: float, primary_torque: ArrayLike, secondary_torque: ArrayLike, primary_force: ArrayLike,
         secondary_force: ArrayLike,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Advances by a duration (s) under torques (N·m) and clamping forces (N), which are numbers or arrays."""
         loads = (primary_torque, secondary_torque, primary_force, secondary_force)
         into, out, closing, force = (np.broadcast_to(np.asarray(load, dtype=float), self.count) for load in loads)
@@ -132,12 +128,6 @@ class MapVariator:
             (value, slope), (back, back_slope) = ahead(v), ahead(-v)
             return forward * value - (1.0 - forward) * back, forward * slope + (1.0 - forward) * back_slope
 
-        def mean(of: Any, v: Array) -> tuple[Array, ...]:
-            if one_way:
-                return of(ahead(v)[0])
-            pairs = zip(of(ahead(v)[0]), of(ahead(-v)[0]), strict=True)
-            return tuple(forward * a + (1.0 - forward) * b for a, b in pairs)
-
         log_force = np.log(np.maximum(closing, LEAST_FORCE))
 
         def at(u: Array) -> tuple[Array, Array, Array]:
@@ -147,7 +137,10 @@ class MapVariator:
             return lost, load, self._shift(place, u, excess)
 
         v = radius * (primary - ratio * secondary)
-        lost, load, rate = mean(at, v)
+        lost, load, rate = at(ahead(v)[0])
+        if not one_way:
+            behind = at(ahead(-v)[0])
+            lost, load, rate = (forward * a + (1.0 - forward) * b for a, b in zip((lost, load, rate), behind, strict=True))
         new_log = np.clip(self.log_ratio - h * np.abs(primary) * rate, *self._stops)
         # Speeds are linear in the torque T_P: v = v_0 − m u.
         ratio, radius = np.exp(new_log), self._radius(new_log)
@@ -216,9 +209,7 @@ class MapVariator:
     # Tables
 
     def _build(self, document: Tables) -> None:
-        axes, tables = (
-            {name: np.array(entry["values"], dtype=float) for name, entry in document[part].items()} for part in ("axes", "tables")
-        )
+        axes, tables = arrays_of(document)
         logs = np.log(axes["ratio"])
         places = np.linspace(logs[0], logs[-1], RATIOS)
         self._axes = axes["force"], axes["speed"] ** 2, places
@@ -232,8 +223,7 @@ class MapVariator:
             fine = [refined(_cubic(axes[along], one, even, axis=-1)) for one in values]
             return _Table(even, [np.maximum.accumulate(one, axis=-1) if rising else one for one in fine])
 
-        points = (tables[name] for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad"))
-        self._points = sheet("utilisation", UTILISATIONS, points)
+        self._points = sheet("utilisation", UTILISATIONS, [tables[name] for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad")])
         self._tractions = sheet("slipShare", SHARES, [tables["traction"]], rising=True)
         self._rates = sheet("excess", EXCESSES, np.moveaxis(tables["shiftRate"], -2, 0), rising=True)
         # Least and greatest utilisation at capacity, and the slips there.
@@ -250,16 +240,13 @@ def _document(maps: Maps | Path | str | None) -> Tables:
     """The tables of maps, of a file of maps or of a map FMU."""
     if maps is None:
         return json.loads(map_unit.default_maps().read_bytes())
-    if isinstance(maps, Maps):
-        return json.loads(map_unit.tables_of(maps))
-    path = Path(maps)
-    if path.suffix != ".fmu":
-        return json.loads(map_unit.tables_of(Maps.read(path)))
+    if isinstance(maps, Maps) or Path(maps).suffix != ".fmu":
+        return json.loads(map_unit.tables_of(maps if isinstance(maps, Maps) else Maps.read(Path(maps))))
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(maps) as archive:
             return json.loads(archive.read(map_unit.TABLES_FILE))
     except (zipfile.BadZipFile, KeyError, ValueError) as error:
-        raise MapError(f"{path} is no FMU of maps: {error}") from error
+        raise MapError(f"{maps} is no FMU of maps: {error}") from error
 
 
 def _rows(tables: Sequence[Array]) -> Array:

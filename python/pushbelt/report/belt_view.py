@@ -23,6 +23,11 @@ LONGEST = 60.0  # Longest duration of the animation, s
 STEADY_TIME = 20.0  # Duration of the animation of a steady state, s
 STEPS = 1000  # Number of steps of the slider
 ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Magnifications to choose from
+ELEMENT_THICKNESS = 1.5e-3
+"""The FMU's default of `belt.elementThickness`, m. Parameter sets contain only values that differ."""
+SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
+OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
+"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
 
 
 @dataclass(frozen=True)
@@ -48,40 +53,25 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     return offset
 
 
-ELEMENT_THICKNESS = 1.5e-3
-"""The FMU's default of `belt.elementThickness`, m. Parameter sets contain only values that differ."""
-
-
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
     """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
     times, shown = zip(*sorted(states.items(), key=lambda one: one[0]), strict=True)
     curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
-    chain = is_chain(parameters)
     primary, secondary, way = turned
     return Motion(
         time=np.array(times),
-        force=np.array([state.profile.ring_tension if chain else state.profile.push_force for state in shown]),
+        force=np.array([getattr(state.profile, "ring_tension" if is_chain(parameters) else "push_force") for state in shown]),
         offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
         gap=np.array([state.profile.gap for state in shown]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
-        angles=np.stack([secondary, primary], axis=1),
-        way=np.asarray(way),
-    )
+        angles=np.stack([secondary, primary], axis=1), way=np.asarray(way),
+    )  # fmt: skip
 
 
-SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
-
-
-def over_time(
-    time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]
-) -> Motion:
+def over_time(time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]) -> Motion:
     """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
     moments = np.array(sorted(states))
     return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
-
-
-OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
-"""Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
 
 
 def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
@@ -110,17 +100,11 @@ def magnification_for(offset: Array, least_radius: float) -> float:
     return float(max(step for step in ROUND if step <= max(0.3 * least_radius / largest, 1.0)))
 
 
-def belt_view(
-    shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None
-) -> Markup:
+def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None) -> Markup:
     """The animation as an HTML fragment. `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
-    distance, length, pitch = (
-        parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
-    )
-    thickness = parameters.get("belt.elementThickness", ELEMENT_THICKNESS)
-    chain = is_chain(parameters)
-    together = 1 if chain else ELEMENTS_TOGETHER
-    force = "tension" if chain else "push force"
+    distance, length, pitch = (parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset"))
+    thickness, chain = parameters.get("belt.elementThickness", ELEMENT_THICKNESS), is_chain(parameters)
+    together, force = (1, "tension") if chain else (ELEMENTS_TOGETHER, "push force")
     label = f"{label}, coloured by {force}"
     still = len(shown.time) == 2 and np.array_equal(shown.force[0], shown.force[1])
     magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
@@ -128,8 +112,7 @@ def belt_view(
     gap_scale = max(step for step in ROUND if step <= max(0.75 * thickness / wide, 1.0))
     rates = np.abs(np.diff(shown.angles, axis=0)) / np.diff(shown.time)[:, None]
     pace = max(1.0, float(np.ptp(shown.time)) / LONGEST)
-    slow = max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0)
-    slow = float(f"{slow:.1g}")
+    slow = float(f"{max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0):.1g}")
     reach = float(shown.radii.max() + magnification * np.percentile(np.abs(shown.offset), 99.9))
     most = max(float(np.percentile(shown.force, 99.8)), 1.0)
     data = {
@@ -145,11 +128,8 @@ def belt_view(
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
     playing = f" The animation is {pace:.0f} times as fast as the run." if pace > 1.5 else ""
-    drawn = (
-        "The pins of the chain are drawn."
-        if chain
-        else f"Gaps between elements are magnified {gap_scale} times, one drawn element represents {together} elements."
-    )
+    elements = f"Gaps between elements are magnified {gap_scale} times, one drawn element represents {together} elements."
+    drawn = "The pins of the chain are drawn." if chain else elements
     bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
     return Markup(
         f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'

@@ -134,20 +134,13 @@ class Chart:
 
 def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label: str, **common: Any) -> list[Panel]:
     """Panels above each other over the same x, whose label the last one has. A row has a title, lines, and further settings of its panel."""
-    last = len(rows) - 1
-    return [
-        Panel(title, series, x_label if k == last else "", **{**common, **more})
-        for k, (title, series, more) in enumerate(rows)
-    ]
+    labels = [""] * (len(rows) - 1) + [x_label]
+    return [Panel(title, series, label, **{**common, **more}) for (title, series, more), label in zip(rows, labels, strict=True)]
 
 
 def html(chart: Chart) -> Markup:
-    specification = {
-        "linked": chart.linked,
-        "group": chart.group,
-        "commonLegend": chart.common_legend,
-        "panels": [panel_data(panel, chart.linked) for panel in chart.panels],
-    }
+    of_panels = [panel_data(panel, chart.linked) for panel in chart.panels]
+    specification = {"linked": chart.linked, "group": chart.group, "commonLegend": chart.common_legend, "panels": of_panels}
     panels = "".join(
         f'<div class="panel"><h4>{escape(panel.title)}</h4><div class="keys"></div>'
         f'<div class="plot" style="height: {panel.height}px" tabindex="0" role="group"'
@@ -210,10 +203,8 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
 def symlog(values: ArrayLike, linear_to: float) -> Array:
     """Positions on an axis that is linear up to `linear_to` and logarithmic beyond."""
     y = np.asarray(values, dtype=float)
-    size = np.maximum(np.abs(y), linear_to)
-    return np.where(
-        np.abs(y) <= linear_to, SYMLOG_SHARE * y / linear_to, np.sign(y) * (SYMLOG_SHARE + np.log10(size / linear_to))
-    )
+    beyond = np.sign(y) * (SYMLOG_SHARE + np.log10(np.maximum(np.abs(y), linear_to) / linear_to))
+    return np.where(np.abs(y) <= linear_to, SYMLOG_SHARE * y / linear_to, beyond)
 
 
 # Traces
@@ -234,7 +225,7 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
         y = symlog(y, panel.linear_to)
     if one.kind == "line" and not one.marker:
         x, y = thinned(x, y)
-    mode = {"line": "lines", "points": "markers"}[one.kind] + ("+markers" if one.kind == "line" and one.marker else "")
+    mode = "markers" if one.kind == "points" else "lines+markers" if one.marker else "lines"
     trace = common | {"type": "scatter", "mode": mode, "x": encoded(x), "y": encoded(y)}
     if one.kind == "line":
         trace["line"] = {"color": one.colour, "width": one.width, "dash": one.dash or "solid"}
@@ -274,10 +265,8 @@ def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
 
 
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
-    trace: dict[str, Any] = {
-        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(one.values),
-        "showscale": not one.lines_only,
-    }  # fmt: skip
+    trace: dict[str, Any] = {"type": "contour", "name": one.name, "showscale": not one.lines_only}
+    trace |= {"x": encoded(one.x), "y": encoded(one.y), "z": encoded(one.values)}
     if one.levels is not None:
         start, end, size = one.levels
         trace |= {"autocontour": False, "contours": {"start": start, "end": end, "size": size}, "zmin": start, "zmax": end}
@@ -287,9 +276,8 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         trace["hovertemplate"] = "%{x:.3~g}, %{y:.3~g}: <b>%{z:.4~g}</b><extra>" + escape(one.name) + "</extra>"
         return trace
     # The points have the values; between them the colours are interpolated.
-    trace["hoverinfo"] = "skip"
     share = None if one.middle is None or one.levels is None else (one.middle - one.levels[0]) / (one.levels[1] - one.levels[0])
-    trace["colorscale"] = [list(stop) for stop in colour_stops(share)]
+    trace |= {"hoverinfo": "skip", "colorscale": [list(stop) for stop in colour_stops(share)]}
     trace["colorbar"] = {"title": {"text": one.unit}}
     if one.ticks:
         places, texts = zip(*one.ticks, strict=True)
@@ -333,16 +321,13 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
-        "margin": {},
-        "hovermode": "x" if linked else "closest",
-        "hoverdistance": -1 if linked else 24,
+        "hovermode": "x" if linked else "closest", "hoverdistance": -1 if linked else 24,
         "barmode": "relative" if panel.stacked else "group",
-        "shapes": _shapes(panel),
-        "annotations": _annotations(panel),
-    }
+        "margin": {}, "shapes": _shapes(panel), "annotations": _annotations(panel),
+    }  # fmt: skip
     if linked:
         layout["margin"]["l"], layout["yaxis"]["automargin"] = 62, False  # The plot areas of all panels have the same left edge.
-    if any(mark.label for mark in panel.marks) or any(shade.label for shade in panel.shades):
+    if any(one.label for one in (*panel.marks, *panel.shades)):
         layout["margin"]["t"] = 24
     if panel.equal:
         layout["yaxis"] |= {"scaleanchor": "x", "scaleratio": 1}

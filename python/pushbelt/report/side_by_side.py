@@ -13,9 +13,7 @@ from typing import Any
 from ..console import interrupts_ignored
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]  # A module-level function and its arguments
-
 BATCH = 0.5  # Least progress per report of a worker
-
 _ticks: Any = None  # In a worker: queue for reports of progress
 _pending = 0.0  # In a worker: progress that is not yet reported
 

@@ -8,16 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
-
 BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "#830196"
 """Any two of these, `INK` and `MUTED` are distinguishable for colour-blind readers. A test simulates their colour vision."""
-
 COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
 """Colours from small to large values. They become darker, so that the scale also works in grey."""
-
 DIVERGING = ("#08305c", "#2f7fc1", "#a9cfe8", "#f6f6f4", "#f0c489", "#c06f14", "#5e2c02")
 """Colours from large negative values over zero to large positive ones. They become darker on both sides."""
-
 RPM = 30.0 / math.pi  # rpm of a speed of 1 rad/s
 SHOWN = {"rad/s": (RPM, "rpm"), "N": (1e-3, "kN"), "Pa": (1e-6, "MPa")}
 
@@ -45,27 +41,10 @@ def mixed(colours: Sequence[str], at: Sequence[float], places: Sequence[float] |
 
 
 STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.titlecolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.8,
-    "axes.grid": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.7,
-    "axes.axisbelow": True,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "lines.linewidth": 1.4,
-}
+    "font.family": "DejaVu Sans", "font.size": 9, "lines.linewidth": 1.4, "legend.frameon": False, "legend.fontsize": 8.5,
+    "axes.titlesize": 9.5, "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.titlecolor": INK, "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED, "axes.linewidth": 0.8, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+    "axes.grid": True, "grid.color": GRID, "grid.linewidth": 0.7,
+    "xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
+}  # fmt: skip
 """Settings of matplotlib."""

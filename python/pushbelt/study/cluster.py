@@ -5,24 +5,16 @@ A chunk is a list of numbered tasks. A worker solves it by the method `solver.so
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import cloudpickle
-from distributed import (
-    CancelledError,
-    Client,
-    Future,
-    KilledWorker,
-    LocalCluster,
-    WorkerPlugin,
-    as_completed,
-    get_worker,
-)
+from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed, get_worker
 
 import pushbelt.fmu
 from pushbelt import errors
@@ -36,6 +28,10 @@ Rows = list[tuple[int, dict[str, Any]]]  # Their numbers and results
 CONNECT_TIMEOUT = 10.0  # Timeout for the connection to a scheduler, s
 WORKERS_TIMEOUT = 60.0  # Timeout for the first worker of a cluster, s
 QUEUE_TIMEOUT = 7 * 86400.0  # Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s
+WORKER_LOST = "the worker process crashed repeatedly"
+CLOSING = 120  # Time before the end of a job at which its worker closes and passes its points on, s
+NAMES = {"name": "job_name", "logs": "log_directory", "scratch": "local_directory"}
+REPEATED = {"directive": "job_extra_directives", "prologue": "job_script_prologue"}
 
 
 class ClusterError(PushbeltError, RuntimeError):
@@ -50,11 +46,9 @@ def connect(scheduler: Any = None, workers: int | None = None) -> Iterator[Clien
         try:
             timeout = WORKERS_TIMEOUT if scheduler is None or isinstance(scheduler, str) else QUEUE_TIMEOUT
             if scheduler is None:
+                common = {"threads_per_worker": 1, "memory_limit": 0, "dashboard_address": ":0", "silence_logs": "ERROR"}
                 with interrupts_ignored():
-                    local = LocalCluster(
-                        n_workers=workers, threads_per_worker=1, memory_limit=0, dashboard_address=":0", silence_logs="ERROR"
-                    )
-                scheduler = stack.enter_context(local)
+                    scheduler = stack.enter_context(LocalCluster(n_workers=workers, **common))
             client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
             client.wait_for_workers(1, timeout=timeout)
         except (OSError, TimeoutError) as error:
@@ -75,19 +69,15 @@ class UnitPlugin(WorkerPlugin):
         folder.mkdir(parents=True, exist_ok=True)
         file = folder / "unit.fmu"
         file.write_bytes(self._fmu)
-        archive = Archive.unpack(file, folder / "unpacked")
-        self._cleanup.callback(archive.remove)
-        self.solver = self._load(archive)
-        self._cleanup.callback(self.solver.close)
+        archive = self._cleanup.enter_context(Archive.unpack(file, folder / "unpacked"))
+        self.solver = self._cleanup.enter_context(closing(self._load(archive)))
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
         self._cleanup.close()
 
 
 @contextmanager
-def shipped(
-    client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType
-) -> Iterator[Callable[[Chunk], Rows]]:
+def shipped(client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules: ModuleType) -> Iterator[Callable[[Chunk], Rows]]:
     """Sends an FMU and the code of its solver to the workers; returns the function that solves chunks there. `load`
     makes the solver, with the methods `solve` and `close`, from the unpacked FMU. It is in one of the modules, which
     are sent with those of `pushbelt.fmu`. Raises ClusterError if a worker cannot load them."""
@@ -111,9 +101,6 @@ def shipped(
     finally:
         if client.status == "running":
             client.unregister_worker_plugin(name)
-
-
-WORKER_LOST = "the worker process crashed repeatedly"
 
 
 def rows(client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk]) -> Iterator[Rows]:
@@ -143,3 +130,28 @@ def _result(future: Future) -> Rows | None:
         raise ClusterError("the connection to the scheduler is lost") from error
     finally:
         future.release()
+
+
+def slurm(text: str) -> tuple[Any, int]:
+    """A cluster of jobs of Slurm by dask-jobqueue, without jobs so far, and their number; each has `cores` processes, as
+    `queue=normal walltime=02:00:00 jobs=4 cores=16 "directive=--nice=100"` says."""
+    from dask_jobqueue import SLURMCluster
+
+    given: dict[str, Any] = {}
+    try:
+        for key, value in (word.split("=", 1) for word in shlex.split(text)):
+            if key in REPEATED:
+                given.setdefault(REPEATED[key], []).append(value)
+            else:
+                given[NAMES.get(key, key)] = value
+        jobs, cores, port = (int(given.pop(name, default)) for name, default in (("jobs", 1), ("cores", 1), ("port", 0)))
+        days, _, clock = given.get("walltime", "00:30:00").rpartition("-")
+        hours, minutes, seconds = map(int, clock.split(":"))
+        lifetime = max(86400 * int(days or 0) + 3600 * hours + 60 * minutes + seconds - CLOSING, 30)
+        # A worker that closes by itself passes its points on. One that Slurm ends would lose them and count as crashed.
+        given = {"memory": f"{cores}GB", "worker_extra_args": ["--lifetime", f"{lifetime}s", "--lifetime-stagger", "30s"]} | given
+        options = {"port": port, "dashboard_address": ":0"}
+        found = SLURMCluster(cores=cores, processes=cores, scheduler_options=options, **given)
+    except (TypeError, ValueError) as error:
+        raise ClusterError(f"--slurm {text}: {error}; words are key=value, with walltime=02:00:00 or 1-02:00:00") from error
+    return found, jobs

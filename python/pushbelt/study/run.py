@@ -9,7 +9,7 @@ import os
 import random
 import time
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -21,8 +21,8 @@ from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import progress_bar
 from pushbelt.whole_file import write_whole
 
-from . import worker
-from .tasks import Row, Tasks
+from . import tasks as study
+from .tasks import Row, Solver, Tasks
 
 MOST_CHUNKS = 5000  # Largest number of chunks. Larger studies have larger chunks, because each chunk is a file.
 
@@ -85,15 +85,9 @@ def chunks(tasks: Tasks, finished: set[int], size: int) -> list[list[tuple[int, 
 
 
 def solve(
-    tasks: Tasks,
-    folder: Path,
-    *,
-    scheduler: Any = None,
-    workers: int | None = None,
-    chunk: int = 1,
-    anew: bool = False,
+    tasks: Tasks, folder: Path, *, scheduler: Any = None, workers: int | None = None, chunk: int = 1, anew: bool = False,
     progress: Callable[[Progress], object] = lambda _: None,
-) -> dict[int, Row]:
+) -> dict[int, Row]:  # fmt: skip
     """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them,
     unless `anew`. `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local
     processes are started, one per processor. A program that starts them needs the guard `if __name__ == "__main__":`.
@@ -112,11 +106,8 @@ def solve(
     # Only studies on a cluster need the packages of dask.
     from . import cluster
 
-    load = partial(worker.Solver, parameters=tasks.common, measure=tasks.measure)
-    with (
-        cluster.connect(scheduler, workers) as client,
-        cluster.shipped(client, tasks.archive, load, worker, *tasks.procedure) as solver,
-    ):
+    load = partial(Solver, parameters=tasks.common, measure=tasks.measure)
+    with cluster.connect(scheduler, workers) as client, cluster.shipped(client, tasks.archive, load, study, *tasks.procedure) as solver:
         for found in map(dict, cluster.rows(client, solver, missing)):
             rows |= found
             failed += sum(row.get("reason") is not None for row in found.values())
@@ -129,25 +120,22 @@ def solve(
 def solve_in_processes(tasks: Tasks, folder: Path, title: str) -> dict[int, Row]:
     """The same in processes of this machine, with a progress bar and without dask."""
     store = Store(folder, tasks)
-    rows = store.rows()
-    if missing := chunks(tasks, set(rows), 1):
+    if missing := chunks(tasks, set(store.rows()), 1):
         with Archive.unpack(tasks.fmu) as archive:
-            calls = [(_solve_chunk, (archive, tasks.common, tasks.measure, chunk)) for chunk in missing]
-            for found in map(dict, side_by_side.run_all(calls, len(calls), title, os.cpu_count() or 1)):
-                rows |= found
-                store.add(found)
-    return rows
+            calls = [(_solve_chunk, (store, chunk, archive, tasks.common, tasks.measure)) for chunk in missing]
+            side_by_side.run_all(calls, len(calls), title, os.cpu_count() or 1)
+    return store.rows()
 
 
-def _solve_chunk(archive: Archive, *arguments: Any) -> list[tuple[int, Row]]:
-    *common, chunk = arguments
-    with closing(worker.Solver(archive, *common)) as solver:
-        found = solver.solve(chunk)
+def _solve_chunk(store: Store, chunk: Sequence[tuple[int, Any]], *solver: Any) -> None:
+    with closing(Solver(*solver)) as opened:
+        store.add(dict(opened.solve(chunk)))
     side_by_side.tick(len(chunk))
-    return found
 
 
-def from_command_line(tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None) -> tuple[dict[int, Row], Effort]:
+def from_command_line(
+    tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None
+) -> tuple[dict[int, Row], Effort]:
     """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
     begin, reports = time.perf_counter(), list[Progress]()
     with progress_bar(len(tasks.tasks()), what) as bar:

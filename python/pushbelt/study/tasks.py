@@ -1,4 +1,8 @@
-"""What is solved: an FMU, parameters, and tasks, with an identity of everything that determines the results."""
+"""What is solved: an FMU, parameters, and tasks, with an identity of everything that determines the results; and the solver of tasks.
+
+This module is sent to the workers with the procedure of the tasks and the modules of `pushbelt.fmu` (see `cluster`): a worker needs the
+packages `distributed`, `fmpy` and `numpy`, but not this project.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import hashlib
 import itertools
 import json
 import math
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,6 +23,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.steady import SteadyStates
+from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.fmu.untrusted import described
 
 Row = dict[str, Any]  # The result of a task. `reason` is why it has none; `time` is its processor time, s.
@@ -61,6 +67,43 @@ class Tasks(ABC):
             **self.document(),
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+class Solver:
+    """The loaded FMU. Tasks can be solved in several threads: each has an instance that no other uses."""
+
+    def __init__(self, archive: Archive, parameters: Mapping[str, float], measure: Callable[[SteadyStates, Any], Row]) -> None:
+        """The FMU is loaded, so that its errors are raised here."""
+        self._archive, self._parameters, self._measure = archive, parameters, measure
+        self._idle = [SteadyStates(archive, parameters)]
+        assert self._idle[0].unit
+        self.instances = 1  # Number of instances created so far, without those that replaced another one
+
+    def solve(self, chunk: Sequence[tuple[int, Any]]) -> list[tuple[int, dict[str, Any]]]:
+        """Numbers and rows of numbered tasks. The row of a failed task has the reason."""
+        return [(number, self._row(task)) for number, task in chunk]
+
+    def _row(self, task: Any) -> dict[str, Any]:
+        """The result of a task, or the reason for a missing one as `reason`; and the processor time as `time`, s."""
+        begin = time.thread_time()
+        try:
+            # Removal from a list is atomic.
+            states = self._idle.pop()
+        except IndexError:
+            states = SteadyStates(self._archive, self._parameters)
+            self.instances += 1
+        try:
+            found = self._measure(states, task)
+        except Exception as error:  # noqa: BLE001
+            states.close()
+            found = {"reason": str(error) if isinstance(error, UnitError) else f"{type(error).__name__}: {error}"}
+        finally:
+            self._idle.append(states)
+        return {**found, "time": time.thread_time() - begin}
+
+    def close(self) -> None:
+        while self._idle:
+            self._idle.pop().close()
 
 
 def variator(name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None) -> dict[str, Any]:

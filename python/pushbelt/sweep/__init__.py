@@ -1,8 +1,6 @@
 """Parameter studies with the pushbelt FMU: steady states over a grid of five axes, or a design of any parameters and inputs (`design`).
 
     study (points) → `pushbelt.study` (cluster, store) → results.parquet → maps, checks → report
-
-The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
 from __future__ import annotations
@@ -23,14 +21,9 @@ __all__ = ["Design", "DesignError", "Grid", "Progress", "Study", "sweep"]
 
 
 def sweep(
-    study: Study,
-    folder: Path,
-    *,
-    scheduler: Any = None,
-    workers: int | None = None,
-    chunk: int | None = None,
+    study: Study, folder: Path, *, scheduler: Any = None, workers: int | None = None, chunk: int | None = None,
     progress: Callable[[Progress], object] = lambda _: None,
-) -> pyarrow.Table:
+) -> pyarrow.Table:  # fmt: skip
     """Solves the points of a study and returns one row a point; the other arguments are those of `pushbelt.study.run.solve`."""
     # Only what solves needs the packages of the extra.
     from .results import table

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushbelt import console, provenance
+from pushbelt import console
 from pushbelt.cli.options import add_reading, add_short, add_study, numbers, program, reading
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.untrusted import described
@@ -47,7 +47,6 @@ def parser() -> argparse.ArgumentParser:
 @console.program("sweep", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
-    provenance.begin("sweep", arguments)
     if options.slurm is None and options.print_job:
         raise ArgumentError("--print-job requires the options of --slurm")
     if options.slurm is not None and (options.scheduler or options.workers):
@@ -55,9 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with ExitStack() as stack:
         scheduler = None
         if options.slurm is not None:
-            from . import slurm
+            from pushbelt.study.cluster import slurm
 
-            queue, jobs = slurm.cluster(options.slurm)
+            queue, jobs = slurm(options.slurm)
             scheduler = stack.enter_context(queue)
             if options.print_job:
                 print(queue.job_script())

@@ -19,21 +19,16 @@ from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import units
 from pushbelt.tables.columns import CONDITIONS
-from pushbelt.tables.faults import Fault, TableError
 from pushbelt.tables.names import Column
-from pushbelt.tables.sheet import Reading
+from pushbelt.tables.sheet import Fault, Reading, TableError
 
 from .point import Point
 
 UTILISATION = "utilisation"
 AXIS_OF = {
-    "ratio": "initial.ratio",
-    "speed": "initial.primarySpeed",
-    "force": "secondary.clampingForce",
-    "friction": "friction.pulley",
-    "ratio.geometric": "initial.ratio",
-    "primary.speed": "initial.primarySpeed",
-}
+    "ratio": "initial.ratio", "speed": "initial.primarySpeed", "force": "secondary.clampingForce", "friction": "friction.pulley",
+    "ratio.geometric": "initial.ratio", "primary.speed": "initial.primarySpeed",
+}  # fmt: skip
 """Short names of columns, by which a point is defined."""
 OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Columns that may have the names of a rig's table, such as F_S. Its secondary torque has no sign, so it is not among them."""
@@ -79,16 +74,14 @@ class Points:
 class Design(Points):
     """Points of any columns."""
 
-    kind: str
-    """`grid`, `Latin hypercube` or `list`."""
+    kind: str  # `grid`, `Latin hypercube` or `list`
     columns: tuple[str, ...]
     rows: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
         if not self.columns or not self.rows:
             raise DesignError("the design has no points")
-        doubled = sorted({name for name in self.columns if self.columns.count(name) > 1})
-        if doubled:
+        if doubled := sorted({name for name in self.columns if self.columns.count(name) > 1}):
             raise DesignError(f"{', '.join(doubled)} is in the design twice")
         if {"utilisation", "primary.torque"} <= set(self.columns):
             raise DesignError("utilisation and primary.torque determine each other: vary one of them")
@@ -120,8 +113,7 @@ def varied(text: str) -> Varied:
 
 def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0) -> Design:
     """All combinations of the lists of values. With `samples`, each of them with a Latin hypercube over the ranges."""
-    lists = [column for column in columns if column.span is None]
-    ranges = [column for column in columns if column.span is not None]
+    lists, ranges = ([column for column in columns if (column.span is not None) == wanted] for wanted in (False, True))
     if ranges and samples is None:
         raise DesignError(f"{ranges[0].name} has a range: add a number of values, LOW:HIGH:N, or --samples")
     if samples is not None and not ranges:
@@ -131,8 +123,7 @@ def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0
         raise DesignError(f"the design has more than {MOST_POINTS} points")
     combinations = itertools.product(*(column.values for column in lists))
     rows = tuple((*combination, *sample) for combination in combinations for sample in sampled)
-    kind = "grid" if samples is None else "Latin hypercube"
-    return Design(kind, tuple(column.name for column in [*lists, *ranges]), rows)
+    return Design("grid" if samples is None else "Latin hypercube", tuple(column.name for column in [*lists, *ranges]), rows)
 
 
 def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[float, ...]]:
@@ -142,8 +133,7 @@ def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[
     if samples < 2:
         raise DesignError("a Latin hypercube needs at least 2 samples")
     unit = qmc.LatinHypercube(len(ranges), rng=seed).random(samples)
-    low, high = zip(*(column.span for column in ranges if column.span), strict=True)
-    return [tuple(float(value) for value in row) for row in qmc.scale(unit, low, high)]
+    return list(map(tuple, qmc.scale(unit, *zip(*(column.span for column in ranges if column.span), strict=True)).tolist()))
 
 
 def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = None) -> tuple[Design, list[str]]:
@@ -151,8 +141,7 @@ def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = N
     a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
     try:
         sheet = sheets.read(path, _known(variables), reading)
-        settable = {UTILISATION, *(name for name, variable in variables.items() if variable.causality in SETTABLE)}
-        names = [name for name in sheet.taken if name in settable]
+        names = [name for name in sheet.taken if name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)]
         sheet.check()
         if not names:
             raise TableError("no column is a parameter or an input of the FMU", path)
@@ -188,6 +177,5 @@ def _known(variables: Mapping[str, Any]) -> dict[str, Column]:
         if name not in AXIS_OF and variable.type in ("Real", "Integer", "Boolean", "Enumeration"):
             unit = variable.unit or "1"
             dimension = "pressure" if name.endswith(".pressure") else units.OF_FMU[unit]
-            names = tuple(aliases.get(name, ()))
-            found[name] = Column(dimension, -math.inf, math.inf, variable.description or "", names, unit)
+            found[name] = Column(dimension, -math.inf, math.inf, variable.description or "", tuple(aliases.get(name, ())), unit)
     return found

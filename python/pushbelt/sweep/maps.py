@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -90,9 +92,6 @@ def carried(utilisation: Array, holds: np.ndarray) -> Array:
 
 def sheets(results: xarray.Dataset) -> dict[str, Figure]:
     """Figures of all maps, by file name."""
-    several = results.sizes["force"] > 1
-    return {
-        quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results.sel(force=force), quantity)
-        for force in results.force.values
-        for quantity in QUANTITIES
-    }
+    end = "-{:.0f}N" if results.sizes["force"] > 1 else ""
+    places = itertools.product(results.force.values, QUANTITIES)
+    return {one.name.replace(" ", "-") + end.format(force): maps(results.sel(force=force), one) for force, one in places}

@@ -54,10 +54,6 @@ def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
     outputs = unit.outputs()
     if not all(math.isfinite(value) for value in outputs.values()):
         raise UnitError("an output is not finite")
-    return {
-        **outputs,
-        "macroSlip": bool(outputs["macroSlip"]),
-        "drift": outputs["thrustRatio"] / before - 1.0 if before else 0.0,
-        "remarks": "; ".join(unit.warnings) or None,
-        "reason": None,
-    }
+    drift = outputs["thrustRatio"] / before - 1.0 if before else 0.0
+    slips, remarks = bool(outputs["macroSlip"]), "; ".join(unit.warnings) or None
+    return outputs | {"macroSlip": slips, "drift": drift, "remarks": remarks, "reason": None}

@@ -3,26 +3,31 @@ over each varied column."""
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas
 import pyarrow as pa
 import xarray
+from xarray import DataArray
 
-from pushbelt.maps.panels import QUANTITIES, Quantity
+from pushbelt.maps.panels import QUANTITIES, Border, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
-from pushbelt.report.page import write_html
+from pushbelt.report.page import Check, write_html
 from pushbelt.report.style import BLUE, RED, RPM, in_figures
 from pushbelt.study.run import Effort
 
-from . import checks, figures, maps
+from . import maps
 from .design import Design
+from .maps import carried
 from .results import METADATA, schema
 from .study import AXES, Study
 
+ACROSS = 4  # Largest number of maps per row
 PICTURE_DPI = 160
 FEW = 12  # Largest number of failed points that are listed individually
 SHOWN = (
@@ -33,11 +38,112 @@ LARGE = 1e5  # Stiffnesses in N and other values above this are shown in SI unit
 MOST_COLUMNS = 12  # Largest number of columns with figures: those of the largest correlations
 
 
+def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:
+    """Descriptions of the points at which a mask is true."""
+    if "point" in results.dims:
+        return [f"point {number}" for number in points.point.values[points.values]]
+    places = points.transpose(*AXES).stack(place=list(AXES))
+    force = ", {force:.0f} N" if results.sizes["force"] > 1 else ""
+    text = "ratio {ratio:.3g}, utilisation {utilisation:g}, μ {friction:g}, {rpm:.0f} rpm" + force
+    values = (dict(zip(AXES, at, strict=True)) for at in places.place.values[places.values])
+    return [text.format(**at, rpm=RPM * at["speed"]) for at in values]
+
+
+def evaluate(results: xarray.Dataset) -> list[Check]:
+    steady, held = results.steady, results.macroSlip == 0.0
+    power = np.maximum(results["primary.power"], results["secondary.power"])
+    # Powers are those of the belt, so they exclude the drag of the shafts.
+    gap = results["primary.power"] + results["secondary.power"] - results["loss.total"] + results["loss.shafts"]
+    limits = (
+        ("Losses of the belt sum to its net power within 0.2 % of the driving power", (gap / power).where(power > 1.0, 0.0), 0.2),
+        # With saturated friction a small change of load is a large change of slip, so these points are excluded.
+        ("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", results.drift.where(held, 0.0), 0.01),
+    )
+    found = []
+    for statement, values, limit in limits:
+        inside = 100.0 * abs(values).where(steady)
+        worst = float(inside.max()) if steady.any() else 0.0
+        found.append(_check(results, statement, inside > limit, int(steady.sum()), f"at most {worst:.2g} %"))
+    return found if "point" in results.dims else [*found, *_checks_of_grid(results)]
+
+
+def _checks_of_grid(results: xarray.Dataset) -> list[Check]:
+    steady, positive = results.steady, results.utilisation >= 0.0
+    driving = steady & positive
+
+    def ascends(statement: str, values: DataArray, axis: str) -> Check:
+        steps = values.diff(axis)
+        return _check(results, statement, steps <= 0.0, int(steps.notnull().sum()), "steps from point to point")
+
+    # Every point below a utilisation with a steady state has one.
+    backwards = {"utilisation": slice(None, None, -1)}
+    beyond = driving.isel(backwards).cumsum("utilisation").isel(backwards) > 0
+    carried = results.thrustRatio.where(steady & (results.macroSlip == 0.0))
+    # Below a value on either side.
+    efficiency = results.efficiency.where(driving).transpose(*AXES)
+    up, down = (np.fmax.accumulate(efficiency.values[..., ::way], axis=-1)[..., ::way] for way in (1, -1))
+    valleys = efficiency < np.fmin(up, down)
+    hole = "If a utilisation has a steady state, all smaller ones have one"
+    return [
+        ascends("Thrust ratio falls from overdrive to underdrive", -carried, "ratio"),
+        ascends("Slip grows with torque utilisation", results.slip.where(driving), "utilisation"),
+        _check(results, "Efficiency has one peak over the torque utilisation", valleys, int(driving.sum()), "points"),
+        _check(results, hole, ~steady & beyond & positive, steady.size),
+    ]
+
+
+def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int, found: str = "") -> Check:
+    """A check that fails if `wrong` is true at any point. The first such points are listed."""
+    places = names_of(results, wrong)
+    text = ", ".join(filter(None, [f"{asked - len(places)} of {asked}", found]))
+    return Check(statement, not places, text + (f". Not: {'; '.join(places[:3])}" if places else ""))
+
+
+def contours(results: xarray.Dataset) -> dict[str, Chart]:
+    """Charts of all quantities by heading: one chart per clamping force, with one map per friction and speed."""
+    end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
+    places = itertools.product(results.force.values, QUANTITIES)
+    return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
+
+
+def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
+    axes = results.ratio.values, results.utilisation.values
+    levels = levels_of(quantity.scale * results[quantity.column].values, quantity.levels)
+    panels = []
+    for friction, speed in itertools.product(results.friction.values, results.speed.values):
+        one = results.sel(friction=friction, speed=speed)
+        values, slips = quantity.scale * one[quantity.column].values, one.macroSlip.values > 0.0
+        there = np.isfinite(values)
+        kinds = {"solved": there & ~slips, "slips through": there & slips, "no steady state": ~there}
+        title = f"μ = {friction:g}, {RPM * speed:.0f} rpm"
+        panels.append(panel(title, quantity, axes, values, levels, kinds, Border(carried(axes[1], there & ~slips))))
+    columns = min(len(panels), ACROSS)
+    return Chart(panels, f"Maps of {quantity.name}", columns=columns, common_legend=True, least_width=240)
+
+
+def cuts(results: xarray.Dataset) -> Chart:
+    """The quantities over the utilisation at a force, a friction and a speed, one line per ratio."""
+    panels = []
+    for quantity in QUANTITIES:
+        values = quantity.scale * results[quantity.column]
+        series = [
+            Series(f"ratio {ratio:.3g}", results.utilisation, values.sel(ratio=ratio), colour, marker="circle", size=4)
+            for ratio, colour in zip(results.ratio.values, shades(results.sizes["ratio"]), strict=True)
+        ]
+        # Values in macro-slip would make the scale too large for the others.
+        held = values.where(results.macroSlip == 0.0)
+        low, high = float(held.min()), float(held.max())
+        margin = 0.08 * (high - low) + 0.01
+        span = (low - margin, high + margin) if np.isfinite(low) else None
+        panels.append(Panel(quantity.heading, series, "torque utilisation", y_range=span, height=300))
+    return Chart(panels, "Thrust ratio, efficiency and slip over torque utilisation", columns=len(panels), common_legend=True)
+
+
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     """Writes the report, and for a grid its maps as image files; returns the path of the report."""
     path = folder / "report.html"
     results = maps.data_set(study.grid, table)
-    context = _common(study, table, effort) | {"checks": checks.evaluate(results) if results.steady.any() else []}
+    context = _common(study, table, effort) | {"checks": evaluate(results) if results.steady.any() else []}
     if isinstance(study.grid, Design):
         write_html("sweep/design.html.j2", context | _of_design(study, table), path)
         return path
@@ -53,23 +159,15 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
 
 
 def _common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
-    reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
+    reasons = Counter(filter(None, table["reason"].to_pylist()))
     return {
-        "version": study.description.version or "",
-        "identity": study.identity,
-        "points": len(table),
-        "effort": effort,
-        "reasons": reasons.most_common(),
-        "failed_count": reasons.total(),
-        "columns": [
-            (field.name, {key.decode(): text.decode() for key, text in field.metadata.items()})
-            for field in schema(study)
-        ],
-        "metadata_key": METADATA.decode(),
+        "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
+        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(),
+        "columns": [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)],
         "parameters": [
             (name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()
         ],
-    }
+    }  # fmt: skip
 
 
 def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
@@ -78,14 +176,10 @@ def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
     return {
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
         "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "macroSlip")},
-        "failed": checks.names_of(results, ~steady)[:FEW],
-        "cut": {
-            "picture": figures.cuts(middle),
-            "friction": float(middle.friction),
-            "rpm": RPM * float(middle.speed),
-            "force": float(middle.force),
-        },
-        "maps": figures.maps(results),
+        "failed": names_of(results, ~steady)[:FEW],
+        "cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed)}
+        | {name: float(middle[name]) for name in ("friction", "force")},
+        "maps": contours(results),
     }
 
 
@@ -109,8 +203,7 @@ def _of_design(study: Study, table: pa.Table) -> dict[str, Any]:
     return {
         "design": study.grid,
         "failed": [
-            {"point": row.point, "values": [row[name] for name in names], "reason": row.reason}
-            for _, row in failed.head(FEW).iterrows()
+            {"point": one.point, "values": one[names].tolist(), "reason": one.reason} for _, one in failed.head(FEW).iterrows()
         ],
         "quantities": [(quantity, _range(quantity.scale * numbers[quantity.column])) for quantity in SHOWN],
         "ranges": [(name, units[name], _range(numbers[name])) for name in names],

@@ -63,10 +63,8 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
         "study": study.identity,
         "fmu": {"model": about.modelName, "version": about.version, "guid": about.guid},
         "parameters": {name: {"value": value, "unit": study.variables[name].unit or "1"} for name, value in study.parameters.items()},
-        "grid": grid,
-        "points": len(results),
-        "failed": len(results) - results["reason"].null_count,
-    }
+        "grid": grid, "points": len(results), "failed": len(results) - results["reason"].null_count,
+    }  # fmt: skip
     return results.replace_schema_metadata({METADATA: json.dumps(document)})
 
 

@@ -21,6 +21,7 @@ from .point import Point, start_values
 
 CHUNK = 8
 """Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
+MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
 
 
 @dataclass(frozen=True)
@@ -51,14 +52,10 @@ def rpm(*speeds: float) -> tuple[float, ...]:
 class Grid(Points):
     """All combinations of the values of the axes, the utilisation fastest. Each axis is ascending."""
 
-    force: tuple[float, ...] = (12e3,)
-    """Secondary clamping force, N, above 0."""
-    friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)
-    """Friction coefficient between element and sheave, above 0."""
-    speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)
-    """Primary speed, rad/s, above 0."""
-    ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)
-    """Geometric ratio r_S/r_P, above 0."""
+    force: tuple[float, ...] = (12e3,)  # Secondary clamping force, N, above 0
+    friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)  # Friction coefficient between element and sheave, above 0
+    speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)  # Primary speed, rad/s, above 0
+    ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)  # Geometric ratio r_S/r_P, above 0
     utilisation: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
     """Torque utilisation; negative where the secondary pulley drives."""
 
@@ -83,10 +80,9 @@ class Grid(Points):
 
 
 DEFAULT = Grid()  # 2288 points
-SHORT = Grid(
+SHORT = Grid(  # 60 points
     friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
 )
-"""60 points."""
 MEASURED = Grid(friction=(0.07, 0.09), speed=rpm(1000, 2000), ratio=spread(0.5, 2.0, 5), utilisation=(0.2, 0.4, 0.5, 0.6, 0.8, 0.9))
 """120 points, for measurements of time."""
 
@@ -119,9 +115,6 @@ class Study(Tasks):
         return start_values(self.parameters, {**point, **checked(self.variables, known)})
 
 
-MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
-
-
 def warnings_of(study: Study) -> Iterator[str]:
     """Warnings about forces and torques in a wrong unit and about excessive belt speeds, before anything is solved. Raises
     ArgumentError if no point carries its torque, and a wrong unit explains it at all of them."""
@@ -143,5 +136,4 @@ def variator(
     name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ("friction.pulley",)
 ) -> dict[str, Any]:
     """Parameters of a variator for a study, with changes and without the varied ones."""
-    values = tasks.variator(name, model, changes)
-    return {key: value for key, value in values.items() if key not in varied or key in (changes or {})}
+    return {key: value for key, value in tasks.variator(name, model, changes).items() if key not in varied or key in (changes or {})}

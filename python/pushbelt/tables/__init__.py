@@ -40,11 +40,9 @@ def split(text: str) -> tuple[str, str | None]:
 
 
 def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int | None = 9, remark: str | None = None) -> None:
-    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers; None writes all. A `remark` is the
-    first line, after `#`.
-
-    Raises TitleError if a column with floating-point numbers has no unit in its title.
-    """
+    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers; None writes all. A
+    `remark` is the first line, after `#`. Raises TitleError if a column with floating-point numbers has no unit in its
+    title."""
     header = list(header)
     without = {text for text in header if split(text)[1] is None}
 
@@ -71,9 +69,3 @@ def read(path: Path) -> tuple[dict[str, str | None], list[list[str]]]:
     with path.open(encoding="utf-8", newline="") as file:
         header, *rows = [*csv.reader(line for line in file if not line.startswith("#"))] or [[]]
     return dict(map(split, header)), rows
-
-
-def by_name(path: Path) -> list[dict[str, str]]:
-    """Rows by the names of the columns without their units."""
-    units, rows = read(path)
-    return [dict(zip(units, row, strict=True)) for row in rows]

@@ -3,11 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from . import units
 from .names import Column
+
+NAME, SERIES, TIME = "name", "series", "time"
+SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
+SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
+ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
+"""What follows a letter such as n in the name of a quantity of a pulley; the first two also follow a word."""
+HIGHEST = 1.0
+"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
+REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
+POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
+PARTS = {
+    "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
+    "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),
+    "efficiency": ("primary.speed", "secondary.speed", "primary.torque", "secondary.torque"),
+}
+"""Columns from which a quantity is computed, as products and quotients."""
+RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
+"""Columns of recorded shifts besides series and time."""
+EXAMPLES = """\
+name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
+thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
+underdrive,2,1500,60,14,,1.05,0.8,,,
+ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
+overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
+upshift,1,1000,0,20,26,,,,,0.45
+"""
+"""Header and lines of the template."""
 
 
 @dataclass(frozen=True)
@@ -22,20 +49,13 @@ class Quantity(Column):
         return math.hypot(self.absolute, self.relative * value)
 
 
-NAME, SERIES, TIME = "name", "series", "time"
-SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
-SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
-ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
-"""What follows a letter such as n in the name of a quantity of a pulley; the first two also follow a word."""
-
-
 def _of_both(dimension: str, low: float, high: float, name: str, letters: str, words: str, meanings: Mapping[str, str]) -> dict[str, Column]:
     """A quantity of both pulleys, with its common names."""
     found = {}
     for pulley, meaning in meanings.items():
         ends = ENDS[pulley].split()
-        symbols = (f"{letter}{end}" for letter in letters.split() for end in ends)
-        spelled = (f"{word} {end}" for word in words.split(", ") for end in ends[:2])
+        symbols = [f"{letter}{end}" for letter in letters.split() for end in ends]
+        spelled = [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
         found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, (*symbols, *spelled))
     return found
 
@@ -69,8 +89,6 @@ CONDITIONS: Mapping[str, Column] = {
         "primary": "oil pressure in place of the primary force; needs primary.cylinder.area",
     }),
 }  # fmt: skip
-HIGHEST = 1.0
-"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
 QUANTITIES: Mapping[str, Quantity] = {
     "thrustRatio": Quantity(
         "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio",
@@ -102,42 +120,17 @@ COLUMNS: Mapping[str, Column] = {
         ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit"), "s",
     ),
 }  # fmt: skip
-REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
-POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
-PARTS = {
-    "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
-    "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),
-    "efficiency": ("primary.speed", "secondary.speed", "primary.torque", "secondary.torque"),
-}
-"""Columns from which a quantity is computed, as products and quotients."""
-RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
-"""Columns of recorded shifts besides series and time."""
-
-EXAMPLES = """\
-name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
-thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
-underdrive,2,1500,60,14,,1.05,0.8,,,
-ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
-overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
-upshift,1,1000,0,20,26,,,,,0.45
-"""
-"""Header and lines of the template."""
 
 
 def template() -> str:
     """Text of the template: every column with its meaning, and example lines."""
-    lines = (
+    lines = [
         "# Table for `cargo fmu calibrate`: one steady point per line. Replace the lines below the header.",
         "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
-        *_described("Conditions", CONDITIONS),
-        *_described("Measured quantities, any of", QUANTITIES),
-        f"# {' ' * 4}….sd: standard deviation of a measured column; the default is an assumed one",
-        "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED),
-    )
-    return "\n".join([*lines, EXAMPLES])
-
-
-def _described(title: str, columns: Mapping[str, Column]) -> Iterable[str]:
-    yield f"# {title}:"
-    for name, column in columns.items():
-        yield f"# {' ' * 4}{name} [{' or '.join(units.usual(column.dimension))}]: {column.meaning}".replace(",", ";")
+    ]
+    for title, columns in (("Conditions", CONDITIONS), ("Measured quantities, any of", QUANTITIES)):
+        lines.append(f"# {title}:")
+        for name, one in columns.items():
+            lines.append(f"#     {name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";"))
+    lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
+    return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES])

@@ -50,10 +50,8 @@ class Cells(NamedTuple):
 
 
 def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
-    """Cells of a file. The separator or the sheet is the one with most known names.
-
-    Raises TextError if the file is not a table, OSError if it cannot be read.
-    """
+    """Cells of a file. The separator or the sheet is the one with most known names. Raises TextError if the file is not a
+    table, OSError if it cannot be read."""
     size = path.stat().st_size
     if size > LARGEST:
         raise TextError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
@@ -157,12 +155,8 @@ def _with_header(lines: list[str], names: Names) -> list[str]:
 
 def _separator(lines: Sequence[str], names: Names) -> str:
     """The separator by which the lines have most known names; among equals, the one in most lines."""
-
-    def merit(separator: str) -> tuple[float, int]:
-        rows = [_split(line, separator) for line in lines]
-        return max(map(names.count, rows)), sum(len(row) > 1 for row in rows)
-
-    return max(SEPARATORS, key=merit)
+    rows = {separator: [_split(line, separator) for line in lines] for separator in SEPARATORS}
+    return max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
 
 
 # Spreadsheets
@@ -198,10 +192,10 @@ def _sheet(values: Any, formulas: Any) -> Cells:
     """The cells of a sheet. Empty rows and remarks are left out."""
     import pandas as pd
 
-    rows = [list(map(_cell, *pair)) for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)]
-    texts = [[str(cell) for cell in row if str(cell) != ""] for row in rows]
-    keep = [line for line, row in enumerate(texts, 1) if row and (len(row) > 3 or not is_remark(row[0]))]
-    return Cells(pd.DataFrame([rows[line - 1] for line in keep], index=keep, dtype=object), f"sheet {values.title}")
+    frame = pd.DataFrame([[*map(_cell, *pair)] for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)], dtype=object)
+    texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
+    keep = [line for line, row in enumerate(texts) if row and (len(row) > 3 or not is_remark(row[0]))]
+    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}")
 
 
 def _cell(cell: Any, formula: Any) -> str | float:

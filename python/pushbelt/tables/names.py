@@ -65,11 +65,9 @@ def in_words(name: str) -> tuple[str, bool] | None:
     meanings = [_MEANING[token] for token in tokens]
     sides = {value for kind, value in meanings if kind == "side"}
     quantities = [value for kind, value in meanings if kind == "quantity"]
-    if len(quantities) != 1 or len(sides) > 1:
+    if len(quantities) != 1 or len(sides) > 1 or not (sides or quantities[0] in BARE):
         return None
-    if sides:
-        return f"{sides.pop()}.{quantities[0]}", False
-    return (BARE[quantities[0]], True) if quantities[0] in BARE else None
+    return (f"{sides.pop()}.{quantities[0]}", False) if sides else (BARE[quantities[0]], True)
 
 
 @dataclass(frozen=True)
@@ -123,9 +121,8 @@ class Names:
         if not any(map(str.isalpha, title)):
             return []
         bracketed = title.rstrip()[-1:] in ("]", ")", "}")
-        whole = self._known.get(key(title)) if re.fullmatch(r"\w+", title.strip()) else None
-        if whole and title.strip() != "t_s":
-            # T_S is a torque, not a T in S; t_s is a time.
+        # T_S is a torque, not a T in S; t_s is a time.
+        if re.fullmatch(r"\w+", title.strip()) and title.strip() != "t_s" and (whole := self._known.get(key(title))):
             return [(name, None) for name in whole]
         for written, unit in splits(title):
             found, end = self.find(written), ""

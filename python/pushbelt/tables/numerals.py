@@ -66,8 +66,8 @@ def number(text: str, decimal: str) -> float | None:
     plain = cleaned(text)
     if not PATTERNS[decimal].fullmatch(plain):
         return None
-    sign = SIGNS[decimal]
-    plain = re.sub(rf"[{re.escape(GROUPS)}{'.' if sign == ',' else ','}]", "", plain).replace(sign, ".")
+    other = next(sign for name, sign in SIGNS.items() if name != decimal)
+    plain = re.sub(rf"[{re.escape(GROUPS)}{other}]", "", plain).replace(",", ".")
     value = float(re.sub("[dD]", "e", plain))
     return value if math.isfinite(value) else None
 
@@ -88,11 +88,9 @@ def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
 
 
 def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -> str | None:
-    """The name of the decimal sign of a file from all its numbers. Raises NumeralError if both readings fit and differ. With `certainly`
-    it is None, unless all cells with digits are numbers with exactly one sign.
-
-    `separator` is the sign between columns: a file with commas between its columns has no decimal comma without quotes.
-    """
+    """The name of the decimal sign of a file from all its numbers. Raises NumeralError if both readings fit and differ. With
+    `certainly` it is None, unless all cells with digits are numbers with exactly one sign. `separator` is the sign between
+    columns: a file with commas between its columns has no decimal comma without quotes."""
     texts = dict.fromkeys(cleaned(text) for text in cells if text.strip() and not missing(text))
     values = {text: [number(text, name) for name in SIGNS] for text in texts if any(map(str.isdigit, text))}
     # Words are no numbers with any sign.

@@ -17,8 +17,7 @@ from ..fmu.capacity import BELT_SPEED, BEYOND
 from ..fmu.data import parameter_set, pitch_radius, torque_capacity
 from . import units
 from .columns import POWER, SHIFTS
-from .faults import MOST, Fault, TableError
-from .sheet import Sheet, Taken
+from .sheet import MOST, Fault, Sheet, TableError, Taken
 
 Array = np.ndarray
 Values = Mapping[str, Array]
@@ -46,10 +45,8 @@ PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
 def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_written: bool) -> list[str]:
-    """Warnings about a table. `values` are its columns with computed ones, which `rebuilt` gives for a changed sheet.
-
-    Raises TableError with what is not plausible, and how else the columns could be read, unless the table is taken `as_written`.
-    """
+    """Warnings about a table. `values` are its columns with computed ones, which `rebuilt` gives for a changed sheet. Raises
+    TableError with what is not plausible, and how else the columns could be read, unless the table is taken `as_written`."""
     p = _Points(values, len(sheet))
     found = doubts(p)
     others = _better(sheet, rebuilt, p, found) if found else []
@@ -223,8 +220,7 @@ def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, foun
             left, off = doubts(new), new.thrust_off()
             if set(left) < set(found) and off <= max(1.2 * now.thrust_off(), OFF):
                 better.append((len(left), off, other))
-    fewest = min((left for left, *_ in better), default=0)
-    best = [(off, other) for left, off, other in better if left == fewest]
-    close = [other for off, other in best if off <= 1.5 * min(off for off, _ in best) + 0.05]
+    fewest, least = min(((left, off) for left, off, _ in better), default=(0, 0.0))
+    close = [other for left, off, other in better if left == fewest and off <= 1.5 * least + 0.05]
     # A reading of more columns is named only if none of its parts is enough.
     return [one for one in close if not any(set(other.options) < set(one.options) for other in close)]

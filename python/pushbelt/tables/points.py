@@ -15,9 +15,8 @@ from . import sheet as sheets
 from .columns import (
     COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
 )  # fmt: skip
-from .faults import MOST, Fault, TableError, grouped, of_the_column
 from .names import DEVIATION
-from .sheet import Reading, Sheet
+from .sheet import MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
@@ -67,11 +66,9 @@ class Rig:
 
 
 def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, float] | None = None) -> Rig:
-    """Points or recorded shifts of a file; a time series gives a point for each plateau. `parameters` are values by name of those that give
-    forces from oil pressures: the cylinders, and with a stiff spring the geometry.
-
-    Raises TableError with all faults of the file, or with what cannot be on a variator, and the errors of the file system.
-    """
+    """Points or recorded shifts of a file; a time series gives a point for each plateau. `parameters` are values by name of
+    those that give forces from oil pressures: the cylinders, and with a stiff spring the geometry. Raises TableError with all
+    faults of the file, or with what cannot be on a variator, and the errors of the file system."""
     reading, parameters = reading or Reading(), parameters or {}
     try:
         sheet = sheets.read(path, COLUMNS, reading)
@@ -105,14 +102,10 @@ class _Points:
         """What is measured. Raises TableError with all faults."""
         sheet = self.sheet
         self._require(RECORDED if self.recorded else REQUIRED)
-        points: list[Point] = []
-        if not sheet.faults:
-            points = self._records() if self.recorded else self._steady()
+        points = [] if sheet.faults else self._records() if self.recorded else self._steady()
         if not points and not sheet.faults:
-            text = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
-            if sheet.left_out:
-                text = f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}"
-            sheet.faults.append(Fault(text))
+            nothing = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
+            sheet.faults.append(Fault(f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}" if sheet.left_out else nothing))
             sheet.left_out.clear()
         sheet.check()
         return Rig(sheet, points)
@@ -250,8 +243,7 @@ class _Points:
         rows = [row for row in range(len(self.sheet)) if row not in self.lost]
         before = len(self.sheet.left_out) + len(self.sheet.faults)
         points = [point for row in rows if (point := self._point(row)) is not None]
-        refused = len(self.sheet.left_out) + len(self.sheet.faults) - before
-        if empty := len(rows) - len(points) - refused:
+        if empty := len(rows) - len(points) - (len(self.sheet.left_out) + len(self.sheet.faults) - before):
             self.sheet.remarks.append(f"{empty} rows without a measured value are not used")
         return points
 
@@ -316,11 +308,8 @@ class _Points:
             return self._fault(text, rows[back[0] + 1], TIME)
         if len(rows) < 2:
             return self._leave_out(f"series {name} has one sample, and a shift has at least two", rows[0])
-        columns = [times - times[0], *(self._get(column)[rows] for column in RECORDED)]
-        samples = tuple(tuple(map(float, sample)) for sample in zip(*columns, strict=True))
-        measured = tuple(
-            self._measured(SAMPLED, rows[k], sample[5], f"{SAMPLED}@{k}", sample[0]) for k, sample in enumerate(samples) if k
-        )
+        samples = tuple(map(tuple, np.column_stack([times - times[0], *(self._get(column)[rows] for column in RECORDED)]).tolist()))
+        measured = tuple(self._measured(SAMPLED, rows[k], one[5], f"{SAMPLED}@{k}", one[0]) for k, one in enumerate(samples) if k)
         _, speed, torque, primary_force, force, ratio = samples[0]
         title = f"series {name}" if name else f"line {line}"
         return Point(line, title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
@@ -356,5 +345,5 @@ def described(sheet: Sheet) -> list[str]:
 
 def notes(sheet: Sheet) -> list[str]:
     """What is ignored, assumed and left out of a table."""
-    ignored = [f"ignored: {', '.join(sheet.ignored)}"] if sheet.ignored else []
+    ignored = [f"ignored: {', '.join(sheet.ignored)}"] * bool(sheet.ignored)
     return [*ignored, *sheet.remarks, *(f"left out: {text}" for text in grouped(sheet.left_out))]

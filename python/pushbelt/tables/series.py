@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .faults import Fault
 from .names import DEVIATION
-from .sheet import Sheet
+from .sheet import Fault, Sheet
 
 Array = np.ndarray
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..errors import PushbeltError
 from . import files, numerals, units
-from .faults import Fault, TableError, of_the_column
 from .files import Cells, TextError
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import NumeralError, Percent
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = np.ndarray
+MOST = 0.5  # Share of a column's values with a fault from which the whole column has it; below, their rows are left out
+SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
@@ -30,6 +32,49 @@ SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 HEADERS = 4  # Rows below the titles in which units and descriptions are searched
+
+
+class Fault(NamedTuple):
+    text: str
+    line: int | None = None
+    column: str | None = None
+
+    def __str__(self) -> str:
+        place = [f"{what} {name}" for what, name in (("line", self.line), ("column", self.column)) if name is not None]
+        return f"{', '.join(place)}: {self.text}" if place else self.text
+
+
+class TableError(PushbeltError, ValueError):
+    """The table cannot be used. The message has every fault with line, column and value."""
+
+    def __init__(self, faults: Sequence[Fault] | str, path: Path | None = None, found: Any = None) -> None:
+        self.faults = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
+        self.found = found  # The sheet as it was understood in spite of the faults
+        start = f"{path}: " if path is not None else ""
+        more = len(self.faults) - SHOWN
+        lines = [f"  {fault}" for fault in self.faults[:SHOWN]] + [f"  and {more} more of the same kinds"] * (more > 0)
+        text = str(self.faults[0]) if len(self.faults) == 1 else "\n".join([f"{len(self.faults)} faults", *lines])
+        super().__init__(start + text)
+
+
+def of_the_column(faults: Sequence[Fault], good: int, hint: str = "") -> list[Fault]:
+    """The first of the faults of a column for all of them, if at least half of its values have one."""
+    if not faults or len(faults) < MOST * (len(faults) + good):
+        return []
+    more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
+    return [faults[0]._replace(text=faults[0].text + more + hint)]
+
+
+def grouped(faults: Sequence[Fault]) -> list[str]:
+    """Texts of faults; equal ones of several lines are one."""
+    lines: dict[Fault, list[int | None]] = {}
+    for fault in faults:
+        lines.setdefault(fault._replace(line=None), []).append(fault.line)
+    return [
+        str(same._replace(line=own[0])) if len(own) == 1
+        else f"{len(own)} lines, {', '.join(map(str, own[:SHOWN]))}{' …' * (len(own) > SHOWN)}: {same}"
+        for same, own in lines.items()
+    ]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -112,10 +157,8 @@ class Sheet:
 
 
 def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
-    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one.
-
-    Raises TableError if the file is not a table at all, OSError if it cannot be read.
-    """
+    """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
+    TableError if the file is not a table at all, OSError if it cannot be read."""
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
@@ -148,11 +191,9 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     first = max(at, -1 if found is None else found) + 1
     while first in below and _is_row_of_words(head[first]):
         first += 1
-    remarks = [f"{at} rows above the header are not read"] * (at > 0) + [
-        f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}"
-        for row in range(at + 1, first)
-        if row != found
-    ]
+    remarks = [f"{at} rows above the header are not read"] * (at > 0)
+    for row in (row for row in range(at + 1, first) if row != found):
+        remarks.append(f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
 
 
@@ -169,9 +210,9 @@ def _is_row_of_words(row: Sequence[str]) -> bool:
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
-    known = {cell for cell in filled if units.is_unit(cell)}
+    known = [cell for cell in filled if units.is_unit(cell)]
     numbers = any(cell != "1" and _is_number(cell) for cell in filled)
-    return not numbers and bool(known - {"1", "-"}) and 2 * sum(cell in known for cell in filled) >= len(filled)
+    return not numbers and bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled)
 
 
 # Columns and values
@@ -313,14 +354,13 @@ class _Reader:
         return "" if other_name else found
 
     def _unknown(self, title: str) -> None:
-        near = self.names.close(title) if self.misspelled and key(title) not in INDEX else None
         if not title or title.startswith("#"):
             return
-        if near is None:
-            self.sheet.ignored.append(title)
-        else:
+        if self.misspelled and key(title) not in INDEX and (near := self.names.close(title)):
             self.sheet.failed.add(near)
             self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
+        else:
+            self.sheet.ignored.append(title)
 
     # Numbers
 

@@ -19,19 +19,6 @@ POUND = 4.4482216152605
 FOOT = 0.3048
 ATMOSPHERE = 101325.0  # Pressure that is subtracted from absolute pressures, Pa
 FMU = math.nan  # Stands for the factor of the FMU's display unit that has the first spelling
-
-
-class Unit(NamedTuple):
-    """A unit: the SI value is `factor` times the number, plus `offset`."""
-
-    factor: float
-    offset: float = 0.0
-
-    def si(self, value: float) -> float:
-        """Value in SI."""
-        return self.factor * value + self.offset
-
-
 SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     "ratio": {
         "1 - none dimensionless unitless pu ratio 1/1 -/-": 1.0,
@@ -115,13 +102,23 @@ OF_FMU: Mapping[str, str] = {
     "N/m2": "stress", **{next(iter(groups)).split()[0]: dimension for dimension, groups in SPELLED.items()},
 }  # fmt: skip
 """Dimension by the unit of a variable of the FMU."""
-
 SIGNS = str.maketrans({
     "\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-",
     "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°",
 })  # fmt: skip
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
+
+
+class Unit(NamedTuple):
+    """A unit: the SI value is `factor` times the number, plus `offset`."""
+
+    factor: float
+    offset: float = 0.0
+
+    def si(self, value: float) -> float:
+        """Value in SI."""
+        return self.factor * value + self.offset
 
 
 @cache

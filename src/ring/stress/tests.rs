@@ -1,4 +1,5 @@
 use super::*;
+use nalgebra::DVector;
 
 const RING: Ring = Ring {
     mass_per_length: 0.24,
@@ -19,43 +20,39 @@ const MOTION: RingMotion = RingMotion {
     speed: 15.0,
     radii: [0.033, 0.077],
 };
-const WRAPS: [f64; 2] = [2.6, std::f64::consts::TAU - 2.6];
-const STRAND: f64 = 0.16;
-/// Parts of half the secondary arc, of a strand and of the primary arc.
-const PARTS: [usize; 3] = [40, 10, 120];
+/// Number of parts and size of half the secondary arc, rad, of a strand, m, and of the primary arc, rad.
+const SECTIONS: [(usize, f64); 3] = [(40, 1.3), (10, 0.16), (120, std::f64::consts::TAU - 2.6)];
+
+/// Wrap angles, secondary first, rad.
+fn wraps() -> [f64; 2] {
+    let [(_, half), _, (_, arc)] = SECTIONS;
+    [2.0 * half, arc]
+}
 
 /// The loop with a tension that is a function of pulley and angle; strands continue the arc before them.
 fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
-    let [half, strand, arc] = PARTS;
-    let [secondary, primary] = WRAPS;
+    let [(halves, half), (strands, strand), (arcs, arc)] = SECTIONS;
     // Pulley, number of parts, turning, and the angle at the start.
     let sections = [
-        (0, half, 0.5 * secondary, 0.5 * secondary),
-        (0, strand, 0.0, secondary),
-        (1, arc, primary, 0.0),
-        (1, strand, 0.0, primary),
-        (0, half, 0.5 * secondary, 0.0),
+        (0, halves, half, half),
+        (0, strands, 0.0, 2.0 * half),
+        (1, arcs, arc, 0.0),
+        (1, strands, 0.0, arc),
+        (0, halves, half, 0.0),
     ];
-    let (mut parts, mut xi) = (Vec::new(), 0.0);
+    let mut parts = Vec::new();
     for (number, count, turning, start) in sections {
         let turning = turning / count as f64;
-        let on_strand = STRAND / count as f64;
-        let length = if turning > 0.0 {
-            turning * (MOTION.radii[number] + 1e-3)
-        } else {
-            on_strand
-        };
-        for k in 0..count {
-            parts.push(RingPart {
-                xi: xi + 0.5 * length,
-                length,
-                tension: tension(number, start + turning * (k as f64 + 0.5)),
-                curvature: turning / length,
-                turning,
-                number,
-            });
-            xi += length;
-        }
+        let on_arc = turning * (MOTION.radii[number] + 1e-3);
+        let length = if turning > 0.0 { on_arc } else { strand / count as f64 };
+        parts.extend((0..count).map(|k| RingPart {
+            xi: 0.0,
+            length,
+            tension: tension(number, start + turning * (k as f64 + 0.5)),
+            curvature: turning / length,
+            turning,
+            number,
+        }));
     }
     parts
 }
@@ -66,7 +63,8 @@ fn usual() -> Vec<RingPart> {
         if pulley == 0 {
             3.0e3 - 100.0 * angle
         } else {
-            3.0e3 - 100.0 * WRAPS[0] * (1.0 - angle / WRAPS[1])
+            let [secondary, primary] = wraps();
+            3.0e3 - 100.0 * secondary * (1.0 - angle / primary)
         }
     })
 }
@@ -78,8 +76,15 @@ fn tensions(layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Vec<[f6
     tensions.map(|(part, shape)| layered.at(part.tension, shape)).collect()
 }
 
-fn integral(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
-    parts.iter().enumerate().map(|(k, part)| of(k) * part.length).sum()
+fn mean(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
+    let of_parts = parts.iter().enumerate().map(|(k, part)| of(k) * part.length);
+    of_parts.sum::<f64>() / parts.iter().map(|part| part.length).sum::<f64>()
+}
+
+/// A number that is another up to rounding.
+#[track_caller]
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
 }
 
 fn with(friction: f64) -> Layers {
@@ -88,31 +93,23 @@ fn with(friction: f64) -> Layers {
 
 /// The part at the middle of a strand: 0 follows the secondary arc.
 fn strand(number: usize) -> usize {
-    let [half, strand, arc] = PARTS;
-    half + strand / 2 + number * (strand + arc)
+    let [(halves, _), (strands, _), (arcs, _)] = SECTIONS;
+    halves + strands / 2 + number * (strands + arcs)
 }
 
+/// Without friction the innermost layer alone has the friction of the saddle.
 #[test]
 fn the_layers_carry_the_tension_and_are_stretched_alike() {
     let parts = usual();
     for friction in [0.0, 0.02, 0.1] {
         let all = tensions(&with(friction), &MOTION, &parts);
         for (part, [inner, outer]) in parts.iter().zip(&all) {
-            assert!((inner + 8.0 * outer - part.tension).abs() < 1e-9 * part.tension);
+            close(inner + 8.0 * outer, part.tension);
+            if friction == 0.0 {
+                close(*outer, mean(&parts, |k| parts[k].tension) / 9.0);
+            }
         }
-        let [inner, outer] = [0, 1].map(|layer| integral(&parts, |k| all[k][layer]));
-        assert!((inner / outer - 1.0).abs() < 1e-12, "{inner} {outer}");
-    }
-}
-
-#[test]
-fn without_friction_the_innermost_layer_alone_has_the_friction_of_the_saddle() {
-    let parts = usual();
-    let all = tensions(&with(0.0), &MOTION, &parts);
-    let mean = integral(&parts, |k| parts[k].tension) / integral(&parts, |_| 1.0);
-    for (part, [inner, outer]) in parts.iter().zip(&all) {
-        assert!((outer - mean / 9.0).abs() < 1e-9 * mean, "{outer}");
-        assert!((inner - outer - (part.tension - mean)).abs() < 1e-9 * mean, "{inner}");
+        close(mean(&parts, |k| all[k][0]), mean(&parts, |k| all[k][1]));
     }
 }
 
@@ -122,15 +119,15 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
     let parts = usual();
     let centrifugal = RING.mass_per_length * MOTION.speed.powi(2) / 9.0;
     let pressing = |motion: &RingMotion, number| tensions(&LAYERS, motion, &parts)[strand(number)][1] - centrifugal;
-    let factor = (-0.05 * WRAPS[0]).exp();
-    let found = pressing(&MOTION, 0) / pressing(&MOTION, 1);
-    assert!((found / factor - 1.0).abs() < 1e-3, "{found} {factor}");
+    let factor = (-LAYERS.friction * wraps()[0]).exp();
     let reverse = RingMotion {
         speed: -MOTION.speed,
         ..MOTION
     };
-    let found = pressing(&reverse, 1) / pressing(&reverse, 0);
-    assert!((found / factor - 1.0).abs() < 1e-3, "{found} {factor}");
+    for (motion, [low, high]) in [(MOTION, [0, 1]), (reverse, [1, 0])] {
+        let found = pressing(&motion, low) / pressing(&motion, high);
+        assert!((found / factor - 1.0).abs() < 1e-3, "{found} {factor}");
+    }
 }
 
 /// A ring that slips on its elements as its layers on each other: all layers have the same tension.
@@ -138,18 +135,19 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
 fn with_the_same_friction_everywhere_all_layers_are_equal() {
     let centrifugal = RING.mass_per_length * MOTION.speed.powi(2);
     let rate = LAYERS.friction;
-    let end = (-rate * WRAPS[0]).exp();
+    let [secondary, primary] = wraps();
+    let end = (-rate * secondary).exp();
     let parts = parts_with(|pulley, angle| {
         let shape = if pulley == 0 {
             (-rate * angle).exp()
         } else {
-            end + (1.0 - end) * angle / WRAPS[1]
+            end + (1.0 - end) * angle / primary
         };
         centrifugal + 3.0e3 * shape
     });
     for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, &MOTION, &parts)) {
-        assert!((inner - part.tension / 9.0).abs() < 1e-9 * part.tension);
-        assert!((outer - part.tension / 9.0).abs() < 1e-9 * part.tension);
+        close(inner, part.tension / 9.0);
+        close(outer, part.tension / 9.0);
     }
 }
 
@@ -163,25 +161,21 @@ fn layers_that_stick_share_the_tension() {
     };
     let still = RingMotion { speed: 0.0, ..MOTION };
     for motion in [motion, still] {
-        for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, &motion, &parts)) {
-            assert!((inner - outer).abs() < 1e-9 * part.tension, "{inner} {outer}");
+        for [inner, outer] in tensions(&LAYERS, &motion, &parts) {
+            close(inner, outer);
         }
     }
-    let weak = with(1e-3);
-    let all = tensions(&weak, &motion, &parts);
-    let range = |of: &dyn Fn(usize) -> f64| {
-        let values = || (0..parts.len()).map(of);
-        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-    };
-    let mean = integral(&parts, |k| parts[k].tension) / integral(&parts, |_| 1.0);
-    let borne = 1e-3 * (mean - RING.mass_per_length * MOTION.speed.powi(2)) * WRAPS[0];
-    let found = 9.0 * range(&|k| all[k][1]);
-    assert!((found / borne - 1.0).abs() < 1e-9, "{found} {borne}");
+    let outer = tensions(&with(1e-3), &motion, &parts)
+        .into_iter()
+        .map(|[_, outer]| outer);
+    let outer = DVector::from_iterator(parts.len(), outer);
+    let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * MOTION.speed.powi(2);
+    close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * wraps()[0]);
 }
 
-fn stress(layers: &Layers, parts: &[RingPart]) -> (RingStress, Vec<f64>) {
-    let mut along = vec![0.0; parts.len()];
-    let found = ring_stress(&RING, layers, &MOTION, parts, &mut along);
+fn stress(layers: &Layers, parts: &[RingPart]) -> (RingStress, DVector<f64>) {
+    let mut along = DVector::zeros(parts.len());
+    let found = ring_stress(&RING, layers, &MOTION, parts, along.as_mut_slice());
     (found, along)
 }
 
@@ -199,28 +193,28 @@ fn bending_alone() {
         .radii
         .map(|radius| 0.5 * 1.85e-4 * RING.axial_stiffness / area / (radius + 1e-3));
     let (found, along) = stress(&single, &parts);
-    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b.abs(), "{a} {b}");
-    close(found.max, 1.8e3 / area + bending[0]);
-    close(along[strand(0)], 1.8e3 / area);
-    for (k, bending) in bending.into_iter().enumerate() {
-        close(found.amplitude[k], 0.5 * bending);
-        close(found.mean[k], 1.8e3 / area + 0.5 * bending);
+    let tension = 1.8e3 / area;
+    close(found.max, tension + bending[0]);
+    close(along[strand(0)], tension);
+    let cycles = [
+        (found.amplitude.secondary, found.mean.secondary),
+        (found.amplitude.primary, found.mean.primary),
+    ];
+    for ((amplitude, mean), bending) in cycles.into_iter().zip(bending) {
+        close(amplitude, 0.5 * bending);
+        close(mean, tension + 0.5 * bending);
     }
     // Bent far beyond the pulleys: the inner face on the strands is the worst.
-    let (bent, along) = stress(
-        &Layers {
-            residual_curvature: 60.0,
-            ..single
-        },
-        &parts,
-    );
-    close(
-        bent.max,
-        1.8e3 / area + 0.5 * 1.85e-4 * RING.axial_stiffness / area * 60.0,
-    );
+    let bent = Layers {
+        residual_curvature: 60.0,
+        ..single
+    };
+    let most = 0.5 * 1.85e-4 * RING.axial_stiffness / area * bent.residual_curvature;
+    let (bent, along) = stress(&bent, &parts);
+    close(bent.max, tension + most);
     close(along[strand(0)], bent.max);
-    close(bent.amplitude[0], 0.5 * bending[0]);
-    close(bent.mean[0], bent.max - 0.5 * bending[0]);
+    close(bent.amplitude.secondary, 0.5 * bending[0]);
+    close(bent.mean.secondary, bent.max - 0.5 * bending[0]);
 }
 
 /// The largest and the smallest stress of the loop are one cycle; the other peak and valley are the other one.
@@ -228,12 +222,11 @@ fn bending_alone() {
 fn cycles_are_those_of_rainflow_counting() {
     let parts = usual();
     let (found, along) = stress(&LAYERS, &parts);
-    let low = along.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = (along.min(), along.max());
     assert_eq!(found.max, high);
-    assert!((found.amplitude[0] - 0.5 * (high - low)).abs() < 1.0);
-    assert!((found.mean[0] - 0.5 * (high + low)).abs() < 1.0);
+    assert!((found.amplitude.secondary - 0.5 * (high - low)).abs() < 1.0);
+    assert!((found.mean.secondary - 0.5 * (high + low)).abs() < 1.0);
     let valley = along[strand(0)].max(along[strand(1)]);
     assert!(valley > low);
-    assert!((found.mean[1] - found.amplitude[1] - valley).abs() < 1.0);
+    assert!((found.mean.primary - found.amplitude.primary - valley).abs() < 1.0);
 }

@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, Interval};
+use crate::solver::sdirk::Evolution;
 use crate::solver::{System, View};
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
@@ -102,8 +102,7 @@ impl Evolution for Problem<'_> {
         belt.ring.longest_drift(belt) / view.y[belt.layout.drift()].abs()
     }
 
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
-        let Interval { end, length: h } = interval;
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, h: f64) {
         let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| self.system.boundary(time));
         let first = powers(self.system, &at_start, before, &self.energy.last.sums);
         self.energy.last.update(self.system, after);

@@ -3,7 +3,7 @@
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
-use crate::ring::stress::{RingMotion, RingPart, ring_stress};
+use crate::ring::stress::{RingMotion, RingPart, RingStress, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
@@ -12,9 +12,7 @@ use crate::variator::diagnostics::idle_arc::idle_arcs;
 use crate::variator::diagnostics::{NO_POWER, NO_SPEED, ONE_WAY, SLIPPING, STILL_ONE_WAY, STILL_SLIPPING, UNLOADED};
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
 use crate::variator::pulleys::rows::External;
-use crate::variator::settings::signals::{
-    Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, RingStress, StartState, Work,
-};
+use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState, Work};
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -158,19 +156,13 @@ impl Observer {
             radii: [radii.secondary, radii.primary],
         };
         self.stresses.resize(self.elements.len(), 0.0);
-        let found = ring_stress(
+        ring_stress(
             &belt.law.ring,
             &belt.law.layers,
             &motion,
             &self.elements,
             &mut self.stresses,
-        );
-        let pair = |[secondary, primary]: [f64; 2]| PerPulley { secondary, primary };
-        RingStress {
-            max: found.max,
-            amplitude: pair(found.amplitude),
-            mean: pair(found.mean),
-        }
+        )
     }
 
     /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the elements and their stress are

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
-use crate::solver::sdirk::{Sdirk, Span, Stalled};
+use crate::solver::sdirk::{Sdirk, Stalled};
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::tuning::{NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, USUAL_TOLERANCE};
@@ -73,8 +73,8 @@ pub(super) fn work(counts: Counts, defect: f64) -> Work {
 #[derive(Clone, Debug)]
 pub(super) struct Accurate {
     sdirk: Sdirk,
-    /// Time over which loads change alike, in steps; none before the first of them.
-    span: Option<Span>,
+    /// End of the time over which loads change alike, s; none before the first step of it.
+    end: Option<f64>,
     /// Preferred step where the communication step began, s.
     first_step: f64,
 }
@@ -89,7 +89,7 @@ impl Accurate {
         sdirk.newton_widening = NEWTON_WIDENING * share.min(1.0);
         Self {
             sdirk,
-            span: None,
+            end: None,
             first_step,
         }
     }
@@ -107,26 +107,24 @@ impl Stepper for Accurate {
     }
 
     fn restart(&mut self, _span: [f64; 2]) {
-        self.span = None;
+        self.end = None;
     }
 
     fn step(&mut self, simulation: &mut Simulation, profile: &InputProfile, to: f64) -> Result<bool, Stalled> {
-        let mut span = self.span.take().unwrap_or_else(|| {
+        let end = self.end.take().unwrap_or_else(|| {
             let mut end = to.min(simulation.time + simulation.soft_start.piece(simulation.time));
             if profile.kink > simulation.time {
                 end = end.min(profile.kink);
             }
             simulation.apply(*profile);
-            Span::new(simulation.time, end)
+            end
         });
+        let mut time = simulation.time;
         let (mut problem, state) = simulation.problem();
-        if let Err(stalled) = self.sdirk.step(&mut problem, state, &mut span) {
-            simulation.time = stalled.time;
-            return Err(stalled);
-        }
-        simulation.time = span.reached();
-        if !span.is_over() {
-            self.span = Some(span);
+        self.sdirk.step(&mut problem, state, &mut time, end)?;
+        simulation.time = time;
+        if time < end {
+            self.end = Some(end);
             return Ok(false);
         }
         let is_over = to - simulation.time < SHORTEST_STEP;

@@ -38,7 +38,7 @@ pub struct RealTimeTuning {
     pub jacobian: [f64; 2],
     /// Jacobians in a stage after which its step is begun again: what they do not solve, more of them rarely do. Half: -1, 0 and four such
     /// steps; twice: 0, 0 and none.
-    pub jacobians: usize,
+    pub jacobians: u64,
     /// Length of steps, s. Longer ones take more Jacobians under flips and hunting; with 0.125 ms smooth loads take half as much work again.
     /// Half: -13, +38; twice: +5, -21.
     pub step: f64,

@@ -2,7 +2,8 @@
 //! of inputs in [`table`](super::table), of outputs in [`unit`](crate::unit).
 
 use crate::cylinder::Cylinder;
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::Pulley;
+use crate::ring::stress::RingStress;
 pub use crate::variator::settings::choices::StartState;
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
@@ -172,15 +173,6 @@ pub struct Work {
     pub defect: f64,
     pub behind: f64,
     pub rollbacks: i32,
-}
-
-/// Stress of the most loaded face of the ring's layers, that with the largest stress over a revolution, Pa.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
-pub struct RingStress {
-    pub max: f64,
-    pub amplitude: PerPulley<f64>,
-    pub mean: PerPulley<f64>,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs

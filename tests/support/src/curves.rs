@@ -1,10 +1,10 @@
 //! Derivatives of a reference curve about displaced centres against differences.
 
 use nalgebra::Vector2;
-use num_dual::Dual64;
 use pushbelt::reference_curve::{
     COORDINATES, Jet, MeshCurve, Path, PointSlopes, ReferenceCurve, TwoPulley, TwoPulleyFrame,
 };
+use pushbelt::scalar::Dual;
 
 /// Fractions of a segment at which the curve is examined.
 pub const FRACTIONS: [f64; 3] = [0.0, 0.3, 1.0];
@@ -32,12 +32,12 @@ pub fn path(t: f64) -> Path<f64> {
 }
 
 /// The frame at t = 0 with its derivatives in time.
-pub fn moving_frame() -> TwoPulleyFrame<Dual64> {
+pub fn moving_frame() -> TwoPulleyFrame<Dual> {
     // Derivatives in time of a coordinate and its rates; the third derivative is zero.
     let moving = path(0.0).map(|x| Jet {
-        v: Dual64::new(x.v, x.d),
-        d: Dual64::new(x.d, x.dd),
-        dd: Dual64::new(x.dd, 0.0),
+        v: Dual::seed(x.v, 0, x.d),
+        d: Dual::seed(x.d, 0, x.dd),
+        dd: Dual::seed(x.dd, 0, 0.0),
     });
     curve().on_path(&moving)
 }
@@ -49,7 +49,7 @@ fn close(a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) {
 
 /// Derivatives along a path, and the derivatives of these by the scalar, against central differences.
 #[track_caller]
-pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual: &C::Frame<Dual64>, segments: usize) {
+pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual: &C::Frame<Dual>, segments: usize) {
     let h = 1e-5;
     for segment in 0..segments {
         for f in FRACTIONS {
@@ -63,13 +63,13 @@ pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual
             assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-9);
             assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-8);
             let d = C::point(dual, segment, f);
-            close(d.r.map(|x| x.eps), p.r_theta, 1e-12);
-            close(d.r_theta.map(|x| x.eps), p.r_theta2, 1e-11);
-            close(d.t.map(|x| x.eps), p.n * p.chi_theta, 1e-11);
+            close(d.r.map(|x| x.eps[0]), p.r_theta, 1e-12);
+            close(d.r_theta.map(|x| x.eps[0]), p.r_theta2, 1e-11);
+            close(d.t.map(|x| x.eps[0]), p.n * p.chi_theta, 1e-11);
             let third = difference(plus.r_theta2, minus.r_theta2);
-            close(d.r_theta2.map(|x| x.eps), third, 1e-5);
-            assert!((d.xi.d.eps - p.xi.dd).abs() < 1e-11);
-            assert!((d.kappa.eps - p.kappa_theta).abs() < 1e-9);
+            close(d.r_theta2.map(|x| x.eps[0]), third, 1e-5);
+            assert!((d.xi.d.eps[0] - p.xi.dd).abs() < 1e-11);
+            assert!((d.kappa.eps[0] - p.kappa_theta).abs() < 1e-9);
         }
     }
 }

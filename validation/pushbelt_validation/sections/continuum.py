@@ -129,14 +129,13 @@ def _slope(bench: Bench) -> Check:
 def shift_gain(bench: Bench, s: float, changed: dict[str, float], what: str) -> tuple[float, float] | None:
     """ds/dt per unit of ln F_P after a small step without load, 1/s: of the FMU, and of the theory at the FMU's tilt."""
     start = driven_at_speed({**bench.parameters, **changed}, 1.0 / s, SHIFT_SPEED, 0.0, SHIFT_FORCE)
-    out = bench.steady(start, f"{what}, before a shift at s {s:g}")
-    found = out and bench.shift(start, SHIFT_STEP, f"{what}, shift at s {s:g}")
-    if not out or not found:
+    found = bench.shift(start, SHIFT_STEP, f"{what}, shift at s {s:g}")
+    if not found:
         return None
-    tilts = [out[f"{pulley}.tilt"] for pulley in limit.PULLEYS]
+    primary, secondary = found.tilts
     # a Delta = psi/tan beta.
-    amplitude = tilts[0] / math.tan(bench.given("geometry.wedgeAngle"))
-    return found.gain, SHIFT_SPEED * amplitude * belt_of(bench).gain(s, tilts[0] / tilts[1])
+    amplitude = primary / math.tan(bench.given("geometry.wedgeAngle"))
+    return found.gain, SHIFT_SPEED * amplitude * belt_of(bench).gain(s, primary / secondary)
 
 
 def _shifts(bench: Bench, plan: Plan) -> tuple[Table, Check]:

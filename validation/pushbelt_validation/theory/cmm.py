@@ -59,7 +59,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from math import asin, atan2, atanh, copysign, cos, inf, pi, sin, sqrt, tan, tanh
+from math import asin, atan2, atanh, cos, inf, pi, sin, sqrt, tan, tanh
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -77,6 +77,9 @@ PANELS = 24
 
 FINEST_PANEL = 1.0e-7
 """Smallest panel relative to the graded length: psi changes within |B + 1| when the creep is near -1."""
+
+EVEN, GRADED = np.linspace(0.0, 1.0, PANELS + 1), np.concatenate([[0.0], np.geomspace(FINEST_PANEL, 1.0, PANELS)])
+"""Borders of panels on half a piece of the arc: at its ends, and towards a turning point."""
 
 
 def deformation_factor(beta: float) -> float:
@@ -168,12 +171,11 @@ def _turning_points(wrap: float, centre: float, shift: float) -> list[float]:
 def _panels(wrap: float, turning_points: list[float]) -> Array:
     """Panel borders, graded geometrically towards every turning point."""
     borders = [0.0, *turning_points, wrap]
-    graded = np.concatenate([[0.0], np.geomspace(FINEST_PANEL, 1.0, PANELS)])
     pieces = [np.array(borders)]
     for k, (left, right) in enumerate(zip(borders[:-1], borders[1:])):
         half = (right - left) / 2.0
-        pieces.append(left + half * (graded if k > 0 else np.linspace(0.0, 1.0, graded.size)))
-        pieces.append(right - half * (graded if k + 2 < len(borders) else np.linspace(0.0, 1.0, graded.size)))
+        pieces.append(left + half * (GRADED if k > 0 else EVEN))
+        pieces.append(right - half * (GRADED if k + 2 < len(borders) else EVEN))
     panels = np.unique(np.concatenate(pieces))
     return panels[np.concatenate([[True], np.diff(panels) > 1.0e-14])]
 
@@ -229,9 +231,6 @@ def log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float = 
     return _integrate(wrap, beta, mu, creep, centre, shift).log_ratio
 
 
-_WIDEST = 16.0
-
-
 def creep_of(u: float) -> float:
     """Maps the search variable to B = -1 + sinh u, with fine resolution about -1, where theta_c and psi change fastest."""
     return -1.0 + float(np.sinh(u))
@@ -240,7 +239,7 @@ def creep_of(u: float) -> float:
 @cache
 def _creep_range(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     """Search variable between the extremes of ln F'_out/F'_in: the branch that contains idle running."""
-    grid = np.linspace(-_WIDEST, _WIDEST, 129)
+    grid = np.array([-16.0, *np.linspace(-4.0, 4.0, 33), 16.0])  # Beyond 4 the belt nearly slips through.
     values = np.array([log_ratio(wrap, beta, mu, creep_of(u)) for u in grid])
 
     def extreme(index: int, sign: float) -> float:
@@ -366,16 +365,16 @@ def variator_at_torque(
     """Both pulleys for a torque T_P (N m) and an axial force S_S (N). sigma V^2 adds the same value to both strand
     forces and cancels in this relation."""
     wanted = torque / (secondary_thrust * radius_p)
-    if torque == 0.0:
-        return variator(wrap_p, wrap_s, beta, mu, 0.0)
-    limit = copysign(capacity(wrap_p, wrap_s, beta, mu, torque > 0.0) * (1.0 - 1.0e-5), torque)
 
-    def excess(traction: float) -> float:
-        return 2.0 * traction / arc_at_traction(wrap_s, beta, mu, traction).thrust - wanted
+    def excess(u: float) -> float:
+        arc = arc_at_creep(wrap_s, beta, mu, creep_of(u))
+        return 2.0 * arc.traction / arc.thrust - wanted
 
-    if excess(0.0) * excess(limit) > 0.0:
+    low, high = _creep_range(wrap_s, beta, mu)
+    if excess(low) * excess(high) > 0.0:
         raise ValueError(f"torque {torque:.3f} N m is beyond the capacity at S_S = {secondary_thrust:.1f} N")
-    return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
+    found = arc_at_creep(wrap_s, beta, mu, creep_of(float(brentq(excess, low, high, xtol=1.0e-12))))
+    return Variator(found.traction, arc_at_traction(wrap_p, beta, mu, -found.traction), found)
 
 
 # ------------------------------------------------------------------------------- the older theory, for comparison

@@ -35,8 +35,7 @@ pub(crate) unsafe fn create<U: Unit>(
     master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
 ) -> *mut c_void {
     contain(ptr::null_mut(), || {
-        // SAFETY: null or valid, as the caller grants.
-        let texts = texts.map(|pointer| unsafe { text(pointer) }.map_err(|error| error.to_string()));
+        let texts = texts.map(|pointer| text(pointer).map_err(|error| error.to_string()));
         let name = texts[0].as_ref().ok().cloned().flatten().unwrap_or_default();
         let sink = messages(&name);
         let function = match version {
@@ -77,11 +76,8 @@ pub(crate) unsafe fn create<U: Unit>(
 pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
     contain((), || {
         let pointer = instance.cast::<Slave<U>>();
-        // SAFETY: as the caller grants.
-        unsafe {
-            if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
-                drop(Box::from_raw(pointer));
-            }
+        if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
+            drop(Box::from_raw(pointer));
         }
     });
 }

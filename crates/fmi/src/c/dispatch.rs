@@ -95,8 +95,7 @@ pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_v
 /// # Safety
 /// `c` is null, or comes from [`create`] and has not been freed.
 pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void) -> T) -> T {
-    // SAFETY: as the caller grants.
-    let Some(handle) = (unsafe { c.cast::<Handle>().as_ref() }) else {
+    let Some(handle) = c.cast::<Handle>().as_ref() else {
         return call(null_mut(), null_mut());
     };
     let outer = handle.is_in_call.replace(true);
@@ -111,15 +110,12 @@ pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *
 /// As for [`on`].
 pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void)) {
     let handle = c.cast::<Handle>();
-    // SAFETY: as the caller grants.
-    unsafe {
-        if handle.as_ref().is_some_and(|handle| !handle.is_in_call.get()) {
-            on(c, name, call);
-            contain((), || {
-                let handle = Box::from_raw(handle);
-                handle.count().fetch_sub(1, SeqCst);
-            });
-        }
+    if handle.as_ref().is_some_and(|handle| !handle.is_in_call.get()) {
+        on(c, name, call);
+        contain((), || {
+            let handle = Box::from_raw(handle);
+            handle.count().fetch_sub(1, SeqCst);
+        });
     }
 }
 

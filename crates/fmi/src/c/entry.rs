@@ -33,8 +33,7 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
         Some(body) => body(slave).map(Into::into),
         None => Ok(Status::Error),
     };
-    // SAFETY: as the caller grants.
-    unsafe { make(instance, function, &mut call) }
+    make(instance, function, &mut call)
 }
 
 /// [`enter`] for any call: compiled once, not for each of a hundred functions.
@@ -47,12 +46,9 @@ unsafe fn make<U: Unit>(
     function: &str,
     body: &mut dyn FnMut(&mut Slave<U>) -> Result<Status, CallError>,
 ) -> Status {
-    contain(Status::Error, || {
-        // SAFETY: as the caller grants.
-        match unsafe { instance.cast::<Slave<U>>().as_mut() } {
-            Some(slave) => slave.call(function, body),
-            None => Status::Error,
-        }
+    contain(Status::Error, || match instance.cast::<Slave<U>>().as_mut() {
+        Some(slave) => slave.call(function, body),
+        None => Status::Error,
     })
 }
 
@@ -70,16 +66,10 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
     on: bool,
     categories: (*const *const c_char, usize),
 ) -> Outcome {
-    // SAFETY: as the caller grants.
-    let names = unsafe { array(categories) }?
-        .iter()
-        .map(|category| match unsafe { text(*category) }? {
-            Some(name) => Ok(name),
-            None => refused("a category is null"),
-        });
-    slave.set_debug_logging(on, names)
+    slave.set_debug_logging(on, array(categories)?.iter().map(|category| text(*category)))
 }
 
+/// Whether elements can be there: not null, aligned, not longer than an allocation can be.
 fn is_usable<T>(pointer: *const T, count: usize) -> bool {
     !pointer.is_null()
         && pointer.is_aligned()
@@ -99,8 +89,7 @@ pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result
     if !is_usable(pointer, count) {
         return refused(NULL_ARRAY);
     }
-    // SAFETY: not null, aligned, not longer than an allocation can be; the caller grants the elements.
-    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+    Ok(std::slice::from_raw_parts(pointer, count))
 }
 
 /// An array for results; an error if it is null though it should have elements.
@@ -115,8 +104,7 @@ pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Resu
     if !is_usable(pointer, count) {
         return refused(NULL_ARRAY);
     }
-    // SAFETY: not null, aligned, not longer than an allocation can be; the caller grants the elements.
-    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
+    Ok(std::slice::from_raw_parts_mut(pointer, count))
 }
 
 /// The place of a result; an error if it is null.
@@ -124,11 +112,7 @@ pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Resu
 /// # Safety
 /// `pointer` is null or points to a writable value that is not otherwise used for `'a`.
 pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallError> {
-    // SAFETY: as the caller grants.
-    match unsafe { pointer.as_mut() } {
-        Some(place) => Ok(place),
-        None => refused(NULL_RESULT),
-    }
+    pointer.as_mut().map_or_else(|| refused(NULL_RESULT), Ok)
 }
 
 /// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as many.
@@ -145,11 +129,11 @@ pub(crate) unsafe fn text(pointer: *const c_char) -> Result<Option<String>, Call
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller grants the zero at the end, and nothing beyond it is read.
-    let Some(length) = (0..=LONGEST_TEXT).find(|at| unsafe { *pointer.add(*at) } == 0) else {
+    // Nothing beyond the zero at the end is read.
+    let length = libc::strnlen(pointer, LONGEST_TEXT + 1);
+    if length > LONGEST_TEXT {
         return refused(format!("a text has more than {LONGEST_TEXT} bytes"));
-    };
-    // SAFETY: as above.
-    let bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>(), length) };
+    }
+    let bytes = std::slice::from_raw_parts(pointer.cast::<u8>(), length);
     Ok(Some(String::from_utf8_lossy(bytes).into_owned()))
 }

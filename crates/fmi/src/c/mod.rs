@@ -33,8 +33,7 @@ macro_rules! define {
             #[allow(clippy::too_many_arguments, clippy::extra_unused_type_parameters, reason = "the standard's")]
             pub unsafe fn $name<U: Unit>($($argument: $type),*) $(-> $result)? {
                 const FUNCTION: &str = stringify!($name);
-                // SAFETY: as the caller grants.
-                unsafe { $($body)? $(enter::<U, _>($c, FUNCTION, $call))? }
+                $($body)? $(enter::<U, _>($c, FUNCTION, $call))?
             }
         )*
     };

@@ -16,11 +16,9 @@ type Stored = *mut c_void;
 
 /// Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
 pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
-    // SAFETY: as the caller grants.
-    let state = unsafe { result(state) }?;
+    let state = result(state)?;
     let saved = slave.save()?;
-    // SAFETY: as the caller grants.
-    match unsafe { state.cast::<Snapshot<U>>().as_mut() } {
+    match state.cast::<Snapshot<U>>().as_mut() {
         Some(existing) => *existing = saved,
         None => *state = Box::into_raw(Box::new(saved)).cast(),
     }
@@ -29,36 +27,31 @@ pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> O
 
 /// Goes back to a stored state, which stays as it is.
 pub(crate) unsafe fn set<U: Unit>(slave: &mut Slave<U>, state: Stored) -> Outcome {
-    // SAFETY: as the caller grants.
-    slave.restore(unsafe { snapshot(state) }?)
+    slave.restore(snapshot(state)?)
 }
 
 /// Frees a stored state and sets it to null; null is legal.
 pub(crate) unsafe fn free<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
     slave.allow(Call::Always)?;
-    // SAFETY: as the caller grants.
-    if let Some(state) = unsafe { state.as_mut() }
+    if let Some(state) = state.as_mut()
         && !state.is_null()
     {
         let freed = std::mem::replace(state, ptr::null_mut());
-        // SAFETY: as the caller grants.
-        drop(unsafe { Box::from_raw(freed.cast::<Snapshot<U>>()) });
+        drop(Box::from_raw(freed.cast::<Snapshot<U>>()));
     }
     Ok(())
 }
 
 /// Number of bytes of a stored state.
 pub(crate) unsafe fn size<U: Unit>(slave: &mut Slave<U>, state: Stored, size: *mut usize) -> Outcome {
-    // SAFETY: as the caller grants.
-    let (snapshot, size) = unsafe { (snapshot(state)?, result(size)?) };
+    let (snapshot, size) = (snapshot(state)?, result(size)?);
     *size = slave.serialize(snapshot)?.len();
     Ok(())
 }
 
 /// Writes a stored state as bytes, as many as [`size`] counts.
 pub(crate) unsafe fn serialize<U: Unit>(slave: &mut Slave<U>, state: Stored, bytes: (*mut u8, usize)) -> Outcome {
-    // SAFETY: as the caller grants.
-    let (snapshot, target) = unsafe { (snapshot(state)?, array_mut(bytes)?) };
+    let (snapshot, target) = (snapshot(state)?, array_mut(bytes)?);
     let bytes = slave.serialize(snapshot)?;
     let (given, needed) = (target.len(), bytes.len());
     match target.get_mut(..needed) {
@@ -74,22 +67,19 @@ pub(crate) unsafe fn deserialize<U: Unit>(
     bytes: (*const u8, usize),
     state: *mut Stored,
 ) -> Outcome {
-    // SAFETY: as the caller grants.
-    let bytes = unsafe { array(bytes) }?;
+    let bytes = array(bytes)?;
     if state.is_null() {
         return refused(NULL_RESULT);
     }
     let snapshot = slave.deserialize(bytes)?;
-    // SAFETY: as the caller grants.
-    unsafe { state.write(Box::into_raw(Box::new(snapshot)).cast()) };
+    state.write(Box::into_raw(Box::new(snapshot)).cast());
     Ok(())
 }
 
 /// The snapshot of a stored state; an error if that is null.
 unsafe fn snapshot<'a, U: Unit>(state: Stored) -> Result<&'a Snapshot<U>, CallError> {
-    // SAFETY: as the caller grants.
-    match unsafe { state.cast::<Snapshot<U>>().as_ref() } {
-        Some(snapshot) => Ok(snapshot),
-        None => refused("the state is null"),
-    }
+    state
+        .cast::<Snapshot<U>>()
+        .as_ref()
+        .map_or_else(|| refused("the state is null"), Ok)
 }

@@ -20,14 +20,12 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
         return true;
     }
     // Not through a `Sink`, whose code may need what the processor lacks.
-    // SAFETY: as the caller grants.
-    if let Some(functions) = unsafe { functions.as_ref() }
+    if let Some(functions) = functions.as_ref()
         && let Some(logger) = functions.logger
     {
         let (environment, status) = (functions.component_environment, Status::Error as c_int);
         let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        // SAFETY: the caller grants that the logger can be called.
-        unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
+        logger(environment, name, status, category, c"%s".as_ptr(), text);
     }
     false
 }
@@ -45,8 +43,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
     functions: *const CallbackFunctions,
     debug: bool,
 ) -> Component {
-    // SAFETY: null or valid, as the caller grants.
-    let functions = unsafe { functions.as_ref() };
+    let functions = functions.as_ref();
     let messages = |instance: &str| {
         let functions = functions?;
         Some(sink(functions.logger?, functions.component_environment, instance))
@@ -55,8 +52,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
         CO_SIMULATION => Ok(Master::default()),
         _ => Err("this FMU is for co-simulation only".to_owned()),
     };
-    // SAFETY: as the caller grants.
-    unsafe { create::<U>(Version::Two, texts, debug, messages, master) }
+    create::<U>(Version::Two, texts, debug, messages, master)
 }
 
 /// `fmi2CoSimulation` of the standard's `fmi2Type`.

@@ -21,21 +21,18 @@ pub unsafe fn query<U: Unit>(
     text: *mut *mut c_char,
     query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
 ) -> Status {
-    // SAFETY: as the caller grants; the pointer for the result is written before it is read.
-    unsafe {
-        if !text.is_null() {
-            text.write(ptr::null_mut());
-        }
-        enter(c, function, |slave: &mut Slave<U>| {
-            let text = result(text)?;
-            let (status, found) = slave.query(query)?;
-            match CString::new(found) {
-                Ok(found) => *text = found.into_raw(),
-                Err(_) => return refused("the text contains a zero character"),
-            }
-            Ok(status)
-        })
+    if !text.is_null() {
+        text.write(ptr::null_mut());
     }
+    enter(c, function, |slave: &mut Slave<U>| {
+        let text = result(text)?;
+        let (status, found) = slave.query(query)?;
+        match CString::new(found) {
+            Ok(found) => *text = found.into_raw(),
+            Err(_) => return refused("the text contains a zero character"),
+        }
+        Ok(status)
+    })
 }
 
 /// Frees a text of [`query`]; null is legal.
@@ -45,8 +42,7 @@ pub unsafe fn query<U: Unit>(
 pub unsafe fn free_text(text: *mut c_char) {
     contain((), || {
         if !text.is_null() {
-            // SAFETY: a `CString` released by `query`, as the caller grants.
-            drop(unsafe { CString::from_raw(text) });
+            drop(CString::from_raw(text));
         }
     });
 }

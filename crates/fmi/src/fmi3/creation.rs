@@ -25,8 +25,7 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     // Not through a `Sink`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
         let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        // SAFETY: as the caller grants.
-        unsafe { log_message(environment, Status::Error as c_int, category, message) };
+        log_message(environment, Status::Error as c_int, category, message);
     }
     false
 }
@@ -48,8 +47,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let [debug, events, early_return] = flags.map(|flag| flag != 0);
     let master = |warnings: &mut Vec<String>| {
-        // SAFETY: null or valid, as the caller grants.
-        let required = unsafe { array(required) }.map_err(|error| error.to_string())?;
+        let required = array(required).map_err(|error| error.to_string())?;
         let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
         Ok(Master {
             version: Version::Three,
@@ -60,8 +58,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             intermediate,
         })
     };
-    // SAFETY: as the caller grants.
-    unsafe { create::<U>(Version::Three, texts, debug, messages, master) }
+    create::<U>(Version::Three, texts, debug, messages, master)
 }
 
 /// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among

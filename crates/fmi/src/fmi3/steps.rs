@@ -36,30 +36,25 @@ pub(super) unsafe fn do_step<U: Unit>(
                 }
                 Ok(())
             };
-            // SAFETY: as the caller grants. No reference to the instance exists during a callback.
-            let status = unsafe { enter(c, function, call) };
-            (status, update)
+            // No reference to the instance exists during a callback.
+            (enter(c, function, call), update)
         };
         let mut now = call(&|slave| match writable {
             true => slave.begin_step(current, step),
             false => refused(NULL_RESULT),
         });
         while let (_, Some(update)) = now {
-            // SAFETY: the caller grants that the callback can be called.
-            let until = unsafe { call_back(&update) };
+            let until = call_back(&update);
             now = call(&|slave| slave.resume_step(until));
         }
         now.0
     });
     if writable {
         let [event, terminate, early] = flags;
-        // SAFETY: none of the places is null.
-        unsafe {
-            event.write(ended.event.into());
-            terminate.write(0);
-            early.write(ended.early.into());
-            last_successful_time.write(ended.time);
-        }
+        event.write(ended.event.into());
+        terminate.write(0);
+        early.write(ended.early.into());
+        last_successful_time.write(ended.time);
     }
     status
 }
@@ -73,8 +68,7 @@ unsafe fn call_back(update: &Update) -> Option<f64> {
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
     let (mut requested, mut until) = (0, time);
     let places = (&raw mut requested, &raw mut until);
-    // SAFETY: as the caller grants; the two places exist during the call.
-    in_hosts(|| unsafe { function(environment, time, set, 1, 1, early, places.0, places.1) });
+    in_hosts(|| function(environment, time, set, 1, 1, early, places.0, places.1));
     let until = if until.is_finite() { until.max(time) } else { time };
     (update.can_return_early && requested != 0).then_some(until)
 }

@@ -1,7 +1,6 @@
 //! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
 use libc::c_void;
-use std::any::Any;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -78,8 +77,6 @@ pub struct Slave<U: Unit> {
 }
 
 impl<U: Unit> Slave<U> {
-    /// A new instance for a master, with its log and its start values.
-    #[must_use]
     pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
         Self {
             table: U::table(),
@@ -92,7 +89,6 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// The GUID of the unit.
     pub(super) fn guid(&self) -> &str {
         self.guid
             .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
@@ -100,7 +96,6 @@ impl<U: Unit> Slave<U> {
 
     /// The present time, s: the communication point; before the start the start time, and in intermediate update mode the
     /// time of the unit.
-    #[must_use]
     pub fn time(&self) -> f64 {
         match &self.now.unit {
             Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.of_master(unit.time()),
@@ -109,7 +104,6 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// Refuses a call that the present state does not allow.
     pub(crate) fn allow(&self, call: Call) -> Outcome {
         let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
@@ -117,11 +111,7 @@ impl<U: Unit> Slave<U> {
         if early || call.allowed_in(state) {
             return Ok(());
         }
-        let advice = match state {
-            State::Error => "; reset it or restore a stored state",
-            _ => "",
-        };
-        refused(format!("not allowed while the instance is {}{advice}", state.name()))
+        refused(format!("not allowed while the instance is {}", state.name()))
     }
 
     /// Starts the unit, unless it has been started.
@@ -136,11 +126,8 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// The result of a query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are
-    /// logged; with a warning among them the status is a warning.
-    ///
-    /// # Errors
-    /// The call is not allowed now, or the query fails.
+    /// A query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are logged; with a warning among
+    /// them the status is a warning.
     pub fn query<T>(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<T, String>,
@@ -160,13 +147,11 @@ impl<U: Unit> Slave<U> {
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    /// Logs the remarks of the unit.
     pub(super) fn log_remarks(&self, remarks: &[Remark]) {
         for remark in remarks {
-            let (status, category) = if remark.warning {
-                (Status::Warning, Category::Warning)
-            } else {
-                (Status::Ok, Category::Events)
+            let (status, category) = match remark.warning {
+                true => (Status::Warning, Category::Warning),
+                false => (Status::Ok, Category::Events),
             };
             self.log.send(status, category, &self.with_start(&remark.text));
         }
@@ -190,10 +175,10 @@ impl<U: Unit> Slave<U> {
             // After a panic the unit may be inconsistent.
             let broken = (self.now.unit.take(), self.step.take());
             drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
-            Err(CallError::Failed(format!(
-                "internal error, please report: {}",
-                panic_text(panic.as_ref())
-            )))
+            let text = panic.downcast_ref::<&str>().copied();
+            let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+            let text = text.unwrap_or("panic without a message");
+            Err(CallError::Failed(format!("internal error, please report: {text}")))
         });
         let (status, category, text) = match outcome {
             Ok(done) => return done.into(),
@@ -207,12 +192,4 @@ impl<U: Unit> Slave<U> {
         self.log.send(status, category, &format!("{function}: {text}"));
         status
     }
-}
-
-fn panic_text(panic: &(dyn Any + Send)) -> &str {
-    panic
-        .downcast_ref::<&str>()
-        .copied()
-        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("panic without a message")
 }

@@ -15,12 +15,12 @@ impl<U: Unit> Slave<U> {
     pub fn set_debug_logging(
         &mut self,
         on: bool,
-        names: impl IntoIterator<Item = Result<String, CallError>>,
+        names: impl Iterator<Item = Result<Option<String>, CallError>>,
     ) -> Outcome {
         self.allow(Call::Always)?;
         let mut chosen = Vec::new();
         for name in names {
-            let (name, known) = (name?, chosen.len());
+            let (name, known) = (name?.unwrap_or_default(), chosen.len());
             let is_chosen = |category: &Category| name == "logAll" || category.name() == name;
             chosen.extend(Category::ALL.into_iter().filter(is_chosen));
             if chosen.len() == known {
@@ -56,15 +56,13 @@ impl<U: Unit> Slave<U> {
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
-        self.now.state = if self.master.events {
-            State::Event
-        } else {
-            State::StepComplete
+        self.now.state = match self.master.events {
+            true => State::Event,
+            false => State::StepComplete,
         };
         Ok(())
     }
 
-    /// Enters event mode.
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.allow(Call::EnterEventMode)?;
         if !self.master.events {
@@ -82,7 +80,6 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// A copy of the state.
     pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         Ok(self.now.clone())
@@ -116,9 +113,8 @@ impl<U: Unit> Slave<U> {
         let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
         let mut archive = Archive::reader(content);
         let mut snapshot = Snapshot::<U>::starting_from(self.start.clone());
-        snapshot
-            .serialize(&self.table, &mut archive)
-            .map_err(CallError::Refused)?;
+        let read = snapshot.serialize(&self.table, &mut archive);
+        read.map_err(CallError::Refused)?;
         if archive.finish() == Err(Mismatch) {
             return refused("the stored state does not fit this version of the model");
         }

@@ -3,8 +3,8 @@
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
 //! in n: O(n (b+g)² b). Pivoting is inside a block.
 
-use super::super::kernels::{self, Inverter, Update, gemm, gemv};
-use super::{Arrow, Parts, Shape};
+use super::super::kernels::{Update, gemm, gemv, invert};
+use super::{Arrow, Parts, Shape, block, from_places, to_places};
 use pushbelt_archive::Archive;
 
 /// A pivot block was singular.
@@ -15,12 +15,10 @@ pub struct Singular {
     pub block: usize,
 }
 
-/// Factors of an [`Arrow`] with all scratch memory: factoring and solving allocate nothing.
+/// Factors of an [`Arrow`] with all scratch memory: factoring and solving allocate nothing where the compiler has the size.
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    /// For pivot blocks of a size unknown to the compiler.
-    pivot: Inverter,
     /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
     inverses: Vec<f64>,
     /// L_{k+1} D_k⁻¹ at k + 1: what elimination takes from a block to the next, so that it needn't wait for D_k⁻¹.
@@ -29,8 +27,6 @@ pub struct ArrowLu {
     solved: Vec<f64>,
     /// Border rows w×b of each block after elimination.
     rows: Vec<f64>,
-    /// For the border.
-    corner: Inverter,
     /// Inverse of block 0 and the border, w×w.
     border: Vec<f64>,
     /// Right-hand side [U_k | border columns] of the block in work.
@@ -51,7 +47,7 @@ macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
             (4, 2) => $lu.$method::<4, 6>($argument),
-            (3, 14) => $lu.$method::<3, 17>($argument),
+            (3, 15) => $lu.$method::<3, 18>($argument),
             (6, 12) => $lu.$method::<6, 18>($argument),
             (8, 12) => $lu.$method::<8, 20>($argument),
             (10, 12) => $lu.$method::<10, 22>($argument),
@@ -68,19 +64,17 @@ impl ArrowLu {
         let w = b + shape.border;
         Self {
             shape,
-            pivot: Inverter::new(b),
             inverses: vec![0.0; n * b * b],
             lower: vec![0.0; n * b * b],
             solved: vec![0.0; n * b * (b + w)],
             rows: vec![0.0; n * b * w],
-            corner: Inverter::new(w),
             border: vec![0.0; w * w],
             columns: vec![0.0; b * (b + w)],
             next_border: vec![0.0; b * w],
             work: vec![0.0; w],
             tail: vec![0.0; w],
-            order: Vec::new(),
-            ordered: Vec::new(),
+            order: (0..shape.len()).collect(),
+            ordered: vec![0.0; shape.len()],
         }
     }
 
@@ -95,14 +89,7 @@ impl ArrowLu {
         ] {
             archive.reals(part);
         }
-        let mut reordered = !self.order.is_empty();
-        archive.flag(&mut reordered);
-        let length = if reordered { self.shape.len() } else { 0 };
-        self.order.resize(length, 0);
-        self.ordered.resize(length, 0.0);
-        if reordered {
-            archive.indices(&mut self.order, length);
-        }
+        archive.indices(&mut self.order, self.ordered.len());
     }
 
     /// Factors `a`.
@@ -127,17 +114,15 @@ impl ArrowLu {
     fn factor_sized<const B: usize, const W: usize>(&mut self, a: &Arrow) -> Result<(), Singular> {
         let n = self.shape.blocks;
         let [b, _] = self.sizes::<B, W>();
-        self.order.clone_from(&a.order);
-        self.ordered.resize(a.order.len(), 0.0);
+        self.order.copy_from_slice(&a.order);
         let a = a.parts();
         self.copy_border(&a);
-        self.inverses[b * b..2 * b * b].copy_from_slice(&a.diagonal[b * b..2 * b * b]);
-        self.copy_border_rows::<B, W>(&a, 1);
-        self.copy_border_columns::<B, W>(&a, 1);
+        self.inverses[b * b..2 * b * b].copy_from_slice(block(a.diagonal, 1, b * b));
+        self.load::<B, W>(&a, 1);
         for k in 1..n {
             self.eliminate::<B, W>(&a, k)?;
         }
-        if invert::<W>(&mut self.corner, &mut self.border) {
+        if invert::<W>(&mut self.border) {
             Ok(())
         } else {
             Err(Singular { block: n })
@@ -147,52 +132,39 @@ impl ArrowLu {
     /// Copies block 0 and the border unknowns' own block.
     fn copy_border(&mut self, a: &Parts<'_>) {
         let (b, g) = (self.shape.block, self.shape.border);
-        let w = b + g;
-        for j in 0..b {
-            let column = &mut self.border[j * w..(j + 1) * w];
-            column[..b].copy_from_slice(&a.diagonal[j * b..(j + 1) * b]);
-            column[b..].copy_from_slice(&a.bottom[j * g..(j + 1) * g]);
+        let (left, right) = self.border.split_at_mut(b * (b + g));
+        for (j, column) in left.chunks_exact_mut(b + g).enumerate() {
+            column[..b].copy_from_slice(block(a.diagonal, j, b));
+            column[b..].copy_from_slice(block(a.bottom, j, g));
         }
-        for j in 0..g {
-            let column = &mut self.border[(b + j) * w..(b + j + 1) * w];
-            column[..b].copy_from_slice(&a.right[j * b..(j + 1) * b]);
-            column[b..].copy_from_slice(&a.corner[j * g..(j + 1) * g]);
+        for (j, column) in right.chunks_exact_mut(b + g).enumerate() {
+            column[..b].copy_from_slice(block(a.right, j, b));
+            column[b..].copy_from_slice(block(a.corner, j, g));
         }
     }
 
-    /// Copies the rows of block 0 and of the border at block k.
+    /// Copies the rows and the columns of block 0 and of the border at block k.
     #[inline(always)]
-    fn copy_border_rows<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
+    fn load<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
         let [b, w] = self.sizes::<B, W>();
         let (n, g) = (self.shape.blocks, w - b);
         let rows = &mut self.rows[k * b * w..(k + 1) * b * w];
         for (j, column) in rows.chunks_exact_mut(w).enumerate() {
             column[..b].fill(0.0);
-            column[b..].copy_from_slice(&a.bottom[(k * b + j) * g..][..g]);
+            column[b..].copy_from_slice(block(a.bottom, k * b + j, g));
         }
+        let (of_block, of_border) = self.next_border[..b * w].split_at_mut(b * b);
+        of_block.fill(0.0);
+        of_border.copy_from_slice(block(a.right, k, b * g));
         // Block 0 has neighbours on both sides.
-        for (neighbour, part) in [(1, a.upper), (n - 1, a.lower)] {
+        for (neighbour, row, column) in [(1, a.upper, a.lower), (n - 1, a.lower, a.upper)] {
             if k == neighbour {
-                for (column, part) in rows.chunks_exact_mut(w).zip(part.chunks_exact(b)) {
-                    add(&mut column[..b], part);
+                add(of_block, block(column, k, b * b));
+                for (to, part) in rows.chunks_exact_mut(w).zip(row.chunks_exact(b)) {
+                    add(&mut to[..b], part);
                 }
             }
         }
-    }
-
-    /// Copies the columns of block 0 and of the border at block k.
-    #[inline(always)]
-    fn copy_border_columns<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
-        let [b, w] = self.sizes::<B, W>();
-        let (n, g) = (self.shape.blocks, w - b);
-        let (of_block, of_border) = self.next_border[..b * w].split_at_mut(b * b);
-        of_block.fill(0.0);
-        for (neighbour, part) in [(1, a.lower), (n - 1, a.upper)] {
-            if k == neighbour {
-                add(of_block, &part[k * b * b..(k + 1) * b * b]);
-            }
-        }
-        of_border.copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
     }
 
     /// Inverts the pivot of block k, and takes the block's part from block k + 1 and from the border.
@@ -203,15 +175,14 @@ impl ArrowLu {
         let (upper, border) = self.columns[..b * (b + w)].split_at_mut(b * b);
         border.copy_from_slice(&self.next_border[..b * w]);
         if has_next {
-            upper.copy_from_slice(&a.upper[k * b * b..(k + 1) * b * b]);
-            self.copy_border_columns::<B, W>(a, k + 1);
-            self.copy_border_rows::<B, W>(a, k + 1);
+            upper.copy_from_slice(block(a.upper, k, b * b));
+            self.load::<B, W>(a, k + 1);
         } else {
             upper.fill(0.0);
         }
         let (inverses, pivots) = self.inverses.split_at_mut((k + 1) * b * b);
         let inverse = &mut inverses[k * b * b..];
-        if !invert::<B>(&mut self.pivot, inverse) {
+        if !invert::<B>(inverse) {
             return Err(Singular { block: k });
         }
         let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
@@ -222,11 +193,10 @@ impl ArrowLu {
         gemm::<W, B>(Update::Subtract, [w, b], row, x_border, &mut self.border);
         if has_next {
             gemm::<W, B>(Update::Subtract, [w, b], row, x_upper, &mut rest[..b * w]);
-            let block = (k + 1) * b * b..(k + 2) * b * b;
-            let lower = &mut self.lower[block.clone()];
-            gemm::<B, B>(Update::Set, [b, b], &a.lower[block.clone()], inverse, lower);
+            let lower = &mut self.lower[(k + 1) * b * b..(k + 2) * b * b];
+            gemm::<B, B>(Update::Set, [b, b], block(a.lower, k + 1, b * b), inverse, lower);
             let pivot = &mut pivots[..b * b];
-            pivot.copy_from_slice(&a.diagonal[block]);
+            pivot.copy_from_slice(block(a.diagonal, k + 1, b * b));
             let (upper, border) = self.columns.split_at(b * b);
             gemm::<B, B>(Update::Subtract, [b, b], lower, upper, pivot);
             gemm::<B, B>(Update::Subtract, [b, b], lower, border, &mut self.next_border);
@@ -236,23 +206,11 @@ impl ArrowLu {
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
-        if self.order.is_empty() {
-            self.solve_in_order(x);
-            return;
-        }
         let mut ordered = std::mem::take(&mut self.ordered);
-        for (&place, x) in self.order.iter().zip(&*x) {
-            ordered[place] = *x;
-        }
-        self.solve_in_order(&mut ordered);
-        for (&place, x) in self.order.iter().zip(x) {
-            *x = ordered[place];
-        }
+        to_places(&self.order, x, &mut ordered);
+        for_size!(self, solve_sized(&mut ordered));
+        from_places(&self.order, &ordered, x);
         self.ordered = ordered;
-    }
-
-    fn solve_in_order(&mut self, x: &mut [f64]) {
-        for_size!(self, solve_sized(x));
     }
 
     /// Solves with factors of the same size.
@@ -265,48 +223,26 @@ impl ArrowLu {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
             if k + 1 < n {
-                gemv::<B, B>(
-                    Update::Subtract,
-                    &self.lower[(k + 1) * b * b..(k + 2) * b * b],
-                    y,
-                    &mut rest[..b],
-                );
+                gemv::<B, B>(Update::Subtract, block(&self.lower, k + 1, b * b), y, &mut rest[..b]);
             }
             self.work[..b].copy_from_slice(y);
-            gemv::<B, B>(
-                Update::Set,
-                &self.inverses[k * b * b..(k + 1) * b * b],
-                &self.work[..b],
-                y,
-            );
-            gemv::<W, B>(
-                Update::Subtract,
-                &self.rows[k * b * w..(k + 1) * b * w],
-                y,
-                &mut self.tail,
-            );
+            gemv::<B, B>(Update::Set, block(&self.inverses, k, b * b), &self.work[..b], y);
+            gemv::<W, B>(Update::Subtract, block(&self.rows, k, b * w), y, &mut self.tail);
         }
         self.work.copy_from_slice(&self.tail);
         gemv::<W, W>(Update::Set, &self.border, &self.work, &mut self.tail);
         for k in (1..n).rev() {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
-            let solved = &self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-            gemv::<B, W>(Update::Subtract, &solved[b * b..], &self.tail, y);
+            let (upper, border) = block(&self.solved, k, b * (b + w)).split_at(b * b);
+            gemv::<B, W>(Update::Subtract, border, &self.tail, y);
             if k + 1 < n {
-                gemv::<B, B>(Update::Subtract, &solved[..b * b], &rest[..b], y);
+                gemv::<B, B>(Update::Subtract, upper, &rest[..b], y);
             }
         }
         x[..b].copy_from_slice(&self.tail[..b]);
         x[n * b..].copy_from_slice(&self.tail[b..]);
     }
-}
-
-/// Replaces a matrix of R rows by its inverse; `any` is for sizes unknown to the compiler. False if it is
-/// singular or not finite.
-#[inline(always)]
-fn invert<const R: usize>(any: &mut Inverter, a: &mut [f64]) -> bool {
-    if R > 0 { kernels::invert::<R>(a) } else { any.invert(a) }
 }
 
 #[inline(always)]

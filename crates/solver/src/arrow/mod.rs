@@ -85,8 +85,28 @@ impl Shape {
 pub struct Arrow {
     shape: Shape,
     values: Vec<f64>,
-    /// Place of each unknown of the vector; empty where the vector's order is the matrix's.
+    /// Place of each unknown of the vector.
     order: Vec<usize>,
+}
+
+/// Number k of the blocks of a part with so many entries each.
+#[inline(always)]
+fn block(part: &[f64], k: usize, size: usize) -> &[f64] {
+    &part[k * size..(k + 1) * size]
+}
+
+/// Brings a vector into the order of the matrix.
+fn to_places(order: &[usize], x: &[f64], ordered: &mut [f64]) {
+    for (&place, x) in order.iter().zip(x) {
+        ordered[place] = *x;
+    }
+}
+
+/// Brings a vector from the order of the matrix into its own.
+fn from_places(order: &[usize], ordered: &[f64], x: &mut [f64]) {
+    for (&place, x) in order.iter().zip(x) {
+        *x = ordered[place];
+    }
 }
 
 /// The parts of an [`Arrow`].
@@ -110,7 +130,7 @@ impl Arrow {
         Self {
             shape,
             values: vec![0.0; shape.starts()[6]],
-            order: Vec::new(),
+            order: (0..shape.len()).collect(),
         }
     }
 
@@ -118,16 +138,14 @@ impl Arrow {
     /// border where it is. Factors keep the order that they were made in.
     pub fn reorder(&mut self, order: &[usize]) {
         self.clear();
-        self.order.clear();
-        self.order.extend_from_slice(order);
+        self.order.copy_from_slice(order);
     }
 
     /// Place of an entry in the storage, if it is in the band.
     #[inline]
     #[must_use]
     pub fn index(&self, row: usize, column: usize) -> Option<usize> {
-        let place = |i: usize| self.order.get(i).copied().unwrap_or(i);
-        self.shape.index(place(row), place(column))
+        self.shape.index(self.order[row], self.order[column])
     }
 
     /// Sizes.
@@ -179,8 +197,8 @@ impl Arrow {
 
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
-        if let Some(at) = row.checked_sub(self.shape.blocks * self.shape.block) {
-            self.border_row(at).for_each(|value| *value = 0.0);
+        if let Some(row) = row.checked_sub(self.shape.blocks * self.shape.block) {
+            self.border_columns().for_each(|column| column[row] = 0.0);
         } else {
             for column in 0..self.shape.len() {
                 if let Some(index) = self.index(row, column) {
@@ -191,26 +209,18 @@ impl Arrow {
         self.add(row, row, scale);
     }
 
-    /// Border row number `at`, in the order of the matrix.
-    fn border_row(&mut self, at: usize) -> impl Iterator<Item = &mut f64> {
+    /// The entries of the border rows, column by column in the order of the matrix.
+    fn border_columns(&mut self) -> impl Iterator<Item = &mut [f64]> {
         let bottom = self.shape.starts()[4];
-        self.values[bottom + at..].iter_mut().step_by(self.shape.border)
+        self.values[bottom..].chunks_exact_mut(self.shape.border)
     }
 
     /// Adds to all entries of a border row. Indices are those of the vector.
-    ///
-    /// # Panics
-    /// If `row` is not in the border.
     pub fn add_to_border_row(&mut self, row: usize, values: impl Iterator<Item = f64>) {
-        let at = row - self.shape.blocks * self.shape.block;
-        if self.order.is_empty() {
-            self.border_row(at)
-                .zip(values)
-                .for_each(|(entry, value)| *entry += value);
-        } else {
-            values
-                .enumerate()
-                .for_each(|(column, value)| self.add(row, column, value));
+        let [n, b, g] = self.shape.sizes();
+        let start = self.shape.starts()[4] + row - n * b;
+        for (place, value) in self.order.iter().zip(values) {
+            self.values[start + place * g] += value;
         }
     }
 
@@ -219,47 +229,31 @@ impl Arrow {
     /// # Panics
     /// If an index is not in the border.
     pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
-        let [n, b, g] = self.shape.sizes();
+        let [n, b, _] = self.shape.sizes();
         let (into, from) = (into - n * b, from - n * b);
-        let bottom = self.shape.starts()[4];
-        for column in self.values[bottom..].chunks_exact_mut(g) {
+        for column in self.border_columns() {
             column[into] += factor * column[from];
         }
     }
 
-    /// `out` = A·`x`. Allocates if the unknowns are reordered.
+    /// `out` = A·`x`. Allocates.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        if self.order.is_empty() {
-            self.multiply_in_order(x, out);
-        } else {
-            let (mut ordered, mut image) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-            for (&place, x) in self.order.iter().zip(x) {
-                ordered[place] = *x;
-            }
-            self.multiply_in_order(&ordered, &mut image);
-            for (&place, out) in self.order.iter().zip(out) {
-                *out = image[place];
-            }
-        }
-    }
-
-    fn multiply_in_order(&self, x: &[f64], out: &mut [f64]) {
         let [n, b, g] = self.shape.sizes();
         let a = self.parts();
-        let split = n * b;
-        out.fill(0.0);
-        for k in 0..n {
-            let row = k * b..(k + 1) * b;
-            let (next, previous) = ((k + 1) % n, (k + n - 1) % n);
-            let blocks = k * b * b..(k + 1) * b * b;
-            let strip = k * b * g..(k + 1) * b * g;
-            let y = &mut out[row.clone()];
-            gemv::<0, 0>(Update::Add, &a.diagonal[blocks.clone()], &x[row.clone()], y);
-            gemv::<0, 0>(Update::Add, &a.upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
-            gemv::<0, 0>(Update::Add, &a.lower[blocks], &x[previous * b..(previous + 1) * b], y);
-            gemv::<0, 0>(Update::Add, &a.right[strip.clone()], &x[split..], y);
-            gemv::<0, 0>(Update::Add, &a.bottom[strip], &x[row], &mut out[split..]);
+        let (mut ordered, mut image) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        to_places(&self.order, x, &mut ordered);
+        let (x, border) = ordered.split_at(n * b);
+        let (y, of_border) = image.split_at_mut(n * b);
+        let any = gemv::<0, 0>;
+        for (k, y) in y.chunks_exact_mut(b).enumerate() {
+            let of = |k: usize| block(x, k % n, b);
+            any(Update::Add, block(a.diagonal, k, b * b), of(k), y);
+            any(Update::Add, block(a.upper, k, b * b), of(k + 1), y);
+            any(Update::Add, block(a.lower, k, b * b), of(k + n - 1), y);
+            any(Update::Add, block(a.right, k, b * g), border, y);
+            any(Update::Add, block(a.bottom, k, b * g), of(k), of_border);
         }
-        gemv::<0, 0>(Update::Add, a.corner, &x[split..], &mut out[split..]);
+        any(Update::Add, a.corner, border, of_border);
+        from_places(&self.order, &image, out);
     }
 }

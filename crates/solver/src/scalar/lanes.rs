@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
 use super::real::Real;
-use super::soft_tail::{FAR, MANTISSA, soft_tail};
+use super::soft_tail::{FAR, soft_tail, to_exponent};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 #[cfg(not(target_feature = "avx"))]
@@ -126,8 +126,6 @@ super::in_place!([] Lanes);
 impl Real for Lanes {
     type Constant = Self;
 
-    const WIDTH: usize = LANES;
-
     #[inline(always)]
     fn constant(value: Self) -> Self {
         value
@@ -196,7 +194,7 @@ impl Real for Lanes {
             [Self::from((-FAR).exp()), Self::one(), Self::from((-FAR).exp())]
         } else {
             soft_tail(size.min(Self::from(FAR)), |of| {
-                Self::new(of.to_array().map(|of| f64::from_bits(of.to_bits() << MANTISSA)))
+                Self::new(of.to_array().map(to_exponent))
             })
         };
         let plus = self.max(Self::zero()) + logarithm * delta;

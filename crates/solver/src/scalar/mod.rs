@@ -45,8 +45,6 @@ mod vectors;
 
 pub use lanes::{LANES, Lanes};
 pub use real::Real;
-pub use smooth::soft_plus_energy_at;
-pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy};
-pub use tangent::Tangent;
-pub use tangent::along;
+pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy, soft_plus_energy_at};
+pub use tangent::{Dual, Tangent, along};
 pub use vectors::{turn_right, zero_vector};

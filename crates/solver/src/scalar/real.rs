@@ -1,6 +1,6 @@
 //! What a scalar can do, and plain numbers as scalars.
 
-use num_dual::{Dual64, DualNum, DualSVec64};
+use super::soft_tail::FAR;
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -39,9 +39,6 @@ pub trait Real:
 
     /// The plain number; of a pack, its first.
     fn re(&self) -> f64;
-
-    /// Numbers in a pack.
-    const WIDTH: usize = 1;
 
     /// The plain number in a lane of a pack.
     fn lane(&self, _lane: usize) -> f64 {
@@ -99,11 +96,20 @@ pub trait Real:
     fn if_positive(self, yes: Self, no: Self) -> Self;
 }
 
-/// Largest x/δ of which the exponential is taken: e^−x is nothing beside 1 long before, and not yet zero.
-pub(super) const MOST: f64 = 600.0;
+/// Functions that the standard library has.
+macro_rules! standard {
+    ($($function:ident)*) => {$(
+        #[inline(always)]
+        fn $function(self) -> Self {
+            self.$function()
+        }
+    )*};
+}
 
 impl Real for f64 {
     type Constant = Self;
+
+    standard!(sqrt recip ln exp);
 
     #[inline(always)]
     fn constant(value: Self) -> Self {
@@ -121,16 +127,6 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        self.recip()
-    }
-
-    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         self.sin_cos()
     }
@@ -141,18 +137,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn ln(self) -> Self {
-        self.ln()
-    }
-
-    #[inline(always)]
-    fn exp(self) -> Self {
-        self.exp()
-    }
-
-    #[inline(always)]
     fn soft_plus(self, delta: f64) -> [Self; 3] {
-        let tail = (-(self.abs() / delta).min(MOST)).exp();
+        let tail = (-(self.abs() / delta).min(FAR)).exp();
         let slope = (if self > 0.0 { 1.0 } else { tail }) / (1.0 + tail);
         let plus = self.max(0.0) + delta * tail.ln_1p();
         [plus, slope, slope * (1.0 - slope) / delta]
@@ -173,79 +159,3 @@ impl Real for f64 {
         [plus, plus / root, (0.5 * square) / (root * root * root)]
     }
 }
-
-/// num-dual's numbers are [`Real`] too: they check derivatives.
-macro_rules! real_by_num_dual {
-    ([$($generic:tt)*] $type:ty) => {
-        impl<$($generic)*> Real for $type {
-            type Constant = f64;
-
-            fn constant(value: f64) -> Self {
-                Self::from_re(value)
-            }
-
-            fn value(&self) -> f64 {
-                self.re
-            }
-
-            fn re(&self) -> f64 {
-                self.re
-            }
-
-            fn sqrt(self) -> Self {
-                DualNum::sqrt(&self)
-            }
-
-            fn recip(self) -> Self {
-                DualNum::recip(&self)
-            }
-
-            fn sin_cos(self) -> (Self, Self) {
-                DualNum::sin_cos(&self)
-            }
-
-            fn atan2(self, x: Self) -> Self {
-                DualNum::atan2(&self, x)
-            }
-
-            fn ln(self) -> Self {
-                DualNum::ln(&self)
-            }
-
-            fn exp(self) -> Self {
-                DualNum::exp(&self)
-            }
-
-            fn soft_plus(self, delta: f64) -> [Self; 3] {
-                let above = self.re > 0.0;
-                let size = if above { -self } else { self };
-                let tail = if size.re < -MOST * delta {
-                    Self::from_re((-MOST).exp())
-                } else {
-                    DualNum::exp(&(size * delta.recip()))
-                };
-                let whole = DualNum::recip(&(tail + 1.0));
-                let slope = if above { whole } else { tail * whole };
-                let plus = DualNum::ln_1p(&tail) * delta + if above { self } else { Self::from_re(0.0) };
-                [plus, slope, slope * (-slope + 1.0) * delta.recip()]
-            }
-
-            fn if_positive(self, yes: Self, no: Self) -> Self {
-                if self.re > 0.0 { yes } else { no }
-            }
-
-            fn smooth_plus(self, delta: f64) -> [Self; 3] {
-                let square = delta * delta;
-                let root = DualNum::sqrt(&(self * self + square));
-                let plus = if self.re > 0.0 {
-                    (self + root) * 0.5
-                } else {
-                    DualNum::recip(&(root - self)) * (0.5 * square)
-                };
-                [plus, plus / root, DualNum::recip(&(root * root * root)) * (0.5 * square)]
-            }
-        }
-    };
-}
-real_by_num_dual!([] Dual64);
-real_by_num_dual!([const N: usize] DualSVec64<N>);

@@ -1,7 +1,7 @@
 //! Steps of bounded work: order, the bound, and going on where the work was used up.
 
 use super::super::newton::{Unsolved, WorkBound};
-use super::super::sdirk::{Sdirk, Span};
+use super::super::sdirk::Sdirk;
 use super::super::{State, System};
 use super::problems::{Equations, Quadrature, Real, Test, VanDerPol, equations};
 use pushbelt_archive::Archive;
@@ -28,7 +28,7 @@ fn a_step_without_error_control_is_one_with_it() {
     let mut ends = [system.state(0.0), system.state(0.0)];
     let [fixed, controlled] = &mut ends;
     bounded(&system, WorkBound::NONE)
-        .step(&mut system, controlled, &mut Span::new(0.0, 0.1))
+        .step(&mut system, controlled, &mut 0.0, 0.1)
         .unwrap();
     bounded(&system, work(1e6))
         .fixed_step(&mut system, fixed, 0.0, 0.1)

@@ -2,6 +2,7 @@
 
 use super::super::continuation::{Settled, Settling, settle};
 use super::super::newton::Newton;
+use super::super::sdirk::MIN_STEP;
 use super::problems::{Equations, Real, Test, equations};
 
 const SETTINGS: Settling = Settling {
@@ -20,9 +21,6 @@ equations! {
     Arch { load: f64 }: 1, true, |self, _, [y], [y_dot], [q]| [y_dot + y * 2.0 + q.powi(3) - q - self.load]
 }
 
-/// λ at the fold.
-const SNAP: f64 = 0.384_900_179_459_750_5;
-
 /// Settles from y and q; where it ends, and how it went.
 fn settled<E: Equations<1>>(
     equations: E,
@@ -32,11 +30,12 @@ fn settled<E: Equations<1>>(
 ) -> ([f64; 2], Result<Settled, Settled>, usize) {
     let mut system = Test::new(equations);
     let mut newton = Newton::new(&system);
+    let first = system.first();
     let mut state = system.at([y], [0.0], [q]);
     let mut refused = 0;
     let mut before_refusal = f64::INFINITY;
     let outcome = settle(&mut system, &mut newton, &mut state, settings, |_, trial| {
-        let change = |a: &[f64], b: &[f64]| (a[3] - b[3]).abs();
+        let change = |a: &[f64], b: &[f64]| (a[first] - b[first]).abs();
         assert!(
             trial.step < before_refusal,
             "the next step after one that was refused is shorter"
@@ -49,7 +48,7 @@ fn settled<E: Equations<1>>(
         before_refusal = f64::INFINITY;
         Some(f64::INFINITY)
     });
-    ([state.y[3], state.q[3]], outcome, refused)
+    ([state.y[first], state.q[first]], outcome, refused)
 }
 
 #[test]
@@ -72,7 +71,7 @@ fn nothing_is_found_beyond_the_fold() {
             let (_, outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, 0.1);
             let report = outcome.unwrap_err();
             assert!(
-                report.solves == SETTINGS.max_solves || report.step < 1e-12,
+                report.solves == SETTINGS.max_solves || report.step < MIN_STEP,
                 "{report:?}"
             );
         }
@@ -83,13 +82,14 @@ fn nothing_is_found_beyond_the_fold() {
 fn an_arch_stands_until_it_snaps() {
     // Just below the fold from the right side it comes to rest on the near branch: q³ − q = λ with q < −1/√3.
     let edge = -1.0 / 3.0_f64.sqrt();
-    let load = 0.999 * SNAP;
+    let snap = (4.0 / 27.0_f64).sqrt();
+    let load = 0.999 * snap;
     let ([y, q], outcome, _) = settled(Arch { load }, [0.0, -1.0], &SETTINGS, 0.05);
     outcome.unwrap();
     assert!(y.abs() < 1e-9 && q < edge, "{y} {q}");
     assert!((q.powi(3) - q - load).abs() < 1e-9);
     // Just beyond it is found on the far one.
-    let ([y, q], outcome, _) = settled(Arch { load: 1.001 * SNAP }, [0.0, -1.0], &SETTINGS, 0.05);
+    let ([y, q], outcome, _) = settled(Arch { load: 1.001 * snap }, [0.0, -1.0], &SETTINGS, 0.05);
     outcome.unwrap();
     assert!(y.abs() < 1e-9 && q > 1.0, "{y} {q}");
 }
@@ -99,7 +99,7 @@ fn who_refuses_every_step_ends_it() {
     let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 0.0);
     let report = outcome.unwrap_err();
     assert_eq!(y, 30.0);
-    assert!(report.step < 1e-12 && refused == report.solves, "{report:?}");
+    assert!(report.step < MIN_STEP && refused == report.solves, "{report:?}");
 }
 
 #[test]

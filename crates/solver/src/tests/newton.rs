@@ -1,33 +1,21 @@
 //! Newton's method on hard problems of one or two unknowns, with the work it takes.
 
 use super::super::System;
-use super::super::newton::{Newton, Unsolved};
-use super::super::stage::Stage;
+use super::super::newton::{Newton, Stage, Unsolved};
 use super::assert_work;
 use super::problems::{Equations, Real, Test, equations};
 
-/// A stage in which ẏ = y and q = y.
-const ALPHA: f64 = 1.0;
-
-/// Solves from a guess, with the factors and rates that Newton's method has from before. The solution, or the error.
+/// Solves a stage in which ẏ = y and q = y from a guess, with the factors and rates that Newton's method has from before.
 fn solve<E: Equations<N>, const N: usize>(
     newton: &mut Newton,
     system: &mut Test<E, N>,
     guess: [f64; N],
     reuse: bool,
 ) -> Result<[f64; N], Unsolved> {
-    let zeros = vec![0.0; system.shape().len()];
-    let mut state = system.at(guess, [0.0; N], [0.0; N]);
-    let mut stage = Stage {
-        time: 0.0,
-        alpha: ALPHA,
-        base: &zeros,
-        position: &zeros,
-        state: &mut state,
-    };
-    newton.set_scale(system, ALPHA);
-    newton.solve(system, &mut stage, 1.0, reuse)?;
-    Ok(system.values(&state.y))
+    let mut stage = Stage::new(system.shape().len());
+    stage.state = system.at(guess, [0.0; N], [0.0; N]);
+    newton.solve(system, &mut stage, reuse)?;
+    Ok(system.values(&stage.state.y))
 }
 
 /// Solves anew; the solution, residual evaluations and factorizations.
@@ -58,10 +46,6 @@ equations! {
     /// A force on a body of this mass under friction that saturates at 1, y/√(y² + v²).
     Friction { mass: f64, velocity: f64, force: f64 }: 1, false,
     |self, _, [y], _, _| [y * self.mass + y / (y * y + self.velocity.powi(2)).sqrt() - self.force]
-}
-equations! {
-    /// arctan y = 0: full steps diverge from |y| > 1.39.
-    Arctan {}: 1, false, |self, _, [y], _, _| [y.atan()]
 }
 equations! {
     /// A diode behind a resistor: its exponential overflows within a full step.
@@ -134,13 +118,6 @@ fn friction_that_saturates() {
     let [left] = light.residual(0.0, found.unwrap(), [0.0], [0.0]);
     assert!(left.abs() < 1e-9, "{left}");
     assert_work(done, [41, 6], "without mass");
-}
-
-#[test]
-fn arctan_from_far() {
-    for (guess, work) in [(1.3, [6, 1]), (20.0, [12, 2]), (-20.0, [12, 2])] {
-        assert_solves(Arctan {}, guess, 0.0, work);
-    }
 }
 
 #[test]

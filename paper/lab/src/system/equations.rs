@@ -2,11 +2,9 @@
 
 use super::free_ring::RingSystem;
 use super::packs::shape;
-use nalgebra::SVector;
-use num_dual::{Derivative, DualSVec64};
-use pushbelt::scalar::Lanes;
+use pushbelt::scalar::{Lanes, Tangent};
 use pushbelt::solver::arrow::{Arrow, Shape};
-use pushbelt::solver::sdirk::{Evolution, Interval};
+use pushbelt::solver::sdirk::Evolution;
 use pushbelt::solver::{System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 use std::f64::consts::TAU;
@@ -51,11 +49,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSy
     fn jacobian(&mut self, _time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
         let slopes = [alpha, beta];
-        let seed = |value: f64, direction: usize, slope: f64| {
-            let mut eps = SVector::<f64, N>::zeros();
-            eps[direction] = slope;
-            DualSVec64::new(value, Derivative::some(eps))
-        };
+        let seed = Tangent::<N, f64>::seed;
         let frame = self.model.frame(seed(view.q[self.theta()], N - 1, beta));
         for pack in &self.packs {
             if pack.add_slopes(&self.model, view, slopes, out) {
@@ -65,7 +59,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSy
                 let motion = self.motion(view, element, slopes, seed);
                 let rows = self.model.balance(&frame, element, &motion);
                 for (entries, row) in entries.iter().zip(&rows) {
-                    for (&entry, &slope) in entries.iter().zip(row.eps.0.iter().flatten()) {
+                    for (&entry, slope) in entries.iter().zip(row.eps) {
                         out.add_at(entry, slope);
                     }
                 }
@@ -101,10 +95,10 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> Evolution for Rin
         (sum / q_error.len() as f64).sqrt() / self.tolerance
     }
 
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, _end: f64, length: f64) {
         if self.model.ring().damping != 0.0 {
             for view in [before, after] {
-                self.dissipated += 0.5 * interval.length * self.dissipation(view);
+                self.dissipated += 0.5 * length * self.dissipation(view);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Start states.
 
 use super::free_ring::RingSystem;
+use crate::motion::advance;
 use nalgebra::SVector;
 use pushbelt::solver::arrow::{Arrow, ArrowLu, Singular};
 use pushbelt::solver::sdirk::{Sdirk, Stalled};
@@ -80,7 +81,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         system.tolerance = f64::INFINITY;
         let mut integrator = Sdirk::new(&system, step, step);
         for _ in 0..count {
-            integrator.advance(&mut system, state, 0.0, step)?;
+            advance(&mut integrator, &mut system, state, [0.0, step])?;
             state.y.fill(0.0);
             state.y_dot.fill(0.0);
         }
