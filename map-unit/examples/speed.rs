@@ -16,40 +16,33 @@ fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../resources/maps");
     let mut settings = MapUnit::load(Some(&folder)).expect("the checked-in tables");
     // Shafts as heavy as an engine and a car.
-    (
-        settings.parameters.primary.inertia,
-        settings.parameters.secondary.inertia,
-    ) = (0.15, 8.0);
+    let of = &mut settings.parameters;
+    (of.primary.inertia, of.secondary.inertia) = (0.15, 8.0);
     for (name, slope) in [("inputs as ramps", true), ("inputs held, reached within 1 ms", false)] {
         let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
-        let mut settings = settings.clone();
-        let mut sum = 0.0;
-        let mut outside = false;
+        let (mut settings, mut rates) = (settings.clone(), settings.clone());
+        rates.inputs = Inputs::ZERO;
+        let (mut sum, mut outside) = (0.0, false);
         let begin = ProcessTime::now();
         for k in 0..STEPS {
-            let phase = 0.02 * f64::from(k);
+            let (phase, speed) = (
+                0.02 * f64::from(k),
+                unit.readings(false).outputs.secondary.speed / 200.0,
+            );
             settings.inputs.primary.torque = 40.0 + 30.0 * phase.sin();
-            let speed = unit.readings(false).outputs.secondary.speed / 200.0;
             settings.inputs.secondary.torque = -40.0 * speed * speed.abs();
             settings.inputs.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
-            let rates = slope.then(|| {
-                let mut rates = settings.clone();
-                let torque = 60.0 * phase.cos();
-                let force = 1.2e3 * (0.3 * phase).cos();
-                rates.inputs = Inputs::ZERO;
-                (rates.inputs.primary.torque, rates.inputs.primary.clamping_force) = (torque, force);
-                (rates.inputs.secondary.torque, rates.inputs.secondary.clamping_force) = (1e-3, 1e-3);
-                rates
-            });
+            rates.inputs.primary.torque = 60.0 * phase.cos();
+            rates.inputs.primary.clamping_force = 1.2e3 * (0.3 * phase).cos();
+            (rates.inputs.secondary.torque, rates.inputs.secondary.clamping_force) = (1e-3, 1e-3);
             let to = STEP * f64::from(k + 1);
-            let mut step = unit.begin(to, &settings, rates.as_ref()).expect("a step");
+            let mut step = unit.begin(to, &settings, slope.then_some(&rates)).expect("a step");
             unit.advance(to, &mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
             sum += readings.outputs.slip;
             outside |= readings.outside;
         }
-        let seconds = begin.elapsed().as_secs_f64();
-        let real_time = STEP * f64::from(STEPS) / seconds;
+        let real_time = STEP * f64::from(STEPS) / begin.elapsed().as_secs_f64();
         println!(
             "{name}: {real_time:.0} times faster than real time by processor time, mean slip {:.5}, beyond the tables: {outside}",
             sum / f64::from(STEPS)

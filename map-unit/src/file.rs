@@ -148,15 +148,13 @@ impl File<'_> {
         Err(format!("it is damaged: the table {name} falls along its last axis"))
     }
 
-    /// The values for both directions, whose signs are those of the direction; refined along the ratio.
+    /// The values against and along the direction of running, whose signs are those of the direction; refined along the ratio.
     fn pair(&self, name: &str, [least, most]: Range) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
-        let of = |at: usize, direction: i32, range: Range| {
-            let values: Vec<f64> = values.iter().skip(at).step_by(2).copied().collect();
-            within(&format!("the table {name} in direction {direction}"), &values, range)?;
-            Ok::<_, String>(self.along_ratio(&values, 1))
-        };
-        Ok([of(0, -1, [-most, -least])?, of(1, 1, [least, most])?])
+        let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
+        within(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
+        within(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
+        Ok([of(0), of(1)].map(|values| self.along_ratio(&values, 1)))
     }
 
     /// Checks the number of values before memory is taken, from the lengths of the last axes and the number of tables of shift rates.

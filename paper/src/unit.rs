@@ -7,7 +7,7 @@ use crate::ring::rcm::RcmElement;
 use pushbelt::fmi::setting;
 use pushbelt::fmi::table::{Access, Enumeration, Item, Kind, Retired, Variable};
 use pushbelt::fmi::unit::Identity;
-use pushbelt::unit::{CONTACT_STRAIN, FILM_FORCE, Rings, Settings, StandardRings, UnitWith, parameter};
+use pushbelt::unit::{REMOVED, Rings, Settings, StandardRings, UnitWith, parameter};
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{ParameterError, Parameters, Readings, RingModel};
 use std::sync::Arc;
@@ -80,6 +80,33 @@ impl Default for PaperRings {
     }
 }
 
+impl PaperRings {
+    /// Checks these parameters among themselves.
+    ///
+    /// # Errors
+    /// The first parameter that does not fit the others.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let is_ale = self.model == RingModel::Ale as i32;
+        if !self.aligned && [RCM, ANCF, CENTRED].contains(&self.model) {
+            let range = "true, unless ring.model is ALE0 or ALE";
+            return Err(ParameterError::new("mesh.aligned", false, range));
+        }
+        if self.reference_directions && !(is_ale && self.aligned) {
+            let range = "false, unless ring.model is ALE and mesh.aligned is true";
+            return Err(ParameterError::new("ring.referenceDirections", true, range));
+        }
+        if self.forward && (!self.aligned || self.model == CENTRED) {
+            let range = "false, unless mesh.aligned is true and ring.model is another than ALE0Centred";
+            return Err(ParameterError::new("solver.forward", true, range));
+        }
+        if self.elements < 0 {
+            let range = "0 for the ring model's usual number, or 16 to 400";
+            return Err(ParameterError::new("ring.elements", self.elements, range));
+        }
+        Ok(())
+    }
+}
+
 impl Rings for PaperRings {
     const IDENTITY: Identity = Identity {
         name: "PushbeltPaper",
@@ -87,7 +114,7 @@ impl Rings for PaperRings {
         ..StandardRings::IDENTITY
     };
     const RING_MODEL: &'static Enumeration = &RING_MODEL;
-    const RETIRED: &'static [Retired] = &[CONTACT_STRAIN, FILM_FORCE];
+    const RETIRED: &'static [Retired] = &REMOVED;
 
     fn variables() -> Vec<Variable<Settings<Self>, Readings>> {
         let model = Access::Setting {
@@ -149,30 +176,10 @@ impl Rings for PaperRings {
         ]
     }
 
-    fn check(&self) -> Result<(), ParameterError> {
-        let is_ale = self.model == RingModel::Ale as i32;
-        if !self.aligned && [RCM, ANCF, CENTRED].contains(&self.model) {
-            let range = "true, unless ring.model is ALE0 or ALE";
-            return Err(ParameterError::new("mesh.aligned", false, range));
-        }
-        if self.reference_directions && !(is_ale && self.aligned) {
-            let range = "false, unless ring.model is ALE and mesh.aligned is true";
-            return Err(ParameterError::new("ring.referenceDirections", true, range));
-        }
-        if self.forward && (!self.aligned || self.model == CENTRED) {
-            let range = "false, unless mesh.aligned is true and ring.model is another than ALE0Centred";
-            return Err(ParameterError::new("solver.forward", true, range));
-        }
-        if self.elements < 0 {
-            let range = "0 for the ring model's usual number, or 16 to 400";
-            return Err(ParameterError::new("ring.elements", self.elements, range));
-        }
-        Ok(())
-    }
-
-    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing> {
+    fn ring(&self, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {
+        self.check()?;
         let elements = usize::try_from(self.elements).unwrap_or_default();
-        match (self.model, parameters.spatial) {
+        Ok(match (self.model, parameters.spatial) {
             (RCM, _) => Arc::new(Travels::<RcmElement>::new(elements)),
             (ANCF, _) => Arc::new(Travels::<AncfElement>::new(elements)),
             (CENTRED, _) => Arc::new(Centred),
@@ -181,6 +188,6 @@ impl Rings for PaperRings {
             (_, true) if self.reference_directions => Arc::new(Rotated::<3>),
             (_, false) => variant(Ale::<2>, self.aligned, self.forward),
             (_, true) => variant(Ale::<3>, self.aligned, self.forward),
-        }
+        })
     }
 }

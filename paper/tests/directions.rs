@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use pushbelt::unit::Rings;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_paper::belts::{Forward, Rotated};

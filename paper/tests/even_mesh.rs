@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use pushbelt::pulley::Pulley;
 use pushbelt::ring::mesh::Element;
-use pushbelt::unit::Rings;
 use pushbelt::variator::Variator;
 use pushbelt::variator::belt_ring::{Ale, Ale0, BeltMesh, BeltRing, CellDivision};
 use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};

@@ -3,14 +3,12 @@
 
 mod linear;
 mod rings;
-mod settings;
 mod table;
 mod terminals;
 mod variator_unit;
 
 pub use linear::linear_model;
-pub use rings::{CONTACT_STRAIN, FILM_FORCE, Rings};
-pub use settings::{Settings, StandardRings};
+pub use rings::{REMOVED, Rings, Settings, StandardRings};
 pub use table::{parameter, shared_variables};
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

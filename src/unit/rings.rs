@@ -1,15 +1,33 @@
-//! The rings that a unit offers, and the variables that choose among them.
+//! The values that a master sets; the rings that a unit offers, and the variables that choose among them.
 
-use super::settings::{Settings, StandardRings};
 use super::table::parameter;
 use crate::fmi::table::{Access, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
+use crate::variator::settings::table::part;
 use crate::variator::settings::{
-    Axial, BeltKind, Drive, Mode, ParameterError, Parameters, Readings, RingModel, StartState,
+    Axial, BeltKind, Drive, Inputs, Mode, ParameterError, Parameters, Readings, RingModel, StartState,
 };
 use std::fmt::Debug;
 use std::sync::Arc;
+
+/// The values that a master sets. The default is the variator of the default experiment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings<R = StandardRings> {
+    /// Parameters of the variator.
+    pub parameters: Parameters,
+    /// Inputs of the variator.
+    pub inputs: Inputs,
+    /// What the unit alone has: of a variator, parameters of the choice of a ring.
+    pub own: R,
+}
+
+/// The rings of the FMU: `ALE0` and `ALE`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StandardRings;
+
+part!([R] Settings<R> => Parameters: |self| self.parameters);
+part!([R] Settings<R> => Inputs: |self| self.inputs);
 
 /// The rings that a unit offers, with the parameters that choose among them.
 pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
@@ -35,31 +53,26 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     /// The variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
     fn variables() -> Vec<Variable<Settings<Self>, Readings>>;
 
-    /// Checks these parameters among themselves.
+    /// The ring that is chosen.
     ///
     /// # Errors
-    /// The first parameter that does not fit the others.
-    fn check(&self) -> Result<(), ParameterError> {
-        Ok(())
-    }
-
-    /// The ring that is chosen.
-    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing>;
+    /// The first parameter of the choice that does not fit the others.
+    fn ring(&self, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError>;
 }
 
-/// Removed in an earlier version.
-pub const CONTACT_STRAIN: Retired = Retired {
-    name: "belt.contactStrain",
-    reference: 1036,
-    instead: "set belt.roughness, the same strain times belt.elementThickness",
-};
-
-/// Removed in an earlier version.
-pub const FILM_FORCE: Retired = Retired {
-    name: "belt.filmForce",
-    reference: 1039,
-    instead: "delete it; no force acts across a gap at rest",
-};
+/// Those that no unit has any longer: `belt.contactStrain` and `belt.filmForce`.
+pub const REMOVED: [Retired; 2] = [
+    Retired {
+        name: "belt.contactStrain",
+        reference: 1036,
+        instead: "set belt.roughness, the same strain times belt.elementThickness",
+    },
+    Retired {
+        name: "belt.filmForce",
+        reference: 1039,
+        instead: "delete it; no force acts across a gap at rest",
+    },
+];
 
 /// A variable of the FMU of the paper's comparison alone.
 const fn of_paper(name: &'static str, reference: u32) -> Retired {
@@ -85,8 +98,8 @@ impl Rings for StandardRings {
     };
     const RING_MODEL: &'static Enumeration = RingModel::TYPE;
     const RETIRED: &'static [Retired] = &[
-        CONTACT_STRAIN,
-        FILM_FORCE,
+        REMOVED[0],
+        REMOVED[1],
         of_paper("mesh.aligned", 1075),
         of_paper("ring.referenceDirections", 1048),
         of_paper("ring.elements", 1045),
@@ -103,7 +116,7 @@ impl Rings for StandardRings {
         vec![parameter("ring.model", 1001, text, Kind::Enumeration { of, access })]
     }
 
-    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing> {
-        parameters.ring_of_model()
+    fn ring(&self, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {
+        Ok(parameters.ring_of_model())
     }
 }

@@ -14,8 +14,7 @@
 //! | 1001 to 1999 | parameters of the whole variator |
 //! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
 
-use super::rings::Rings;
-use super::settings::Settings;
+use super::rings::{Rings, Settings};
 use crate::fmi::si;
 use crate::fmi::table::{Access, Array, Causality, InitialDependencies, Kind, Range, Table, Variable};
 use crate::variator::settings::table::{PRIMARY, Row, SECONDARY, WHOLE, inputs, parameters};
@@ -76,43 +75,20 @@ pub fn parameter<S, Q>(name: &str, reference: u32, text: &str, kind: Kind<S, Q>)
     Row(name, reference, Causality::Parameter, text, kind).variable(WHOLE)
 }
 
-const FROM_ZERO: Range = Range {
-    min: Some(0.0),
-    max: None,
-    nominal: None,
-};
-
 /// A row, by name, value reference, causality, type, description and field of [`Outputs`]. `Q` is the type of the readings in which it is.
 macro_rules! read {
-    ($name:literal, $reference:literal, $causality:ident, $kind:ident $(($($of:tt)*))?, $text:literal, $($field:tt)+) => {
-        Row($name, $reference, $causality, $text, kind!($kind $(($($of)*))?, Access::Reading(|readings: &Q| readings.as_ref().$($field)+)))
-    };
+    ($name:literal, $reference:literal, $causality:ident, $kind:ident $(($($of:tt)*))?, $text:literal, $($field:tt)+) => {{
+        let access = Access::Reading(|readings: &Q| readings.as_ref().$($field)+);
+        Row($name, $reference, $causality, $text, kind!($kind $(($($of)*))?, access))
+    }};
 }
 
+#[rustfmt::skip]
 macro_rules! kind {
-    (Real($unit:expr, $range:expr), $access:expr) => {
-        Kind::Real {
-            unit: $unit,
-            display_unit: None,
-            range: $range,
-            access: $access,
-        }
-    };
-    (Count, $access:expr) => {
-        Kind::Integer {
-            range: None,
-            access: $access,
-        }
-    };
-    (Switch, $access:expr) => {
-        Kind::Boolean { access: $access }
-    };
-    (Choice($of:ident), $access:expr) => {
-        Kind::Enumeration {
-            of: $of::TYPE,
-            access: $access,
-        }
-    };
+    (Real($unit:expr, $range:expr), $access:ident) => { Kind::Real { unit: $unit, display_unit: None, range: $range, access: $access } };
+    (Count, $access:ident) => { Kind::Integer { range: None, access: $access } };
+    (Switch, $access:ident) => { Kind::Boolean { access: $access } };
+    (Choice($of:ident), $access:ident) => { Kind::Enumeration { of: $of::TYPE, access: $access } };
 }
 
 #[rustfmt::skip]
@@ -129,11 +105,11 @@ macro_rules! pulley_outputs {
             read!("{}.shaftTorque", 15, Output, Real("N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", $pulley.shaft_torque),
             read!("{}.externalTorque", 16, Output, Real("N.m", Range::typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", $pulley.external_torque),
             read!("{}.power", 17, Output, Real("W", Range::typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", $pulley.power),
-            read!("spiral.{}", 18, Output, Real("m", FROM_ZERO.of_size(1e-4)), "Spiral running: spread of the running radius within the {} arc", $pulley.spiral),
-            read!("ring.stressAmplitude.{}", 21, Output, Real("Pa", FROM_ZERO.of_size(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", ring_stress.amplitude.$pulley),
+            read!("spiral.{}", 18, Output, Real("m", Range::from(0.0).of_size(1e-4)), "Spiral running: spread of the running radius within the {} arc", $pulley.spiral),
+            read!("ring.stressAmplitude.{}", 21, Output, Real("Pa", Range::from(0.0).of_size(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", ring_stress.amplitude.$pulley),
             read!("ring.stressMean.{}", 22, Output, Real("Pa", Range::typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", ring_stress.mean.$pulley),
-            read!("{}.tilt", 19, Output, Real("rad", FROM_ZERO.of_size(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", $pulley.tilt),
-            read!("{}.idleArc", 20, Output, Real("rad", FROM_ZERO.of_size(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", $pulley.idle_arc),
+            read!("{}.tilt", 19, Output, Real("rad", Range::from(0.0).of_size(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", $pulley.tilt),
+            read!("{}.idleArc", 20, Output, Real("rad", Range::from(0.0).of_size(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", $pulley.idle_arc),
         ]
     };
 }
@@ -169,11 +145,11 @@ fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
         read!("solver.steps", 27, Output, Count, "Steps of the integrator since the start, including rejected ones", work.steps),
         read!("solver.jacobians", 28, Output, Count, "Jacobians formed and factored since the start", work.jacobians),
         read!("solver.residuals", 29, Output, Count, "Residuals evaluated since the start", work.residuals),
-        read!("solver.defect", 30, Output, Real("1", FROM_ZERO.of_size(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", work.defect),
-        read!("solver.behind", 31, Output, Real("s", FROM_ZERO.of_size(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", work.behind),
+        read!("solver.defect", 30, Output, Real("1", Range::from(0.0).of_size(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", work.defect),
+        read!("solver.behind", 31, Output, Real("s", Range::from(0.0).of_size(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", work.behind),
         read!("solver.rollbacks", 32, Output, Count, "Steps without a solution with solver.mode = RealTime since the start: each was begun again with half the length", work.rollbacks),
         read!("belt.misalignment", 20, Output, Real("m", Range::typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves are on opposite sides", misalignment),
-        read!("belt.lateralMax", 21, Output, Real("m", FROM_ZERO.of_size(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", lateral_max),
+        read!("belt.lateralMax", 21, Output, Real("m", Range::from(0.0).of_size(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", lateral_max),
         read!("belt.skew", 22, Output, Real("rad", Range::typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", skew),
     ];
     let of = |owner| move |row: Row<'_, S, Q>| row.variable(owner);
@@ -193,19 +169,13 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
 }
 
 /// A profile: name, value reference of its first element, unit, typical size, description, and its value at a point.
-type ProfileRow = (
-    &'static str,
-    u32,
-    &'static str,
-    f64,
-    &'static str,
-    fn(&Readings, usize) -> f64,
-);
+#[rustfmt::skip]
+type ProfileRow = (&'static str, u32, &'static str, f64, &'static str, fn(&Readings, usize) -> f64);
 
 macro_rules! profile {
     ($name:literal, $first:literal, $unit:literal, $nominal:literal, $field:ident, $text:literal) => {
-        ($name, $first, $unit, $nominal, $text, |readings: &Readings, at| {
-            readings.profile.$field[at]
+        ($name, $first, $unit, $nominal, $text, |of: &Readings, at| {
+            of.profile.$field[at]
         })
     };
 }
@@ -233,8 +203,8 @@ fn profiles<S>() -> impl Iterator<Item = (Array, Vec<Variable<S, Readings>>)> {
         };
         let element = |(at, reference)| {
             let (name, text) = (format!("{}[{}]", array.name, at + 1), format!("{text} at xi = {at}/{PROFILE_POINTS} of the belt length"));
-            let kind = kind!(Real(unit, Range::typical(nominal)), Access::Element(get, at));
-            Row(&name, reference, Local, &text, kind).variable(WHOLE)
+            let access = Access::Element(get, at);
+            Row(&name, reference, Local, &text, kind!(Real(unit, Range::typical(nominal)), access)).variable(WHOLE)
         };
         let elements = (0..PROFILE_POINTS).zip(first..).map(element).collect();
         (array, elements)

@@ -1,16 +1,13 @@
 //! The variator as a unit of the FMI layer.
 
-use super::rings::Rings;
-use super::settings::{Settings, StandardRings};
+use super::rings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::archive::Archive;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, Unit};
 use crate::fmi::{Table, Version};
-use crate::variator::belt_ring::BeltRing;
-use crate::variator::run::{CommunicationStep, Event, Variator};
+use crate::variator::run::{CommunicationStep, Event, Message, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
-use std::sync::Arc;
 
 /// The unit of the FMU, with the rings `ALE0` and `ALE`.
 pub type VariatorUnit = UnitWith<StandardRings>;
@@ -40,13 +37,11 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = ring_of(&settings.own, &parameters).map_err(|error| error.to_string())?;
+        let ring = settings.own.ring(&parameters).map_err(|error| error.to_string())?;
         find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
-        Ok(Self {
-            variator,
-            rings: PhantomData,
-        })
+        let rings = PhantomData;
+        Ok(Self { variator, rings })
     }
 
     /// Applies the tunable parameters.
@@ -61,11 +56,8 @@ impl<R: Rings> UnitWith<R> {
 
     /// Moves the variator's messages to the remarks.
     fn move_messages(&mut self, remarks: &mut Vec<Remark>) {
-        let messages = self.variator.take_messages();
-        remarks.extend(messages.into_iter().map(|message| Remark {
-            warning: message.warning,
-            text: message.text,
-        }));
+        let messages = self.variator.take_messages().into_iter();
+        remarks.extend(messages.map(|Message { warning, text }| Remark { warning, text }));
     }
 }
 
@@ -84,7 +76,8 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn check(settings: &Settings<R>) -> Result<(), String> {
         let parameters = &settings.parameters;
-        let checked = ring_of(&settings.own, parameters).and_then(|ring| Variator::check(parameters, &*ring));
+        let ring = settings.own.ring(parameters);
+        let checked = ring.and_then(|ring| Variator::check(parameters, &*ring));
         let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }
@@ -186,22 +179,14 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
     })
 }
 
-/// The ring that is chosen, from a choice that is checked.
-fn ring_of<R: Rings>(rings: &R, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {
-    rings.check()?;
-    Ok(rings.ring(parameters))
-}
-
 /// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
 /// without any action of the user, so a changed parameter takes precedence.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
     let mut remark = |warning, text| remarks.push(Remark { warning, text });
     if parameter != Parameters::default().solver.tolerance {
         if parameter != experiment {
-            let text = format!(
-                "solver.tolerance = {parameter} was set and takes precedence over the experiment's tolerance {experiment}"
-            );
-            remark(false, text);
+            let over = format!("takes precedence over the experiment's tolerance {experiment}");
+            remark(false, format!("solver.tolerance = {parameter} was set and {over}"));
         }
         return parameter;
     }

@@ -2,26 +2,17 @@
 //! tables, whose hash is in the token.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use pushbelt_fmi::{Version, model_description};
 use pushbelt_map_unit::tables::Tables;
 use pushbelt_map_unit::unit::MapUnit;
 
-fn main() -> ExitCode {
-    let arguments: Vec<_> = std::env::args().skip(1).collect();
-    let version = match arguments.first() {
-        Some(version) if version == "3" => Version::Three,
-        _ => Version::Two,
-    };
-    let data = match arguments.get(1).map(|folder| Tables::read(Path::new(folder))) {
-        Some(Ok(tables)) => Some(tables.hash),
-        Some(Err(why)) => {
-            eprintln!("{why}");
-            return ExitCode::FAILURE;
-        }
-        None => None,
-    };
-    print!("{}", model_description::<MapUnit>(version, data));
-    ExitCode::SUCCESS
+fn main() -> Result<(), String> {
+    let mut arguments = std::env::args().skip(1);
+    let is_three = arguments.next().is_some_and(|version| version == "3");
+    let version = if is_three { Version::Three } else { Version::Two };
+    let tables = arguments.next().map(|folder| Tables::read(Path::new(&folder)));
+    let hash = tables.transpose()?.map(|tables| tables.hash);
+    print!("{}", model_description::<MapUnit>(version, hash));
+    Ok(())
 }

@@ -28,25 +28,6 @@ fn settings(cylinder: Cylinder) -> Settings {
     settings
 }
 
-#[test]
-fn pressures_and_forces_give_the_same_bits() {
-    let area = 1.0 / 128.0;
-    let mut pressure = settings(Cylinder {
-        area,
-        ..Cylinder::default()
-    });
-    let mut force = pressure.clone();
-    force.inputs = crate::settings().inputs;
-    let mut units = [start(&force), start(&pressure)];
-    for k in 1..40 {
-        let change = 512.0 * f64::from(k % 4);
-        force.inputs.primary.clamping_force = 13e3 + change;
-        pressure.inputs.primary.pressure = (13e3 + change) / area;
-        let [force, pressure] = [0, 1].map(|n| run(&mut units[n], [&force, &pressure][n], 5e-3, 5e-3));
-        assert_eq!(force, pressure);
-    }
-}
-
 /// With springs and rotating oil the equilibrium is that of the whole forces, and at each point of a shift the oil supplies the work on
 /// the sheave less that of the others. The radii give the speed of the sheave.
 #[test]

@@ -93,10 +93,8 @@ impl PendingInputs {
             return InputProfile::constant(&mean);
         };
         let last = within.next_back().unwrap_or(first);
-        let rates = Inputs::blend([
-            (1.0 / length, last.profile.at(to)),
-            (-1.0 / length, first.profile.at(from)),
-        ]);
+        let [start, end] = [first.profile.at(from), last.profile.at(to)];
+        let rates = Inputs::ZERO.after(1.0 / length, &end).after(-1.0 / length, &start);
         InputProfile {
             kink: from,
             inputs: mean.after(-0.5 * length, &rates),

@@ -16,36 +16,22 @@ pub const SPEED_LAG: f64 = 1e-3;
 
 /// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "said at the type of a group, or in the table of variables")]
 pub struct Parameters {
-    /// Model of the ring.
     pub ring_model: RingModel,
-    /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
     pub spatial: bool,
-    /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
-    /// Kind of the belt.
     pub kind: BeltKind,
-    /// Push elements.
     pub belt: PushElements,
-    /// The two ring sets, as one beam.
     pub ring: Ring,
-    /// Layers of a ring set, which slip on each other.
     pub layers: Layers,
-    /// Joints of a pull chain.
     pub joints: Joints,
-    /// Friction coefficients and their regularisation.
     pub friction: Friction,
-    /// Element flank on sheave.
     pub contact: Contact,
-    /// Primary pulley (driver, at (d_A, 0)).
     pub primary: PulleyParameters,
-    /// Secondary pulley (driven, at the origin).
     pub secondary: PulleyParameters,
-    /// Discretisation along the belt.
     pub mesh: Mesh,
-    /// Tolerance and longest step of time integration.
     pub solver: Solver,
-    /// The state the run starts from.
     pub initial: Initial,
 }
 
@@ -90,11 +76,13 @@ impl Mesh {
     /// Every element divided by `factor`.
     #[must_use]
     pub fn refined(&self, factor: i32) -> Self {
+        let [primary_arc, secondary_arc, strand] =
+            [self.primary_arc, self.secondary_arc, self.strand].map(|elements| factor * elements);
         Self {
-            primary_arc: factor * self.primary_arc,
-            secondary_arc: factor * self.secondary_arc,
-            strand: factor * self.strand,
-            cells_per_element: self.cells_per_element,
+            primary_arc,
+            secondary_arc,
+            strand,
+            ..self.clone()
         }
     }
 }

@@ -76,13 +76,6 @@ impl<S, Q> Setting<S, Q> {
         self.row.2 == Causality::Tunable
     }
 
-    /// Sets the start value.
-    fn reset(self, of: &mut S) {
-        let start = self.start;
-        let set = self.variable().set(of, start);
-        debug_assert_eq!(set, Ok(()));
-    }
-
     /// Smallest and largest value of a number; infinity where there is no limit.
     #[must_use]
     pub fn range(&self) -> Option<[f64; 2]> {
@@ -133,21 +126,25 @@ pub fn range_of(name: &str) -> Option<(f64, f64)> {
     Some((min, max))
 }
 
+/// The start values of the interface.
+fn started<S>(mut of: S, settings: impl Iterator<Item = Setting<S>>) -> S {
+    for Setting { row, owner, start } in settings {
+        let set = row.variable(owner).set(&mut of, start);
+        debug_assert_eq!(set, Ok(()));
+    }
+    of
+}
+
+/// The laboratory variator `bench168`.
 impl Default for Parameters {
-    /// The start values of the interface: the laboratory variator `bench168`.
     fn default() -> Self {
-        let mut of = Self::blank();
-        parameters::<_, ()>().for_each(|parameter| parameter.reset(&mut of));
-        of
+        started(Self::blank(), parameters())
     }
 }
 
 impl Default for Inputs {
-    /// The start values of the interface.
     fn default() -> Self {
-        let mut of = Self::ZERO;
-        inputs::<_, ()>().for_each(|input| input.reset(&mut of));
-        of
+        started(Self::ZERO, inputs())
     }
 }
 
