@@ -19,9 +19,8 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::belt_ring::{
-    Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Directions, EulerianRing,
-    MeshCurve, Place, RingDensity, RingForces, RingKind, RingUnknowns, Unknowns, cells_of_deflecting,
-    eulerian_equations, nodes,
+    Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Degrees, DegreesOfFreedom,
+    EulerianRing, Layout, MeshCurve, Part, Place, RingDensity, RingForces, RingKind, eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
 use pushbelt_support::load_cases::LoadCase;
@@ -45,20 +44,20 @@ impl<T: Real> StiffeningRing<'_, T> {
 }
 
 impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        self.ale.point(slot, reference)
+    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        self.ale.point(at, reference)
     }
 
     /// Adds δV = ∫ EA c γ² δγ dξ + energy of the length dξ that Θ adds, with δγ = t·δr'.
-    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
+    fn own_load(&self, at: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         let tension = point.strain() * point.strain() * self.stiffening;
         load.slope += point.t * tension;
         load.theta += self.energy(point) * self.ale.growth;
-        self.ale.own_load(slot, point, load) + tension
+        self.ale.own_load(at, point, load) + tension
     }
 
-    fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        self.ale.apply(slot, point, action);
+    fn apply(&mut self, at: usize, point: &RingPoint<T>, action: &Action<T>) {
+        self.ale.apply(at, point, action);
     }
 
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
@@ -82,8 +81,8 @@ struct Stiffening {
 }
 
 /// The unknowns of a cell: two positions and two slopes of each of its two nodes.
-impl Directions for Stiffening {
-    const NODES: usize = 8;
+impl DegreesOfFreedom for Stiffening {
+    const DEGREES: Degrees = Degrees::deflecting(2);
 }
 
 impl<C: MeshCurve> RingKind<2, C> for Stiffening {
@@ -94,12 +93,10 @@ impl<C: MeshCurve> RingKind<2, C> for Stiffening {
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _curve: (&'a C::Frame<T>, usize),
-        unknowns: &Unknowns<T::Constant>,
-        slopes: [f64; 2],
-        seed: impl Fn(T::Constant, usize, f64) -> T,
+        unknown: impl Fn(Part, usize) -> T,
     ) -> StiffeningRing<'a, T> {
         StiffeningRing {
-            ale: Deflecting::new(ring, place, motion, &nodes(unknowns, slopes, seed)),
+            ale: Deflecting::new(ring, place, motion, &nodes(unknown)),
             stiffening: ring.axial_stiffness * self.factor,
         }
     }
@@ -110,12 +107,12 @@ impl BeltRing for Stiffening {
         "stiffening"
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        cells_of_deflecting(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        BeltMesh::new(sizes, CellDivision::of_deflecting(sizes), true)
     }
 
-    fn unknowns(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> RingUnknowns {
-        RingUnknowns::deflection(2, mesh)
+    fn layout(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> Layout {
+        Layout::deflecting(2, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {

@@ -179,26 +179,48 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         velocity
     }
 
-    /// a·t̂ of an element and a along the normals; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
+    /// The acceleration of an element; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ.
     #[inline(always)]
-    pub fn acceleration(&self, point: &RingPoint<T, D>, speed_dot: T, speed_gradient: T) -> (T, [T; 2]) {
+    pub fn acceleration(&self, point: &RingPoint<T, D>, speed_dot: T, speed_gradient: T) -> Acceleration<T> {
         let c = self.c;
+        let passing = self.speed - point.t.dot(&point.r_dot);
         let mut along = speed_dot + c * speed_gradient;
-        let mut across = [T::zero(); 2];
-        for (k, across) in across.iter_mut().enumerate().take(D - 1) {
+        let [mut across, mut slope_rate, mut omega] = [[T::zero(); 2]; 3];
+        for k in 0..D - 1 {
             let normal = &self.normals[k];
-            let slope_rate = normal.dot(&point.slope_dot);
-            let omega = slope_rate * point.inverse_stretch + c * self.curvature[k];
-            along -= omega * self.normal_speed[k];
-            *across = normal.dot(&point.r_ddot) + c * slope_rate + omega * (self.speed - point.t.dot(&point.r_dot));
+            slope_rate[k] = normal.dot(&point.slope_dot);
+            omega[k] = slope_rate[k] * point.inverse_stretch + c * self.curvature[k];
+            along -= omega[k] * self.normal_speed[k];
+            across[k] = normal.dot(&point.r_ddot) + c * slope_rate[k] + omega[k] * passing;
         }
-        (along, across)
+        Acceleration {
+            along,
+            across,
+            slope_rate,
+            omega,
+            passing,
+        }
     }
 }
 
-/// Derivatives of a [`ChainPoint`] in a direction that does not change the reference curve.
+/// Acceleration of an element, and what its variation needs.
 #[derive(Clone, Copy, Debug)]
-pub struct ChainVariation<T: Real> {
+pub struct Acceleration<T> {
+    /// a·t̂, m/s².
+    pub along: T,
+    /// a along the normals, m/s².
+    pub across: [T; 2],
+    /// n̂·(r')˙, 1/s.
+    pub slope_rate: [T; 2],
+    /// Ω, rad/s.
+    pub omega: [T; 2],
+    /// V − t̂·ṙ, m/s.
+    pub passing: T,
+}
+
+/// Derivatives of a [`ChainPoint`] in a direction that does not change the reference curve.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ChainVariation<T> {
     /// δV.
     pub speed: T,
     /// δ(t̂·ṙ).
@@ -215,22 +237,7 @@ pub struct ChainVariation<T: Real> {
     pub curvature: [T; 2],
 }
 
-impl<T: Real> ChainVariation<T> {
-    /// No variation.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let zero = T::zero();
-        Self {
-            speed: zero,
-            along: zero,
-            flow: zero,
-            lead: zero,
-            c: zero,
-            normal_speed: [zero; 2],
-            curvature: [zero; 2],
-        }
-    }
-
+impl<T: Real + Default> ChainVariation<T> {
     /// The variation where V alone varies, by `speed`.
     #[inline(always)]
     pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
@@ -238,38 +245,12 @@ impl<T: Real> ChainVariation<T> {
             speed,
             flow: speed,
             c: speed * chain.inverse_lambda,
-            ..Self::none()
+            ..Self::default()
         }
     }
-}
-
-/// Terms of [`ChainPoint::acceleration`] used by its variation.
-#[derive(Clone, Copy, Debug)]
-pub struct AccelerationTerms<T: Real> {
-    /// t̂·ṙ, m/s.
-    pub along: T,
-    /// n̂·(r')˙, 1/s.
-    pub slope_rate: [T; 2],
-    /// Ω, rad/s.
-    pub omega: [T; 2],
 }
 
 impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// Terms of the acceleration used by its variation.
-    #[inline(always)]
-    pub fn acceleration_terms(&self, point: &RingPoint<T, D>) -> AccelerationTerms<T> {
-        let (mut slope_rate, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
-        for k in 0..D - 1 {
-            slope_rate[k] = self.normals[k].dot(&point.slope_dot);
-            omega[k] = slope_rate[k] * point.inverse_stretch + self.c * self.curvature[k];
-        }
-        AccelerationTerms {
-            along: point.t.dot(&point.r_dot),
-            slope_rate,
-            omega,
-        }
-    }
-
     /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
     pub fn vary(&self, point: &RingPoint<T, D>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
@@ -298,7 +279,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     pub fn vary_acceleration(
         &self,
         point: &RingPoint<T, D>,
-        terms: &AccelerationTerms<T>,
+        base: &Acceleration<T>,
         (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
         speed_dot: T,
         [speed_gradient, gradient]: [T; 2],
@@ -308,7 +289,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
-            let (slope_rate, omega) = (terms.slope_rate[k], terms.omega[k]);
+            let (slope_rate, omega) = (base.slope_rate[k], base.omega[k]);
             let d_slope_rate = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
             let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
                 + chain.c * self.curvature[k]
@@ -318,7 +299,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
                 + normal.dot(&by.r_ddot)
                 + chain.c * slope_rate
                 + c * d_slope_rate
-                + d_omega * (self.speed - terms.along)
+                + d_omega * base.passing
                 + omega * (chain.speed - chain.along);
         }
         (along, across)

@@ -54,7 +54,7 @@ pub struct Friction {
 }
 
 /// Motion of a flank relative to its sheave.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FlankMotion<T> {
     /// g, m.
     pub penetration: T,

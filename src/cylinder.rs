@@ -44,31 +44,3 @@ impl Cylinder {
         (0.5 * self.spring_stiffness * z - self.spring_force) * z
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CYLINDER: Cylinder = Cylinder {
-        area: 0.012,
-        spring_force: 400.0,
-        spring_stiffness: 1.5e4,
-        centrifugal: 0.02,
-        seal: 150.0,
-    };
-
-    #[test]
-    fn figures() {
-        assert!((CYLINDER.push(0.01, -200.0) - (400.0 - 150.0 + 800.0)).abs() < 1e-9);
-        // Half a millimetre per second is far beyond a regularisation velocity of a micrometre per second.
-        for z_dot in [-5e-4, 5e-4_f64] {
-            assert!((CYLINDER.drag(z_dot, 1e-6) - 150.0 * z_dot.signum()).abs() < 1e-3);
-        }
-        assert_eq!(CYLINDER.drag(0.0, 5e-4), 0.0);
-        let none = Cylinder::default();
-        assert_eq!(
-            [none.push(-0.01, 300.0), none.drag(-0.1, 5e-4), none.energy(-0.01)],
-            [0.0; 3]
-        );
-    }
-}

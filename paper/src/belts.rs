@@ -1,6 +1,6 @@
 //! The belts of the paper's comparison, as rings of a variator.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned, ratio_of_theta};
+use crate::reference_curve::{ReferenceCurve, TwoPulley, Unaligned, ratio_of_theta};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::rcm::RcmElement;
@@ -8,11 +8,10 @@ use crate::rotating::RotatingRing;
 use crate::travelling::assembly::TravellingCells;
 use crate::travelling::order::{self, Travelling};
 use crate::travelling::start::state_on_ale;
-use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
-    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, deflecting_equations,
-    eulerian_equations, guided_equations,
+    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, deflecting_equations, eulerian_equations,
+    guided_equations,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -60,12 +59,12 @@ impl<R: OtherEquations> BeltRing for Forward<R> {
         self.0.name()
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        self.0.cells(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        self.0.mesh(sizes)
     }
 
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
-        self.0.unknowns(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+        self.0.layout(parameters, mesh, curve)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -99,16 +98,17 @@ impl<R: OtherEquations> BeltRing for Even<R> {
         ))
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        self.0.cells(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        let aligned = self.0.mesh(sizes);
+        let cells = CellDivision {
+            per_element: aligned.cells_per_element,
+            points: aligned.points,
+        };
+        BeltMesh::new(sizes, cells, false)
     }
 
-    fn is_aligned(&self) -> bool {
-        false
-    }
-
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
-        self.0.unknowns(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+        self.0.layout(parameters, mesh, curve)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -125,22 +125,16 @@ impl<const D: usize> BeltRing for Rotated<D> {
         Ale::<D>.name()
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        Ale::<D>.cells(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        Ale::<D>.mesh(sizes)
     }
 
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
-        Ale::<D>.unknowns(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+        Ale::<D>.layout(parameters, mesh, curve)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
         eulerian_equations::<RotatingRing<D>, D, TwoPulley>(RotatingRing, belt)
-    }
-
-    fn directions(&self, belt: &Belt, frame: &TwoPulleyFrame<f64>, node: usize) -> Option<[Vector2<f64>; 2]> {
-        let element = node % belt.layout.elements;
-        let point = belt.reference_point(frame, element, belt.mesh.elements[element].start);
-        Some([point.t, point.n])
     }
 }
 
@@ -196,12 +190,7 @@ impl<E: TravellingElement> Travels<E> {
     }
 
     fn ring(belt: &Belt) -> LagrangianRing<E, TwoPulley> {
-        LagrangianRing::new(
-            belt.law.ring.clone(),
-            belt.curve.clone(),
-            belt.layout.ring.nodes,
-            E::POINTS,
-        )
+        LagrangianRing::new(belt.law.ring.clone(), belt.curve.clone(), belt.layout.nodes, E::POINTS)
     }
 }
 
@@ -235,27 +224,32 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         Err(ParameterError::new("ring.elements", self.elements as f64, range))
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        CellDivision {
-            per_element: mesh.cells_per_element as usize,
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        let cells = CellDivision {
+            per_element: sizes.cells_per_element as usize,
             // A ring with elements of its own sags between the stations, by q d⁴/(384 EI): 2 µm at the largest distance
             // of two stations per cell.
             points: 3,
-        }
+        };
+        BeltMesh::new(sizes, cells, true)
     }
 
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
-        let mut unknowns = RingUnknowns {
+    /// The nodes have no fixed neighbours among the cells. V and N of each cell come first, then the nodes, then unknowns that
+    /// only fill the blocks. The equations reorder them for the matrix.
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+        let cells = mesh.cells.len();
+        let mut layout = Layout {
             nodes: self.elements,
             per_node: E::BLOCK,
             lengths: (0..E::BLOCK).filter(|&k| E::is_length(k)).map(|k| 1 << k).sum(),
             components: 0,
-            tension: false,
-            apart: Some([0; 2]),
+            node_at: [2 * cells, E::BLOCK],
+            cell_at: [0, 2 * mesh.cells_per_element, 2],
+            content_beside_next: false,
+            ..Layout::deflecting(2, mesh)
         };
-        let layout = Layout::new(mesh, unknowns);
-        unknowns.apart = Some(order::blocks(&layout, mesh, parameters, curve));
-        unknowns
+        [layout.shape.blocks, layout.shape.block] = order::blocks(&layout, mesh, parameters, curve);
+        layout
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {

@@ -5,8 +5,8 @@ use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::belt_ring::{
-    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, CellDivision, InForce, PulleyLoad, ResultantSlopes,
-    RingUnknowns, Sample,
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, InForce, Layout, PulleyLoad, ResultantDerivatives,
+    Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
 use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};
@@ -21,12 +21,12 @@ impl BeltRing for Centred {
         "ALE0 about the axes"
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        Ale0.cells(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        Ale0.mesh(sizes)
     }
 
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
-        Ale0.unknowns(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+        Ale0.layout(parameters, mesh, curve)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -62,7 +62,7 @@ impl Assembly for HeldCentres {
         acting: InForce<'_>,
         view: View<'_>,
         factors: [f64; 2],
-        (matrix, resultants): (&mut Arrow, &mut ResultantSlopes),
+        (matrix, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));
         for centre in self.centres.clone() {

@@ -6,15 +6,15 @@ use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use pushbelt::variator::belt_ring::{
-    Action, CellRing, Deflecting, Directions, EulerianRing, MeshCurve, Place, RingDensity, RingForces, RingKind, SLOTS,
-    Unknowns, nodes,
+    Action, CELL_POINTS, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve, Part, Place,
+    RingDensity, RingForces, RingKind, nodes,
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
     ends: RotatedElement<T>,
-    curve: [TangentAngle<T>; SLOTS],
+    curve: [TangentAngle<T>; CELL_POINTS],
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
@@ -34,7 +34,7 @@ impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
         Self {
             ring: Deflecting::new(ring, place, motion, &nodes),
             ends,
-            curve: std::array::from_fn(|slot| curve(place.fraction(slot.min(place.stations.len())))),
+            curve: std::array::from_fn(|at| curve(place.fraction(at.min(place.stations.len())))),
         }
     }
 }
@@ -51,20 +51,20 @@ impl<T: Real, const D: usize> EulerianRing<T, D> for Rotating<'_, T, D> {
 
 impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     #[inline(always)]
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
+    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
         let Deflecting {
             place, element, motion, ..
         } = &self.ring;
-        rotated_point(reference, &self.curve[slot], &place.slot(slot).shape, element, motion)
+        rotated_point(reference, &self.curve[at], &place.point(at).shape, element, motion)
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
-        self.ring.own_load(slot, point, load)
+    fn own_load(&self, at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
+        self.ring.own_load(at, point, load)
     }
 
     #[inline(always)]
-    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
         let Deflecting {
             place,
             element,
@@ -72,7 +72,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
             sum,
             ..
         } = &mut self.ring;
-        let shape = &place.slot(slot).shape;
+        let shape = &place.point(at).shape;
         rotated_load(&action.load, point, shape, element, motion, action.weight, sum);
     }
 
@@ -86,8 +86,8 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RotatingRing<const D: usize>;
 
-impl<const D: usize> Directions for RotatingRing<D> {
-    const NODES: usize = 4 * D;
+impl<const D: usize> DegreesOfFreedom for RotatingRing<D> {
+    const DEGREES: Degrees = Degrees::deflecting(D);
 }
 
 impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing<D> {
@@ -99,13 +99,11 @@ impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         (frame, segment): (&'a C::Frame<T>, usize),
-        unknowns: &Unknowns<T::Constant>,
-        slopes: [f64; 2],
-        seed: impl Fn(T::Constant, usize, f64) -> T,
+        unknown: impl Fn(Part, usize) -> T,
     ) -> Rotating<'a, T, D> {
         let [start, share] = place.of_segment;
         let curve = |fraction| C::tangent_angle(frame, segment, fraction);
-        let nodes = nodes(unknowns, slopes, seed);
+        let nodes = nodes(unknown);
         Rotating::new(ring, place, motion, nodes, [start, start + share], curve)
     }
 }

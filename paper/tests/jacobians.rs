@@ -60,7 +60,7 @@ fn the_residual_is_invariant_to_the_choice_of_the_first_node() {
     for ring in travelling() {
         let (mut system, state) = disturbed_with(&plane(), ring, 200.0);
         let (layout, n) = (system.belt.layout, state.y.len());
-        let (count, block) = (layout.ring.nodes, layout.ring.per_node);
+        let (count, block) = (layout.nodes, layout.per_node);
         let length = system.belt.curve.length() / count as f64;
         // Index of an unknown when node numbers start at the previous node.
         let counted_on = |i: usize| {

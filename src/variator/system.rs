@@ -8,7 +8,7 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
@@ -32,7 +32,7 @@ pub struct VariatorSystem {
     pub(crate) of_belt: PerPulley<PulleyLoad>,
     assembly: Box<dyn Assembly>,
     /// Working memory.
-    resultants: ResultantSlopes,
+    resultants: ResultantDerivatives,
 }
 
 impl VariatorSystem {
@@ -61,7 +61,7 @@ impl VariatorSystem {
             friction_velocity: parameters.friction.velocity,
             assembly: belt.ring.equations(&belt),
             of_belt: PerPulley::default(),
-            resultants: ResultantSlopes::new(belt.layout.len()),
+            resultants: ResultantDerivatives::new(belt.layout.len()),
             belt: Arc::new(belt),
         }
     }
@@ -194,7 +194,7 @@ const TENSION: f64 = 0.1;
 
 impl System for VariatorSystem {
     fn shape(&self) -> Shape {
-        self.belt.layout.shape()
+        self.belt.layout.shape
     }
 
     fn has_position(&self) -> &[bool] {
@@ -246,14 +246,11 @@ impl System for VariatorSystem {
             }
         }
         let of_ring = self.belt.ring.speed_error(velocity, slip);
-        for node in 0..layout.ring.nodes {
-            for k in 0..layout.ring.per_node {
-                let length = if layout.ring.is_length(k) { 1.0 } else { PER_METRE };
-                out[layout.node(node, k)] = of_ring * length;
-            }
+        for (i, is_length) in layout.node_unknowns() {
+            out[i] = of_ring * if is_length { 1.0 } else { PER_METRE };
         }
         out[layout.free()].fill(1.0);
-        if layout.has_gauge() {
+        if !layout.has_tension() {
             for condition in 0..CONDITIONS {
                 out[layout.gauge(condition)] = 1.0 / CONSTRAINT_SCALE;
             }

@@ -4,6 +4,7 @@
 mod chain;
 mod contact;
 mod curve;
+mod pulleys;
 mod stops;
 
 /// Derivative at 0 by differences of fourth order.

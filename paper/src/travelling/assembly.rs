@@ -7,24 +7,24 @@ use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::travelling::evaluation::{
-    Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
+    Differentiated, Evaluation, MeanTension, Moving, PASS, Still, Values, coordinates, values,
 };
 use crate::travelling::order::{Order, nodal};
 use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantSlopes, Sample, Transport, Transports,
+    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantDerivatives, Sample, Transport, Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.
 #[derive(Clone, Copy, Debug)]
-struct CellSlopes {
+struct CellDerivatives {
     at: [usize; MOST],
     count: usize,
     transport: Transport<[f64; MOST]>,
 }
 
-impl Default for CellSlopes {
+impl Default for CellDerivatives {
     fn default() -> Self {
         Self {
             at: [0; MOST],
@@ -39,7 +39,7 @@ impl Default for CellSlopes {
 pub(crate) struct TravellingCells<E: LagrangianElement> {
     ring: LagrangianRing<E, TwoPulley>,
     mean_tensions: Vec<MeanTension>,
-    slopes: Vec<CellSlopes>,
+    derivatives: Vec<CellDerivatives>,
     transports: Transports,
     order: Order,
 }
@@ -50,7 +50,7 @@ impl<E: LagrangianElement> TravellingCells<E> {
         let cells = belt.mesh.cells.len();
         Self {
             mean_tensions: vec![MeanTension::default(); ring.elements()],
-            slopes: vec![CellSlopes::default(); cells],
+            derivatives: vec![CellDerivatives::default(); cells],
             transports: Transports::new(cells),
             order: Order::default(),
             ring,
@@ -68,36 +68,36 @@ impl<E: LagrangianElement> TravellingCells<E> {
     }
 
     /// Adds the derivatives of the ring's own elements, and computes those of their mean tensions.
-    fn add_ring_slopes(&mut self, layout: &Layout, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+    fn add_ring_derivatives(&mut self, layout: &Layout, view: View<'_>, factors: [f64; 2], out: &mut Arrow) {
         for element in 0..self.ring.elements() {
             let seed = Tangent::<NODAL, f64>::seed;
-            let motion = coordinates(layout, view, element, slopes, seed);
+            let motion = coordinates(layout, view, element, factors, seed);
             let rows: [_; DIRECTIONS] = self.ring.balance(&(), element, &motion);
             let at: [usize; NODAL] = std::array::from_fn(|k| nodal(layout, element, k));
             for (&i, row) in at.iter().zip(&rows) {
-                for (&j, slope) in at.iter().zip(row.eps) {
-                    out.add(i, j, slope);
+                for (&j, derivative) in at.iter().zip(row.eps) {
+                    out.add(i, j, derivative);
                 }
             }
             if E::MEAN_STRAIN {
                 let tension = self.ring.mean_tension(&motion);
                 let mean = &mut self.mean_tensions[element];
-                (mean.value, mean.slopes) = (tension.re, tension.eps);
+                (mean.value, mean.derivatives) = (tension.re, tension.eps);
             }
         }
     }
 
     /// Adds the derivatives of the balance of the contents: fluxes through the left faces.
-    fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+    fn add_flux_derivatives(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
             out.add(face.contents[1], face.contents[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
-                let of = &self.slopes[cell];
-                let slopes = face.slopes(side, &of.transport);
-                for (&column, slope) in of.at.iter().zip(slopes).take(of.count) {
-                    for (row, slope) in face.contents.into_iter().zip([slope, -slope]) {
+                let of = &self.derivatives[cell];
+                let derivatives = face.derivatives(side, &of.transport);
+                for (&column, derivative) in of.at.iter().zip(derivatives).take(of.count) {
+                    for (row, derivative) in face.contents.into_iter().zip([derivative, -derivative]) {
                         if let Some(index) = out.index(row, column) {
-                            out.add_at(index, slope);
+                            out.add_at(index, derivative);
                         }
                     }
                 }
@@ -108,18 +108,18 @@ impl<E: LagrangianElement> TravellingCells<E> {
 
 /// Frames of the curve without derivatives, and with those in a direction of a pass.
 struct PassFrames {
-    still: TwoPulleyFrame<Slopes>,
-    moving: [TwoPulleyFrame<Slopes>; PASS],
+    still: TwoPulleyFrame<Differentiated>,
+    moving: [TwoPulleyFrame<Differentiated>; PASS],
 }
 
 /// Adds the derivatives of a cell's rows to the matrix, and records those of its transport quantities.
-fn add_cell_slopes<E: LagrangianElement>(
+fn add_cell_derivatives<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,
     frames: &PassFrames,
-    slopes: [f64; 2],
-    (of_cell, transports): (&mut CellSlopes, &mut Transports),
-    (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+    factors: [f64; 2],
+    (of_cell, transports): (&mut CellDerivatives, &mut Transports),
+    (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
 ) -> PulleyLoad {
     let at = over.unknowns();
     let pulley = evaluation.acting.belt.mesh.cells[over.cell].pulley;
@@ -128,7 +128,7 @@ fn add_cell_slopes<E: LagrangianElement>(
     of_cell.count = count;
     let mut load = PulleyLoad::default();
     for first in (0..count).step_by(PASS) {
-        let still = Still { first, slopes };
+        let still = Still { first, factors };
         let theta = (own + THETA).wrapping_sub(first);
         let still_here = first + PASS <= own + DRIFT || first > own + THETA;
         let rows = if still_here {
@@ -138,34 +138,34 @@ fn add_cell_slopes<E: LagrangianElement>(
             evaluation.cell(over, frame, Moving(still), |_| ())
         };
         let columns = &at[first..(first + PASS).min(count)];
-        let mut add = |row: usize, value: &Slopes| {
-            for (&column, &slope) in columns.iter().zip(&value.eps) {
+        let mut add = |row: usize, value: &Differentiated| {
+            for (&column, &derivative) in columns.iter().zip(&value.eps) {
                 if let Some(index) = out.index(row, column) {
-                    out.add_at(index, slope);
+                    out.add_at(index, derivative);
                 }
             }
         };
-        for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+        for (number, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
             for (k, row) in nodal.iter().enumerate() {
-                add(at[over.first(slot) + k], row);
+                add(at[over.first(number) + k], row);
             }
         }
         for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != CONTENT) {
             add(at[own + k], row);
         }
         for (axis, force) in rows.balance.pulley.resultant.iter().enumerate() {
-            for (&column, &slope) in columns.iter().zip(&force.eps) {
-                resultants.of(pulley, axis)[column] += slope;
+            for (&column, &derivative) in columns.iter().zip(&force.eps) {
+                resultants.of(pulley, axis)[column] += derivative;
             }
         }
         transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
-        for (slopes, of) in of_cell
+        for (derivatives, of) in of_cell
             .transport
             .each_mut()
             .into_iter()
             .zip(rows.balance.transport.each())
         {
-            slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
+            derivatives[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
         }
         load = rows.balance.pulley.map(|of| of.re);
     }
@@ -199,9 +199,9 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             let over = CellOver::new(belt, &frame, cell, s);
             let at = over.unknowns();
             let rows = evaluation.cell(&over, &frame, Values, |_| ());
-            for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+            for (number, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
                 for (k, row) in nodal.iter().enumerate() {
-                    out[at[over.first(slot) + k]] += row;
+                    out[at[over.first(number) + k]] += row;
                 }
             }
             let own = &at[over.nodal()..];
@@ -226,22 +226,22 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        slopes: [f64; 2],
-        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+        factors: [f64; 2],
+        (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
         let layout = &belt.layout;
-        let [alpha, beta] = slopes;
+        let [alpha, beta] = factors;
         let s = view.q[layout.drift()];
         let theta = belt.theta(view);
         let frame = belt.curve.frame(theta);
         let frames = PassFrames {
-            still: belt.curve.frame(Slopes::from(theta)),
-            moving: std::array::from_fn(|k| belt.curve.frame(Slopes::seed(theta, k, beta))),
+            still: belt.curve.frame(Differentiated::from(theta)),
+            moving: std::array::from_fn(|k| belt.curve.frame(Differentiated::seed(theta, k, beta))),
         };
         self.order.find(belt, &frame, s);
         out.reorder(&self.order.order);
-        self.add_ring_slopes(layout, view, slopes, out);
+        self.add_ring_derivatives(layout, view, factors, out);
         let evaluation = Evaluation {
             acting,
             view,
@@ -249,13 +249,13 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             mean_tensions: &self.mean_tensions,
         };
         let mut loads = PerPulley::<PulleyLoad>::default();
-        for (cell, of_cell) in self.slopes.iter_mut().enumerate() {
+        for (cell, of_cell) in self.derivatives.iter_mut().enumerate() {
             let over = CellOver::new(belt, &frame, cell, s);
             let into = (of_cell, &mut self.transports);
-            let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, (out, resultants));
+            let load = add_cell_derivatives(&evaluation, &over, &frames, factors, into, (out, resultants));
             loads[belt.mesh.cells[cell].pulley].add(&load, 1.0);
         }
-        self.add_flux_slopes(belt, alpha, out);
+        self.add_flux_derivatives(belt, alpha, out);
         for i in layout.free() {
             out.add(i, i, 1.0);
         }

@@ -8,20 +8,22 @@ use crate::ring::model::{Coordinates, NODAL, RingFormulation as _};
 use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::order::nodal;
-use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
-use pushbelt::variator::belt_ring::{AtStation, CellInput, CellMotion, InForce, Layout, Place, SLOTS, Slots, balance};
+use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
+use pushbelt::variator::belt_ring::{
+    AtStation, CELL_POINTS, CellInput, CellMotion, CellPoints, InForce, Layout, Part, Place, balance,
+};
 use std::ops::Mul;
 
 /// Directions differentiated in one pass over a cell.
 pub(super) const PASS: usize = 4;
 /// A number with its derivatives in the directions of a pass.
-pub(super) type Slopes = Tangent<PASS, f64>;
+pub(super) type Differentiated = Tangent<PASS, f64>;
 
 /// Tension of an element at its mean strain, N, and its derivatives with respect to the element's unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MeanTension {
     pub value: f64,
-    pub slopes: [f64; NODAL],
+    pub derivatives: [f64; NODAL],
 }
 
 /// The scalars of an evaluation of a cell, and the directions of their derivatives.
@@ -31,9 +33,9 @@ pub(super) trait Scalars: Copy {
     /// Scalar of places on the ring: a plain number where the mesh is fixed.
     type W: Real;
     /// Factors of ẏ and q in the derivatives.
-    fn slopes(&self) -> [f64; 2];
+    fn factors(&self) -> [f64; 2];
     /// The scalar of a value, its direction and its derivative.
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Self::T;
+    fn seed(&self, value: f64, direction: usize, derivative: f64) -> Self::T;
     /// The scalar of a place on the ring.
     fn place(&self, place: Self::T) -> Self::W;
 }
@@ -45,11 +47,11 @@ pub(super) struct Values;
 impl Scalars for Values {
     type T = f64;
     type W = f64;
-    fn slopes(&self) -> [f64; 2] {
+    fn factors(&self) -> [f64; 2] {
         [0.0; 2]
     }
     #[inline(always)]
-    fn seed(&self, value: f64, _direction: usize, _slope: f64) -> f64 {
+    fn seed(&self, value: f64, _direction: usize, _derivative: f64) -> f64 {
         value
     }
     #[inline(always)]
@@ -62,21 +64,21 @@ impl Scalars for Values {
 #[derive(Clone, Copy)]
 pub(super) struct Still {
     pub first: usize,
-    pub slopes: [f64; 2],
+    pub factors: [f64; 2],
 }
 
 impl Scalars for Still {
-    type T = Slopes;
+    type T = Differentiated;
     type W = f64;
-    fn slopes(&self) -> [f64; 2] {
-        self.slopes
+    fn factors(&self) -> [f64; 2] {
+        self.factors
     }
     #[inline(always)]
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
-        Slopes::seed(value, direction.wrapping_sub(self.first), slope)
+    fn seed(&self, value: f64, direction: usize, derivative: f64) -> Differentiated {
+        Differentiated::seed(value, direction.wrapping_sub(self.first), derivative)
     }
     #[inline(always)]
-    fn place(&self, place: Slopes) -> f64 {
+    fn place(&self, place: Differentiated) -> f64 {
         place.re
     }
 }
@@ -86,17 +88,17 @@ impl Scalars for Still {
 pub(super) struct Moving(pub Still);
 
 impl Scalars for Moving {
-    type T = Slopes;
-    type W = Slopes;
-    fn slopes(&self) -> [f64; 2] {
-        self.0.slopes
+    type T = Differentiated;
+    type W = Differentiated;
+    fn factors(&self) -> [f64; 2] {
+        self.0.factors
     }
     #[inline(always)]
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
-        self.0.seed(value, direction, slope)
+    fn seed(&self, value: f64, direction: usize, derivative: f64) -> Differentiated {
+        self.0.seed(value, direction, derivative)
     }
     #[inline(always)]
-    fn place(&self, place: Slopes) -> Slopes {
+    fn place(&self, place: Differentiated) -> Differentiated {
         place
     }
 }
@@ -119,20 +121,14 @@ struct CellScalars<'a, S> {
 
 impl<S: Scalars> CellScalars<'_, S> {
     #[inline(always)]
-    fn position(&self, k: usize) -> S::T {
-        let [_, beta] = self.scalars.slopes();
-        self.scalars.seed(self.view.q[self.at[k]], k, beta)
-    }
-
-    #[inline(always)]
-    fn value(&self, k: usize) -> S::T {
-        self.scalars.seed(self.view.y[self.at[k]], k, 1.0)
-    }
-
-    #[inline(always)]
-    fn rate(&self, k: usize) -> S::T {
-        let [alpha, _] = self.scalars.slopes();
-        self.scalars.seed(self.view.y_dot[self.at[k]], k, alpha)
+    fn unknown(&self, part: Part, k: usize) -> S::T {
+        let [alpha, beta] = self.scalars.factors();
+        let (of, factor) = match part {
+            Part::Position => (self.view.q, beta),
+            Part::Value => (self.view.y, 1.0),
+            Part::Rate => (self.view.y_dot, alpha),
+        };
+        self.scalars.seed(of[self.at[k]], k, factor)
     }
 }
 
@@ -154,12 +150,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         };
         let own = over.nodal();
         let globals = own + DRIFT;
-        let motion = CellMotion::of_directions(
-            [own, globals, globals + 2],
-            |k| of.position(k),
-            |k| of.value(k),
-            |k| of.rate(k),
-        );
+        let motion = CellMotion::of_unknowns([own, globals, globals + 2], |part, k| of.unknown(part, k));
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
         let plane = law.planes[of_mesh.pulley];
@@ -175,56 +166,56 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             layer_drag: drags.layers,
             spin: drags.spin,
         };
-        let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
-            (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
+        let references: [Option<ReferencePoint<S::T>>; CELL_POINTS] = std::array::from_fn(|number| {
+            (number <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(number)))
         });
-        let drift = of.position(globals);
+        let drift = of.unknown(Part::Position, globals);
         let per_element = self.ring.element_length().recip();
-        let slots = std::array::from_fn(|slot| {
-            let xi = references[slot].as_ref()?.xi.v;
-            let x = ((xi - drift) * per_element - over.turn[slot]) * 2.0 - 1.0;
-            Some(self.ring_at(over, slot, x, &of))
+        let points = std::array::from_fn(|number| {
+            let xi = references[number].as_ref()?.xi.v;
+            let x = ((xi - drift) * per_element - over.turn[number]) * 2.0 - 1.0;
+            Some(self.ring_at(over, number, x, &of))
         });
-        let multipliers = [of.value(own + GAUGE), of.value(own + GAUGE + 1)];
-        let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
-        let reference = |slot: usize| references[slot].expect("a slot of the cell");
+        let multipliers = [GAUGE, GAUGE + 1].map(|k| of.unknown(Part::Value, own + k));
+        let mut passing = Passing::<_, _, E>::new(points, &motion.reference, multipliers);
+        let reference = |number: usize| references[number].expect("a point of the cell");
         let given = CellInput {
             law,
             friction,
             place: &place,
             motion: &motion,
         };
-        let (balance, _) = balance(&given, &mut passing, reference, &mut Slots::empty(), observe);
+        let (balance, _) = balance(&given, &mut passing, reference, &mut CellPoints::empty(), observe);
         CellRows {
             balance,
             ring: passing.into_forces(),
         }
     }
 
-    /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.
+    /// The ring at a point, where its element is at the local coordinate `x` from −1 to 1.
     #[inline(always)]
     fn ring_at<S: Scalars>(
         &self,
         over: &CellOver,
-        slot: usize,
+        number: usize,
         x: S::T,
         of: &CellScalars<'_, S>,
-    ) -> RingAtSlot<S::T, S::W, E> {
-        let first = over.first(slot);
+    ) -> RingAtPoint<S::T, S::W, E> {
+        let first = over.first(number);
         let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
-            value: of.position(first + k),
-            rate: of.value(first + k),
-            acceleration: of.rate(first + k),
+            value: of.unknown(Part::Position, first + k),
+            rate: of.unknown(Part::Value, first + k),
+            acceleration: of.unknown(Part::Rate, first + k),
         });
         let motion = self.ring.motion(&unknowns);
         let shape = E::shape(of.scalars.place(x));
         let particle = E::particle(&motion, &shape);
         let tension = if E::MEAN_STRAIN {
-            self.mean_tension(over.element(slot), first, of.scalars)
+            self.mean_tension(over.element(number), first, of.scalars)
         } else {
             beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
         };
-        RingAtSlot {
+        RingAtPoint {
             motion,
             shape,
             particle,
@@ -236,9 +227,9 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     #[inline(always)]
     fn mean_tension<S: Scalars>(&self, element: usize, first: usize, scalars: S) -> S::T {
         let mean = &self.mean_tensions[element];
-        let slopes = mean.slopes.iter().enumerate();
-        slopes.fold(S::T::from(mean.value), |sum, (k, &slope)| {
-            sum + scalars.seed(0.0, first + k, slope)
+        let derivatives = mean.derivatives.iter().enumerate();
+        derivatives.fold(S::T::from(mean.value), |sum, (k, &derivative)| {
+            sum + scalars.seed(0.0, first + k, derivative)
         })
     }
 }

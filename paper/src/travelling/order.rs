@@ -5,7 +5,7 @@
 //! the largest distance of two coupled unknowns, so the result is an arrow matrix.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
-use pushbelt::variator::belt_ring::{Belt, BeltMesh, Cell, Layout, SLOTS};
+use pushbelt::variator::belt_ring::{Belt, BeltMesh, CELL_POINTS, Cell, Layout};
 use pushbelt::variator::settings::Parameters;
 
 /// Nodes of a travelling ring.
@@ -23,9 +23,9 @@ impl Travelling {
     /// The nodes of a layout.
     pub fn of(layout: &Layout, curve: &TwoPulley) -> Self {
         Self {
-            nodes: layout.ring.nodes,
-            block: layout.ring.per_node,
-            length: curve.length() / layout.ring.nodes as f64,
+            nodes: layout.nodes,
+            block: layout.per_node,
+            length: curve.length() / layout.nodes as f64,
         }
     }
 
@@ -57,11 +57,11 @@ const SHAPES: u32 = 16;
 /// Number of examined drifts within an element.
 const DRIFTS: u32 = 8;
 
-/// Places ξ of the slots of every cell, m.
-fn slots(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; SLOTS], usize)> {
+/// Places ξ of the points of every cell, m.
+fn points(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; CELL_POINTS], usize)> {
     let of = |cell: &Cell| {
         let segment = mesh.elements[cell.element].segment;
-        let mut xi = [0.0; SLOTS];
+        let mut xi = [0.0; CELL_POINTS];
         for (xi, station) in xi.iter_mut().zip(std::iter::once(&cell.face).chain(&cell.stations)) {
             *xi = TwoPulley::point(frame, segment, station.fraction).xi.v;
         }
@@ -85,17 +85,17 @@ fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
 /// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios between the stops.
 pub(crate) fn blocks(layout: &Layout, mesh: &BeltMesh, parameters: &Parameters, curve: &TwoPulley) -> [usize; 2] {
     let travelling = &Travelling::of(layout, curve);
-    let total = layout.cell_unknowns() + travelling.nodes * travelling.block;
+    let total = 2 * layout.cells() + travelling.nodes * travelling.block;
     let mut places = vec![0; total];
     let mut reach = 0;
     for theta in shapes(parameters, curve) {
         let frame = curve.frame(theta);
-        let slots = slots(mesh, &frame);
-        let faces: Vec<f64> = slots.iter().map(|(xi, _)| xi[0]).collect();
+        let points = points(mesh, &frame);
+        let faces: Vec<f64> = points.iter().map(|(xi, _)| xi[0]).collect();
         for part in 0..DRIFTS {
             let s = f64::from(part) / f64::from(DRIFTS) * travelling.length;
             line_up(layout, travelling, &faces, s, &mut places);
-            reach = reach.max(farthest(layout, travelling, &slots, s, &places));
+            reach = reach.max(farthest(layout, travelling, &points, s, &places));
         }
     }
     let count = (total / (reach + MARGIN)).max(3);
@@ -134,7 +134,7 @@ fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, plac
 fn farthest(
     layout: &Layout,
     travelling: &Travelling,
-    slots: &[([f64; SLOTS], usize)],
+    points: &[([f64; CELL_POINTS], usize)],
     s: f64,
     places: &[usize],
 ) -> usize {
@@ -143,10 +143,10 @@ fn farthest(
         let d = places[a].abs_diff(places[b]);
         d.min(total - d)
     };
-    let cells = slots.len();
+    let cells = points.len();
     let mut found = 0;
     let nodes_of = |cell: usize, out: &mut Vec<usize>| {
-        let (xi, count) = &slots[cell];
+        let (xi, count) = &points[cell];
         for xi in &xi[..*count] {
             let (element, _) = travelling.element(xi - s);
             for node in [element, element + 1] {
@@ -201,7 +201,7 @@ impl Order {
     pub fn find(&mut self, belt: &Belt, frame: &TwoPulleyFrame<f64>, s: f64) {
         let (layout, mesh) = (&belt.layout, &belt.mesh);
         let travelling = &Travelling::of(layout, &belt.curve);
-        let total = layout.cell_unknowns() + travelling.nodes * travelling.block;
+        let total = 2 * layout.cells() + travelling.nodes * travelling.block;
         self.faces.clear();
         self.faces.extend(mesh.cells.iter().map(|cell| {
             let segment = mesh.elements[cell.element].segment;
@@ -209,7 +209,7 @@ impl Order {
         }));
         self.places.resize(total, 0);
         line_up(layout, travelling, &self.faces, s, &mut self.places);
-        let [blocks, size] = layout.ring.apart.unwrap_or([1, total]);
+        let (blocks, size) = (layout.shape.blocks, layout.shape.block);
         let start = |block: usize| (block * total).div_ceil(blocks);
         self.order.clear();
         self.order.extend(self.places.iter().map(|&place| {
@@ -228,6 +228,6 @@ impl Order {
 /// Unknown `k` of a travelling element: those of its left node, then those of the next node.
 #[inline]
 pub(super) fn nodal(layout: &Layout, element: usize, k: usize) -> usize {
-    let block = layout.ring.per_node.max(1);
+    let block = layout.per_node;
     layout.node(element + k / block, k % block)
 }

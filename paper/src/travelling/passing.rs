@@ -23,16 +23,16 @@ use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::travelling::order::{Travelling, nodal};
 use pushbelt::variator::belt_ring::{
-    Action, Belt, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity, SLOTS,
+    Action, Belt, CELL_POINTS, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity,
 };
 use std::ops::Mul;
 
 /// Time constant τ with which the reference curve follows the ring, s: some passes of an element.
 const FOLLOWING_TIME: f64 = 0.02;
 
-/// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
+/// Directions of a cell: unknowns of the elements under its points, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
 /// multipliers.
-pub(super) const MOST: usize = NODAL * SLOTS + OTHERS;
+pub(super) const MOST: usize = NODAL * CELL_POINTS + OTHERS;
 pub(super) const OTHERS: usize = 11;
 /// Index of the content among the others. Its row is the balance of the fluxes.
 pub(super) const CONTENT: usize = 2;
@@ -41,18 +41,18 @@ pub(super) const DRIFT: usize = 3;
 pub(super) const THETA: usize = 4;
 pub(super) const GAUGE: usize = 9;
 
-/// A cell and the elements of the ring under its slots.
+/// A cell and the elements of the ring under its points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellOver {
     /// The cell.
     pub cell: usize,
     /// Each element once.
-    elements: [usize; SLOTS],
+    elements: [usize; CELL_POINTS],
     count: usize,
-    /// Index in `elements` of the element under each slot.
-    of_slot: [usize; SLOTS],
+    /// Index in `elements` of the element under each point.
+    of_point: [usize; CELL_POINTS],
     /// Its number without wrapping.
-    pub turn: [f64; SLOTS],
+    pub turn: [f64; CELL_POINTS],
     /// Unknowns of the directions.
     at: [usize; MOST],
 }
@@ -64,19 +64,19 @@ impl CellOver {
         let segment = belt.mesh.elements[of_mesh.element].segment;
         let mut over = Self {
             cell,
-            elements: [0; SLOTS],
+            elements: [0; CELL_POINTS],
             count: 0,
-            of_slot: [0; SLOTS],
-            turn: [0.0; SLOTS],
+            of_point: [0; CELL_POINTS],
+            turn: [0.0; CELL_POINTS],
             at: [0; MOST],
         };
         let travelling = Travelling::of(&belt.layout, &belt.curve);
-        for (slot, station) in std::iter::once(&of_mesh.face).chain(&of_mesh.stations).enumerate() {
+        for (number, station) in std::iter::once(&of_mesh.face).chain(&of_mesh.stations).enumerate() {
             let place = TwoPulley::point::<f64>(frame, segment, station.fraction).xi.v - s;
             let (element, count) = travelling.element(place);
-            over.turn[slot] = count;
+            over.turn[number] = count;
             let known = over.elements[..over.count].iter().position(|&e| e == element);
-            over.of_slot[slot] = known.unwrap_or_else(|| {
+            over.of_point[number] = known.unwrap_or_else(|| {
                 over.elements[over.count] = element;
                 over.count += 1;
                 over.count - 1
@@ -121,19 +121,19 @@ impl CellOver {
         &self.at[..self.nodal() + OTHERS]
     }
 
-    /// The element under a slot.
-    pub fn element(&self, slot: usize) -> usize {
-        self.elements[self.of_slot[slot]]
+    /// The element under a point.
+    pub fn element(&self, number: usize) -> usize {
+        self.elements[self.of_point[number]]
     }
 
-    /// First direction of the element under a slot.
-    pub fn first(&self, slot: usize) -> usize {
-        NODAL * self.of_slot[slot]
+    /// First direction of the element under a point.
+    pub fn first(&self, number: usize) -> usize {
+        NODAL * self.of_point[number]
     }
 }
 
-/// The ring at a slot.
-pub(super) struct RingAtSlot<T: Real, W: Real, E: LagrangianElement> {
+/// The ring at a point.
+pub(super) struct RingAtPoint<T: Real, W: Real, E: LagrangianElement> {
     pub motion: E::Motion<T>,
     pub shape: E::ShapeFunctions<W>,
     pub particle: Particle<T>,
@@ -142,8 +142,8 @@ pub(super) struct RingAtSlot<T: Real, W: Real, E: LagrangianElement> {
 
 /// Generalised forces of a cell on the ring and on the mesh (inertia − forces).
 pub(super) struct PassingForces<T> {
-    /// Conjugates of the unknowns of the element under each slot.
-    pub nodal: [[T; NODAL]; SLOTS],
+    /// Conjugates of the unknowns of the element under each point.
+    pub nodal: [[T; NODAL]; CELL_POINTS],
     pub drift: T,
     pub theta: T,
     /// Residuals of the two conditions.
@@ -152,26 +152,26 @@ pub(super) struct PassingForces<T> {
 
 /// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where the mesh is fixed.
 pub(super) struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
-    slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
+    points: [Option<RingAtPoint<T, W, E>>; CELL_POINTS],
     motion: &'a ReferenceMotion<T>,
     multipliers: [T; 2],
     forces: PassingForces<T>,
 }
 
 impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
-    /// The ring at the slots of a cell, with these `multipliers`.
+    /// The ring at the points of a cell, with these `multipliers`.
     #[inline(always)]
     pub fn new(
-        slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
+        points: [Option<RingAtPoint<T, W, E>>; CELL_POINTS],
         motion: &'a ReferenceMotion<T>,
         multipliers: [T; 2],
     ) -> Self {
         Self {
-            slots,
+            points,
             motion,
             multipliers,
             forces: PassingForces {
-                nodal: [[T::zero(); NODAL]; SLOTS],
+                nodal: [[T::zero(); NODAL]; CELL_POINTS],
                 drift: T::zero(),
                 theta: T::zero(),
                 gauge: [T::zero(); 2],
@@ -187,19 +187,19 @@ impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
 
 impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> for Passing<'_, T, W, E> {
     #[inline(always)]
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        let at = self.slots[slot].as_ref().expect("a slot of the cell");
+    fn point(&self, number: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        let at = self.points[number].as_ref().expect("a point of the cell");
         at.particle.at_station(reference, self.motion)
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, _point: &RingPoint<T>, _load: &mut LineLoad<T>) -> T {
-        self.slots[slot].as_ref().expect("a slot of the cell").tension
+    fn own_load(&self, number: usize, _point: &RingPoint<T>, _load: &mut LineLoad<T>) -> T {
+        self.points[number].as_ref().expect("a point of the cell").tension
     }
 
     #[inline(always)]
-    fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        let Some(at) = &self.slots[slot] else { return };
+    fn apply(&mut self, number: usize, point: &RingPoint<T>, action: &Action<T>) {
+        let Some(at) = &self.points[number] else { return };
         let reference = &point.reference;
         let weight = action.weight;
         // Virtual motion of the mesh point with s and Θ.
@@ -223,7 +223,7 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
         };
         let mut force = E::no_force();
         E::add(&at.motion, &at.shape, &on_ring, 1.0, &mut force);
-        forces.nodal[slot] = E::conjugates(&at.motion, &force);
+        forces.nodal[number] = E::conjugates(&at.motion, &force);
     }
 
     fn density(&self, _point: &RingPoint<T>) -> RingDensity<T> {

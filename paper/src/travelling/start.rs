@@ -49,15 +49,14 @@ pub(crate) fn state_on_ale<E: LagrangianElement>(
         q
     };
     let [before, now, after] = [-MOMENT, 0.0, MOMENT].map(placed);
-    let first = layout.node(0, 0);
-    for i in 0..layout.ring.nodes * layout.ring.per_node {
-        let mut change = after[i] - before[i];
-        if !layout.ring.is_length(i % layout.ring.per_node) {
+    for (k, (i, is_length)) in layout.node_unknowns().enumerate() {
+        let mut change = after[k] - before[k];
+        if !is_length {
             // Difference of angles, within half a turn.
             change = (change + PI).rem_euclid(TAU) - PI;
         }
-        out.q[first + i] = now[i];
-        out.y[first + i] = change / (2.0 * MOMENT);
+        out.q[i] = now[k];
+        out.y[i] = change / (2.0 * MOMENT);
     }
     out
 }

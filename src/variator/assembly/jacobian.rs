@@ -3,83 +3,68 @@
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::derivatives::Columns;
-use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, path_of};
-use crate::variator::assembly::pack::Pack;
-use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
+use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
+use crate::variator::assembly::pack::{Pack, Unknowns};
+use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::equations::InForce;
-use crate::variator::cell::balance::balance;
-use crate::variator::cell::directions::Directions;
-use crate::variator::cell::laws::{LawArguments, LawTangents};
-use crate::variator::cell::state::{CellInput, Slots};
-use crate::variator::cell::variation::Evaluated;
-use crate::variator::law::place::CellBalance;
+use crate::variator::cell::degrees::DegreesOfFreedom;
+use crate::variator::cell::laws::{ARGUMENTS, Arguments, OfLaws, Tangents, record_arguments, record_tangents};
+use crate::variator::cell::variation::Linearised;
+use crate::variator::law::place::{CellBalance, Part};
 use crate::variator::mesh::belt_mesh::STATIONS;
-use std::cell::OnceCell;
+use crate::variator::rings::ring::EulerianRing;
+use num_traits::Zero;
+use std::cell::RefCell;
 use std::ops::Range;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
-/// Most passes over drift and coordinates of the curve.
-const PASSES: usize = (1 + COORDINATES).div_ceil(PASS);
 
-/// The balance of a pack at `unknowns`. Evaluates the tangents of its laws and, unless `update`, all its derivatives.
+/// The balance of a pack at `unknowns`. Evaluates the tangents of its laws and, unless the frames are those of an update, all its
+/// derivatives.
 #[inline(never)]
 pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    (kind, pack): (&K, &Pack),
-    frames: &Frames<'_, C>,
-    unknowns: &Unknowns<Lanes>,
-    update: bool,
+    of_pack: (&K, &Pack),
+    frames: &Frames<C>,
+    unknowns: &Unknowns,
     mut columns: Columns<'_>,
 ) -> CellBalance<Lanes> {
-    let (InForce { law, friction, .. }, frame, slopes) = (acting, &frames.plain, frames.slopes);
-    let plain = |value, _, _| value;
-    let motion = motion::<Lanes, K>(unknowns, slopes, plain);
-    let place = pack.place::<Lanes, C>(law, frame);
-    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
-    let on_curve = (frame, pack.segment);
-    let mut ring = kind.ring::<Lanes>(
-        &law.ring,
-        (&place, &motion.reference),
-        on_curve,
-        unknowns,
-        slopes,
+    let plain = |part: Part, k: usize| unknowns[part as usize][k];
+    let seen = RefCell::new((OfLaws::<Tangents>::default(), [None; STATIONS]));
+    let into = &mut columns;
+    let (b, _) = pack_balance::<Lanes, K, D, C, _>(
+        acting,
+        of_pack,
+        &frames.plain,
         plain,
+        |at| {
+            let (tangents, forces) = &mut *seen.borrow_mut();
+            record_tangents(tangents, at);
+            forces[at.index] = Some(*at.forces);
+        },
+        |ring, (given, cell, points)| {
+            let (tangents, forces) = &*seen.borrow();
+            into.derivatives.set_tangents(tangents, frames.update);
+            if let (false, true, Some(ring)) = (frames.update, frames.by_hand, K::by_hand(ring)) {
+                let [beta, _, alpha] = frames.factors;
+                let linear = Linearised::new(ring, given, cell, (points, forces, tangents), [alpha, beta]);
+                into.record_by_hand::<K, _, D>(&linear);
+            }
+        },
     );
-    let given = CellInput {
-        law,
-        friction,
-        place: &place,
-        motion: &motion,
-    };
-    let (mut slots, mut forces, mut tangents) = (Slots::empty(), [None; STATIONS], LawTangents::default());
-    let (b, cell) = balance(&given, &mut ring, reference, &mut slots, |at| {
-        tangents.record(at);
-        forces[at.index] = Some(*at.forces);
-    });
-    columns.derivatives.set_tangents(&tangents, update);
-    if update {
-        return b;
-    }
-    if frames.by_hand {
-        let evaluated = Evaluated {
-            given,
-            cell,
-            slots: &slots,
-            forces: &forces,
-            laws: &tangents,
-            slopes,
-        };
-        K::by_hand(&ring, evaluated, &mut columns);
-    }
-    for (directions, frame) in frames.passes::<K>() {
-        let first = directions.start;
-        let mut arguments = LawArguments::zero();
-        let seed = |value, k: usize, slope| Tangent::seed(value, k.wrapping_sub(first), slope);
-        let (b, ring) =
-            pack_balance::<Tangent<PASS>, K, D, C>(acting, (kind, pack), frame, unknowns, slopes, seed, |at| {
-                arguments.record(at);
-            });
+    for (directions, frame) in frames.passes() {
+        let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
+        let seeded =
+            |part: Part, k: usize| seed(&frames.factors, unknowns[part as usize][k], part, k, directions.start);
+        let (b, ring) = pack_balance::<Tangent<PASS>, K, D, C, _>(
+            acting,
+            of_pack,
+            frame,
+            seeded,
+            |at| record_arguments(&mut arguments, at),
+            |ring, _| ring.forces(),
+        );
         let rows = rows::<_, K, D>(&b, &ring);
         for (i, k) in directions.enumerate() {
             columns.record::<K, _>(k, (&rows, &b.transport, &arguments), |of| of.eps[i]);
@@ -88,62 +73,77 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     b
 }
 
-/// Frames of the curve at one place of a path: without derivatives, and with those in the directions of a pass of forward
-/// differentiation, computed at first use.
-pub(crate) struct Frames<'a, C: MeshCurve> {
-    curve: &'a TwoPulley,
-    path: Path<f64>,
-    slopes: [f64; 2],
+/// Frames of the curve at one place of a path: without derivatives, and for each pass of forward differentiation with those in its
+/// directions. An update of tangents has no passes.
+pub(crate) struct Frames<C: MeshCurve> {
+    /// Derivatives of position, value and rate of an unknown with respect to it.
+    factors: [f64; 3],
+    /// Whether the tangents alone are evaluated.
+    update: bool,
     /// Whether only drift and coordinates of the curve are differentiated forward.
     by_hand: bool,
     plain: C::Frame<Lanes>,
-    /// For the passes over drift and coordinates of the curve; the last for all others, without derivatives.
-    moving: [OnceCell<C::Frame<Tangent<PASS>>>; PASSES + 1],
+    /// Directions that move the curve, and the frame for each pass over them.
+    of_curve: Range<usize>,
+    moving: [Option<C::Frame<Tangent<PASS>>>; COORDINATES],
+    /// All other directions that are differentiated forward, and the frame for them.
+    others: [Range<usize>; 2],
+    still: Option<C::Frame<Tangent<PASS>>>,
 }
 
-impl<'a, C: MeshCurve> Frames<'a, C> {
-    /// Frames for a ring of kind `K`, with derivatives `by_hand` or by forward differentiation alone.
-    pub fn new<K: Directions>(curve: &'a TwoPulley, path: Path<f64>, slopes: [f64; 2], by_hand: bool) -> Self {
+impl<C: MeshCurve> Frames<C> {
+    /// Frames for a ring of kind `K`, whose derivatives are `by_hand` or by forward differentiation alone, or for an `update`.
+    pub fn new<K: DegreesOfFreedom>(
+        curve: &TwoPulley,
+        path: Path<f64>,
+        [alpha, beta]: [f64; 2],
+        [update, by_hand]: [bool; 2],
+    ) -> Self {
+        let (degrees, factors) = (K::DEGREES, [beta, 1.0, alpha]);
+        let of_curve = if update { 0..0 } else { degrees.drift..degrees.sheave };
+        let others = if update || by_hand {
+            [0..0, 0..0]
+        } else {
+            [0..degrees.drift, degrees.sheave..degrees.count]
+        };
+        let pass_from = |first: usize| {
+            let seed = |k: usize, value, part| seed(&factors, Lanes::from(value), part, degrees.theta + k, first);
+            let path = std::array::from_fn(|k| Jet {
+                v: seed(k, path[k].v, Part::Position),
+                d: seed(k, path[k].d, Part::Value),
+                dd: seed(k, path[k].dd, Part::Rate),
+            });
+            frame::<_, K, C>(curve, path)
+        };
         Self {
-            curve,
-            path,
-            slopes,
+            factors,
+            update,
             by_hand,
-            plain: frame::<K, C>(curve, path),
-            moving: std::array::from_fn(|_| OnceCell::new()),
+            plain: frame::<_, K, C>(curve, path.map(Jet::lifted)),
+            moving: std::array::from_fn(|pass| of_curve.clone().step_by(PASS).nth(pass).map(pass_from)),
+            still: (!others[0].is_empty()).then(|| pass_from(degrees.count)),
+            of_curve,
+            others,
         }
     }
 
     /// Directions and frame of each pass.
-    fn passes<K: Directions>(&self) -> impl Iterator<Item = (Range<usize>, &C::Frame<Tangent<PASS>>)> {
-        let [own, pulley] = if self.by_hand {
-            [0..0, 0..0]
-        } else {
-            [0..K::DRIFT, K::SHEAVE..K::COUNT]
-        };
-        let passes = |range: Range<usize>| {
+    fn passes(&self) -> impl Iterator<Item = (Range<usize>, &C::Frame<Tangent<PASS>>)> {
+        let passes = |range: &Range<usize>| {
             let end = range.end;
-            range.step_by(PASS).map(move |first| first..end.min(first + PASS))
+            range
+                .clone()
+                .step_by(PASS)
+                .map(move |first| first..end.min(first + PASS))
         };
-        let of_curve = passes(K::DRIFT..K::SHEAVE).zip(&self.moving);
-        let still = &self.moving[PASSES];
-        let others = passes(own).chain(passes(pulley)).map(move |pass| (pass, still));
-        let slopes = self.slopes;
-        of_curve.chain(others).map(move |(pass, frame)| {
-            let moving = || {
-                let seed = |k: usize, value, slope| {
-                    let direction = (K::THETA + k).wrapping_sub(pass.start);
-                    Tangent::seed(Lanes::from(value), direction, slope)
-                };
-                let path = std::array::from_fn(|k| Jet {
-                    v: seed(k, self.path[k].v, slopes[1]),
-                    d: seed(k, self.path[k].d, 1.0),
-                    dd: seed(k, self.path[k].dd, slopes[0]),
-                });
-                C::on_path(self.curve, &path_of::<_, K>(path))
-            };
-            let frame = frame.get_or_init(moving);
-            (pass, frame)
-        })
+        let others = self.others.iter().flat_map(passes).zip(std::iter::repeat(&self.still));
+        let all = passes(&self.of_curve).zip(&self.moving).chain(others);
+        all.filter_map(|(pass, frame)| Some((pass, frame.as_ref()?)))
     }
+}
+
+/// A part of unknown `k` with its derivatives in the directions of a pass from `first` on.
+#[inline(always)]
+fn seed(factors: &[f64; 3], value: Lanes, part: Part, k: usize, first: usize) -> Tangent<PASS> {
+    Tangent::seed(value, k.wrapping_sub(first), factors[part as usize])
 }

@@ -7,14 +7,16 @@ use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::belt::Belt;
-use crate::variator::belt::sums::ResultantSlopes;
-use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
+use crate::variator::belt::sums::ResultantDerivatives;
+use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellLaw, Place};
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;
+
+/// Unknowns of a pack for each [`Part`](crate::variator::law::place::Part), by their directions.
+pub(crate) type Unknowns = [[Lanes; MOST]; 3];
 
 /// Face and stations of the cells of a pack. Elements are divided alike, so most packs share these and they stay in the
 /// fastest cache.
@@ -44,12 +46,12 @@ pub(crate) struct Pack {
     pub segment: usize,
     /// Start and length of the elements as fractions of the segment.
     pub of_segment: [Lanes; 2],
-    slots: Arc<PackStations>,
+    points: Arc<PackStations>,
     axis: Lanes,
     plane: [Lanes; 2],
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
-    /// Places of the derivatives in the matrix, without the row of the content.
+    /// Places of the derivatives in the matrix.
     strips: Vec<Strip>,
 }
 
@@ -62,8 +64,8 @@ impl Pack {
         let on = &self.group.on;
         Place {
             of_segment: self.of_segment,
-            face: &self.slots.face,
-            stations: &self.slots.stations,
+            face: &self.points.face,
+            stations: &self.points.stations,
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
@@ -74,9 +76,10 @@ impl Pack {
 
     /// Adds `rows` of the balance in the own directions of each cell to `out`, without the content.
     #[inline(always)]
-    pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
+    pub fn scatter<K: DegreesOfFreedom, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
         let whole = 2 * D - 2 * D % LANES;
-        for first in (0..K::NODES).step_by(2 * D) {
+        let degrees = K::DEGREES;
+        for first in (0..degrees.nodes).step_by(2 * D) {
             for start in (0..whole).step_by(LANES) {
                 let of_cells = Lanes::transposed(std::array::from_fn(|k| rows[first + start + k]));
                 for (&at, of_cell) in self.at[first][..self.group.used].iter().zip(of_cells) {
@@ -85,8 +88,8 @@ impl Pack {
                 }
             }
         }
-        let alone = |k: &usize| *k != K::CONTENT && (*k >= K::NODES || k % (2 * D) >= whole);
-        for k in (0..K::DRIFT).filter(alone) {
+        let alone = |k: &usize| *k != degrees.content && (*k >= degrees.nodes || k % (2 * D) >= whole);
+        for k in (0..degrees.drift).filter(alone) {
             for (&at, value) in self.at[k][..self.group.used].iter().zip(rows[k].to_array()) {
                 out[at] += value;
             }
@@ -129,14 +132,14 @@ impl Pack {
     /// Adds the derivatives of the resultants of the contact forces in all directions, and of the shared rows in the shared
     /// directions, from s on: they are first summed over the lanes of each pulley.
     #[inline(always)]
-    pub fn add_shared<K: Directions>(
+    pub fn add_shared<K: DegreesOfFreedom>(
         &self,
         block: &[Lanes],
         belt: &Belt,
-        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+        (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) {
-        // The block has no row of the content.
-        let rows = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
+        let degrees = K::DEGREES;
+        let rows = block.chunks_exact(degrees.count).enumerate().skip(degrees.drift);
         for pulley in Pulley::BOTH {
             let on = self.group.on[pulley];
             if on == Lanes::zero() {
@@ -147,21 +150,21 @@ impl Pack {
                 .iter()
                 .position(|&cell| belt.mesh.cells[cell].pulley == pulley)
                 .unwrap_or_default();
-            for (row, slopes) in (K::DRIFT..).zip(rows.clone()) {
-                for (k, slope) in slopes.iter().enumerate().skip(K::DRIFT) {
-                    let (column, slope) = (self.at[k][lane], (*slope * on).sum());
-                    match row.checked_sub(K::COUNT) {
-                        None => out.add(self.at[row][lane], column, slope),
-                        Some(axis) => resultants.of(pulley, axis)[column] += slope,
+            for (row, of_row) in rows.clone() {
+                for (k, &derivative) in of_row.iter().enumerate().skip(degrees.drift) {
+                    let (column, sum) = (self.at[k][lane], (derivative * on).sum());
+                    match row.checked_sub(degrees.count) {
+                        None => out.add(self.at[row][lane], column, sum),
+                        Some(axis) => resultants.of(pulley, axis)[column] += sum,
                     }
                 }
             }
         }
-        for (axis, slopes) in rows.skip(K::COUNT - K::DRIFT).enumerate() {
+        for (row, of_row) in rows.skip(degrees.count - degrees.drift) {
             for (lane, &cell) in self.cells().iter().enumerate() {
-                let resultants = resultants.of(belt.mesh.cells[cell].pulley, axis);
-                for (at, slope) in self.at.iter().zip(&slopes[..K::DRIFT]) {
-                    resultants[at[lane]] += slope.lane(lane);
+                let resultants = resultants.of(belt.mesh.cells[cell].pulley, row - degrees.count);
+                for (at, derivative) in self.at.iter().zip(&of_row[..degrees.drift]) {
+                    resultants[at[lane]] += derivative.lane(lane);
                 }
             }
         }
@@ -169,13 +172,14 @@ impl Pack {
 
     /// Copies the unknowns of the pack.
     #[inline(always)]
-    pub fn gather<K: Directions>(&self, view: View<'_>, to: &mut Unknowns<Lanes>) {
-        for (from, to) in [view.q, view.y, view.y_dot].into_iter().zip(&mut to.0) {
-            let (of_nodes, others) = to.split_at_mut(K::NODES);
-            for (node, to) in of_nodes.chunks_exact_mut((K::NODES / 2).max(1)).enumerate() {
+    pub fn gather<K: DegreesOfFreedom>(&self, view: View<'_>, to: &mut Unknowns) {
+        let degrees = K::DEGREES;
+        for (from, to) in [view.q, view.y, view.y_dot].into_iter().zip(to) {
+            let (of_nodes, others) = to.split_at_mut(degrees.nodes);
+            for (node, to) in of_nodes.chunks_exact_mut((degrees.nodes / 2).max(1)).enumerate() {
                 self.gather_node(from, node * to.len(), to);
             }
-            for (at, to) in self.at[K::NODES..K::COUNT].iter().zip(others) {
+            for (at, to) in self.at[degrees.nodes..degrees.count].iter().zip(others) {
                 *to = Lanes::new(at.map(|i| from[i]));
             }
         }
@@ -217,17 +221,14 @@ impl Station<Lanes> {
     }
 }
 
-/// Index of a place outside the matrix.
-pub(crate) const NOWHERE: usize = usize::MAX;
-
 /// Places of ∂(flux)/∂(directions of a cell) in the rows of the contents of the previous cell and of the cell, then the same
-/// for the directions of the previous cell.
-pub(crate) type FluxEntries = [[[usize; 2]; MOST]; 2];
+/// for the directions of the previous cell; `None` outside the matrix.
+pub(crate) type FluxEntries = [[[Option<usize>; 2]; MOST]; 2];
 
 /// The packs of a belt, around the loop.
-pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
+pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
     let mesh = &belt.mesh;
-    let shape = belt.layout.shape();
+    let shape = belt.layout.shape;
     let whole = Element {
         segment: 0,
         start: 0.0,
@@ -235,21 +236,21 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
     };
     let element = parts(&whole, mesh.cells_per_element, mesh.points);
     let mut known: Vec<Arc<PackStations>> = Vec::new();
-    let mut slots_of = |cells: [usize; LANES]| {
+    let mut points_of = |cells: [usize; LANES]| {
         let parts = cells.map(|c| c % mesh.cells_per_element);
-        if let Some(slots) = known.iter().find(|slots| slots.parts == parts) {
-            return slots.clone();
+        if let Some(points) = known.iter().find(|points| points.parts == parts) {
+            return points.clone();
         }
         let of_parts = parts.map(|part| &element[part]);
-        let slots = Arc::new(PackStations {
+        let points = Arc::new(PackStations {
             parts,
             face: Station::pack(of_parts.map(|(face, _)| face)),
             stations: (0..mesh.points)
                 .map(|i| Station::pack(of_parts.map(|(_, stations)| &stations[i])))
                 .collect(),
         });
-        known.push(slots.clone());
-        slots
+        known.push(points.clone());
+        points
     };
     let pack = |group: &Group| {
         let member = group.cells.map(|c| &mesh.cells[c]);
@@ -263,7 +264,7 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
                 lanes(&|element| mesh.elements[element].start),
                 lanes(&|element| mesh.elements[element].share),
             ],
-            slots: slots_of(group.cells),
+            points: points_of(group.cells),
             axis: of_pulley(&|pulley| belt.law.axes[pulley]),
             plane: [
                 of_pulley(&|pulley| belt.law.planes[pulley].side),
@@ -277,37 +278,38 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
 }
 
 /// Places of the derivatives of a pack in the matrix, without those of [`Pack::add_shared`].
-fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
+fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
+    let degrees = K::DEGREES;
     let places = |row: usize| -> Vec<[usize; LANES]> {
-        // The block has no row of the content.
-        let of_row = row + usize::from(row >= K::CONTENT);
-        let columns = if of_row < K::DRIFT { K::COUNT } else { K::DRIFT };
-        let place =
-            |column: usize| at.map(|at| shape.index(at[of_row], at[column]).expect("neighbours are in the band"));
+        let columns = if row < degrees.drift {
+            degrees.count
+        } else {
+            degrees.drift
+        };
+        let place = |column: usize| at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band"));
         (0..columns).map(place).collect()
     };
     let follow = |first: &[[usize; LANES]], then: &[[usize; LANES]], by: usize| {
         let mut pairs = first.as_flattened().iter().zip(then.as_flattened());
         first.len() == then.len() && pairs.all(|(first, then)| first + by == *then)
     };
-    let rows: Vec<_> = (0..K::COUNT - 1).map(places).collect();
+    let rows: Vec<_> = (0..degrees.count).map(places).collect();
     let mut strips = Vec::new();
     let mut row = 0;
     while let Some(at) = rows.get(row) {
         let is_wide = (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
-        strips.push(Strip {
-            row,
-            is_wide,
-            at: at.clone(),
-        });
+        if row != degrees.content {
+            let at = at.clone();
+            strips.push(Strip { row, is_wide, at });
+        }
         row += if is_wide { LANES } else { 1 };
     }
     strips
 }
 
 /// Places of the derivatives of the fluxes, for each cell.
-pub(crate) fn flux_entries<K: Directions>(belt: &Belt) -> Vec<FluxEntries> {
-    let shape = belt.layout.shape();
+pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries> {
+    let shape = belt.layout.shape;
     let cells = belt.mesh.cells.len();
     (0..cells)
         .map(|cell| {
@@ -315,49 +317,40 @@ pub(crate) fn flux_entries<K: Directions>(belt: &Belt) -> Vec<FluxEntries> {
             let rows = [before, cell].map(|cell| belt.cells_at[cell].content);
             [cell, before].map(|of| {
                 let at = unknowns_of::<K>(belt, of);
-                std::array::from_fn(|k| {
-                    // With one cell per element, the derivative of its density with respect to the far node (ring
-                    // stretch, reverse flow only) would be outside the band.
-                    rows.map(|row| {
-                        if k < K::COUNT {
-                            shape.index(row, at[k]).unwrap_or(NOWHERE)
-                        } else {
-                            NOWHERE
-                        }
-                    })
-                })
+                // With one cell per element, the derivative of its density with respect to the far node (ring stretch, reverse
+                // flow only) would be outside the band.
+                let place = |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
+                std::array::from_fn(|k| rows.map(|row| place(row, k)))
             })
         })
         .collect()
 }
 
 /// Unknowns of a cell's directions: its own, then s, the coordinates of the curve, z, ψ_x, ψ_y, ω.
-fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
+fn unknowns_of<K: DegreesOfFreedom>(belt: &Belt, cell: usize) -> [usize; MOST] {
     let layout = &belt.layout;
     let place = &belt.mesh.cells[cell];
+    let degrees = K::DEGREES;
     let mut at = [0; MOST];
-    let size = K::NODES / 2;
-    for (k, at) in at[..K::NODES].iter_mut().enumerate() {
+    let (of_nodes, others) = at.split_at_mut(degrees.nodes);
+    let size = degrees.nodes / 2;
+    for (k, at) in of_nodes.iter_mut().enumerate() {
         *at = layout.node(place.element + k / size, k % size);
     }
-    let of_cell = &mut at[K::NODES..];
-    of_cell[0] = layout.belt_speed(cell);
-    of_cell[1] = layout.belt_speed(cell + 1);
-    of_cell[2] = layout.content(cell);
-    for face in 0..K::TENSIONS {
-        of_cell[3 + face] = layout.tension(cell + face);
-    }
-    at[K::DRIFT] = layout.drift();
-    at[K::THETA] = layout.theta();
-    for centre in 1..K::COORDINATES {
-        at[K::THETA + centre] = layout.centre(centre - 1);
-    }
+    let own = [
+        layout.belt_speed(cell),
+        layout.belt_speed(cell + 1),
+        layout.content(cell),
+    ];
+    let tensions = (0..degrees.tensions).map(|face| layout.tension(cell + face));
+    let curve = [layout.drift(), layout.theta()].into_iter().chain(layout.centres());
     let of_pulley = [
         layout.sheave(place.pulley),
         layout.tilt(place.pulley, 0),
         layout.tilt(place.pulley, 1),
         layout.shaft_speed(place.pulley),
     ];
-    at[K::SHEAVE..K::COUNT].copy_from_slice(&of_pulley);
+    let order = own.into_iter().chain(tensions).chain(curve).chain(of_pulley);
+    others.iter_mut().zip(order).for_each(|(at, of)| *at = of);
     at
 }

@@ -3,22 +3,23 @@
 use crate::archive::Archive;
 use crate::chain::Transport;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{COORDINATES, MeshCurve, ReferenceCurve};
+use crate::reference_curve::{COORDINATES, Jet, MeshCurve, ReferenceCurve};
 use crate::scalar::Lanes;
 use crate::solver::arrow::Arrow;
 use crate::solver::{State, View};
 use crate::variator::assembly::derivatives::{Columns, Derivatives, UpdateWork};
 use crate::variator::assembly::jacobian::{Frames, differentiate};
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
-use crate::variator::assembly::pack::{FluxEntries, NOWHERE, Pack, flux_entries, packs};
+use crate::variator::assembly::pack::{FluxEntries, Pack, Unknowns, flux_entries, packs};
 use crate::variator::assembly::transports::{RELAXATION_RATE, Transports};
-use crate::variator::assembly::unknowns::{Unknowns, rows};
+use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::equations::{Assembly, InForce};
-use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CellUnknowns, THETA_PER_METRE};
-use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
-use crate::variator::cell::sample::Sample;
-use crate::variator::law::place::CellBalance;
+use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing, MOST};
+use crate::variator::cell::sample::{AtStation, Sample};
+use crate::variator::law::place::{CellBalance, Part};
+use crate::variator::rings::ring::{EulerianRing, RingForces};
 use num_traits::Zero;
 use std::marker::PhantomData;
 
@@ -62,10 +63,10 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     differentiations: [u64; 2],
     transports: Transports,
     /// Derivatives of `transports` in the directions of the cells.
-    transport_slopes: Vec<Transport<[f64; MOST]>>,
+    d_transports: Vec<Transport<[f64; MOST]>>,
     flux_entries: Vec<FluxEntries>,
     /// Working memory.
-    unknowns: Box<Unknowns<Lanes>>,
+    unknowns: Box<Unknowns>,
     work: UpdateWork,
     kind: K,
     by_hand: bool,
@@ -87,9 +88,9 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             origin,
             differentiations: [0; 2],
             transports: Transports::new(cells),
-            transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
+            d_transports: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
-            unknowns: Box::new(Unknowns::zero()),
+            unknowns: Box::new([[Lanes::zero(); MOST]; 3]),
             work: UpdateWork::new::<K>(),
             kind,
             by_hand,
@@ -103,13 +104,14 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         self.by_hand && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0])) && is_near(belt, &state.q, view.q)
     }
 
-    /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds them to a matrix and slopes.
+    /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds them to the matrix and to those of
+    /// the resultants.
     fn differentiate(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
         factors: [f64; 2],
-        mut out: Option<(&mut Arrow, &mut ResultantSlopes)>,
+        mut out: Option<(&mut Arrow, &mut ResultantDerivatives)>,
     ) -> PerPulley<PulleyLoad<Lanes>> {
         let belt = acting.belt;
         let update = self.is_valid(belt, view, factors);
@@ -117,20 +119,19 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         if !update {
             self.origin.set(view, factors);
         }
-        let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), factors, self.by_hand);
+        let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), factors, [update, self.by_hand]);
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, derivatives) in self.packs.iter().zip(&mut self.derivatives) {
             pack.gather::<K>(view, &mut self.unknowns);
             let columns = Columns {
                 cells: pack.cells(),
                 derivatives: &mut *derivatives,
-                transports: &mut self.transport_slopes,
+                transports: &mut self.d_transports,
             };
-            let of_pack = (&self.kind, pack);
-            let b = differentiate::<K, D, C>(acting, of_pack, &frames, &self.unknowns, update, columns);
+            let b = differentiate(acting, (&self.kind, pack), &frames, &self.unknowns, columns);
             if let Some((matrix, resultants)) = &mut out {
                 let block = derivatives.current::<K>(&mut self.work);
-                pack.add_derivatives(block, K::COUNT, matrix);
+                pack.add_derivatives(block, K::DEGREES.count, matrix);
                 pack.add_shared::<K>(block, belt, (matrix, resultants));
             }
             add_loads(&mut loads, pack, &b);
@@ -140,7 +141,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     }
 
     /// Adds the derivatives of the balance of the content. The fluxes do not depend on the pulleys.
-    fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+    fn add_flux_derivatives(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         if belt.law.is_chain() {
             for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
                 out.add(i, i, alpha + RELAXATION_RATE);
@@ -152,13 +153,12 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             let row = face.contents[1];
             out.add(row, row, alpha);
             for ((side, of), entries) in [(1, cell), (0, before)].into_iter().zip(&self.flux_entries[cell]) {
-                let slopes = face.slopes(side, &self.transport_slopes[of]);
-                for ([from, into], slope) in entries.iter().zip(slopes).take(K::SHEAVE) {
-                    if *from != NOWHERE {
-                        out.add_at(*from, slope);
-                    }
-                    if *into != NOWHERE {
-                        out.add_at(*into, -slope);
+                let derivatives = face.derivatives(side, &self.d_transports[of]);
+                for (entries, derivative) in entries.iter().zip(derivatives).take(K::DEGREES.sheave) {
+                    for (entry, value) in entries.iter().zip([derivative, -derivative]) {
+                        if let Some(entry) = entry {
+                            out.add_at(*entry, value);
+                        }
                     }
                 }
             }
@@ -173,36 +173,24 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
-        let frame = frame::<K, C>(&belt.curve, belt.path(view));
-        let [mut drift, mut theta] = [Lanes::zero(); 2];
-        let mut centres = [Lanes::zero(); COORDINATES - 1];
+        let frame = plain_frame::<K, C>(belt, view);
+        let shared = K::DEGREES.drift..K::DEGREES.sheave;
+        let mut sums = [Lanes::zero(); 1 + COORDINATES];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for pack in &self.packs {
             pack.gather::<K>(view, &mut self.unknowns);
-            let (b, ring) = pack_balance::<_, K, D, C>(
-                acting,
-                (&self.kind, pack),
-                &frame,
-                &self.unknowns,
-                [0.0; 2],
-                |value, _, _| value,
-                |_| (),
-            );
+            let of_pack = (&self.kind, pack);
+            let (b, ring) = plain_balance::<K, D, C>(acting, of_pack, &frame, &self.unknowns, |_| ());
             let rows = rows::<_, K, D>(&b, &ring);
             pack.scatter::<K, D>(&rows, out);
-            let in_use = pack.group.in_use();
-            drift += rows[K::DRIFT] * in_use;
-            theta += rows[K::THETA] * in_use;
-            for (k, sum) in centres.iter_mut().enumerate().take(K::COORDINATES - 1) {
-                *sum += rows[K::THETA + 1 + k] * in_use;
+            for (sum, row) in sums.iter_mut().zip(&rows[shared.clone()]) {
+                *sum += *row * pack.group.in_use();
             }
             add_loads(&mut loads, pack, &b);
             self.transports.set_pack(pack.group.cells[0], &b.transport);
         }
-        out[belt.layout.drift()] += drift.sum();
-        out[belt.layout.theta()] += theta.sum();
-        for (k, sum) in centres.into_iter().enumerate().take(K::COORDINATES - 1) {
-            out[belt.layout.centre(k)] += sum.sum();
+        for (at, sum) in self.packs[0].at[shared].iter().zip(sums) {
+            out[at[0]] += sum.sum();
         }
         self.transports.add_fluxes(belt, view, out);
         loads.map(|of| of.map(Lanes::sum))
@@ -213,27 +201,20 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         acting: InForce<'_>,
         view: View<'_>,
         factors: [f64; 2],
-        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+        (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let loads = self.differentiate(acting, view, factors, Some((&mut *out, resultants)));
-        self.add_flux_slopes(acting.belt, factors[0], out);
+        self.add_flux_derivatives(acting.belt, factors[0], out);
         loads.map(|of| of.map(Lanes::sum))
     }
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
-        let frame = frame::<K, C>(&acting.belt.curve, acting.belt.path(view));
-        let (mut places, mut unknowns) = (out.iter_mut(), Unknowns::zero());
+        let frame = plain_frame::<K, C>(acting.belt, view);
+        let (mut places, mut unknowns) = (out.iter_mut(), [[Lanes::zero(); MOST]; 3]);
         for pack in &self.packs {
             pack.gather::<K>(view, &mut unknowns);
-            pack_balance::<_, K, D, C>(
-                acting,
-                (&self.kind, pack),
-                &frame,
-                &unknowns,
-                [0.0; 2],
-                |value, _, _| value,
-                |at| *places.next().expect("a place for each station") = at.sample(),
-            );
+            let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a place for each station") = at.sample();
+            plain_balance::<K, D, C>(acting, (&self.kind, pack), &frame, &unknowns, record);
         }
     }
 
@@ -287,7 +268,7 @@ fn is_near(belt: &Belt, then: &[f64], now: &[f64]) -> bool {
     let frame = belt.curve.frame(then[layout.theta()]);
     let rotated = |element: usize| {
         let length = belt.element_length(&frame, element);
-        (0..layout.components()).any(|k| {
+        (0..layout.components).any(|k| {
             let [left, right] = [element, element + 1].map(|node| moved(layout.node(node, 2 * k)));
             let slope = moved(layout.node(element, 2 * k + 1));
             slope.abs().max((right - left).abs() / length) >= ROTATED
@@ -298,6 +279,25 @@ fn is_near(belt: &Belt, then: &[f64], now: &[f64]) -> bool {
             .centres()
             .all(|centre| moved(centre).abs() * THETA_PER_METRE < SHIFTED)
         && !(0..layout.elements).any(rotated)
+}
+
+/// The frame of the curve in a state, the same in all lanes.
+#[inline(always)]
+fn plain_frame<K: DegreesOfFreedom, C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
+    frame::<_, K, C>(&belt.curve, belt.path(view).map(Jet::lifted))
+}
+
+/// The balance of a pack without derivatives, and the forces on its ring.
+#[inline(always)]
+fn plain_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
+    acting: InForce<'_>,
+    of_pack: (&K, &Pack),
+    frame: &C::Frame<Lanes>,
+    unknowns: &Unknowns,
+    observe: impl FnMut(&AtStation<'_, Lanes, D>),
+) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
+    let unknown = |part: Part, k: usize| unknowns[part as usize][k];
+    pack_balance::<Lanes, K, D, C, _>(acting, of_pack, frame, unknown, observe, |ring, _| ring.forces())
 }
 
 /// Adds the loads of a pack on the pulleys.

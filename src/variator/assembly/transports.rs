@@ -98,7 +98,7 @@ impl Transports {
                 Face {
                     cells,
                     contents: cells.map(|cell| belt.cells_at[cell].content),
-                    by: by.map(|slope| slope.lane(cell - first)),
+                    by: by.map(|of| of.lane(cell - first)),
                 }
             })
         })
@@ -116,10 +116,10 @@ pub struct Face {
 }
 
 impl Face {
-    /// Derivatives of the flux in the directions of the cell on a side; `slopes` are those of its quantities.
+    /// Derivatives of the flux in the directions of the cell on a side, from those of its quantities.
     #[inline(always)]
-    pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>) -> [f64; N] {
+    pub fn derivatives<const N: usize>(&self, side: usize, of: &Transport<[f64; N]>) -> [f64; N] {
         let [flow, density] = [self.by[2 * side], self.by[2 * side + 1]];
-        std::array::from_fn(|k| flow * slopes.flow[k] + density * slopes.density[k])
+        std::array::from_fn(|k| flow * of.flow[k] + density * of.density[k])
     }
 }

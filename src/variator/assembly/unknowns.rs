@@ -2,86 +2,33 @@
 
 use crate::ring::kinematics::{Motion, Node};
 use crate::scalar::Real;
-use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
-use crate::variator::law::place::{CellBalance, CellMotion};
+use crate::variator::cell::degrees::{DegreesOfFreedom, MOST_ROWS};
+use crate::variator::law::place::{CellBalance, CellMotion, Part};
 use crate::variator::rings::ring::RingForces;
 use nalgebra::SVector;
-use num_traits::Zero;
 
-/// Unknowns of a cell, or of one in each lane, for each [`Part`] by their directions.
-#[derive(Clone, Debug)]
-pub struct Unknowns<L>(pub(crate) [[L; MOST]; 3]);
-
-impl<L: Zero + Copy> Unknowns<L> {
-    /// All zero.
-    pub(crate) fn zero() -> Self {
-        Self([[L::zero(); MOST]; 3])
-    }
-}
-
-impl<L: Copy> Unknowns<L> {
-    /// The unknown of direction `k`.
-    #[inline(always)]
-    pub fn read(&self, part: Part, k: usize) -> L {
-        self.0[part as usize][k]
-    }
-}
-
-/// Position, value or rate of an unknown.
-#[derive(Clone, Copy, Debug)]
-pub enum Part {
-    /// The position q.
-    Position,
-    /// The unknown y.
-    Value,
-    /// Its rate ẏ.
-    Rate,
-}
-
-/// Motion of the nodes (`ALE`).
+/// Motion of the nodes (`ALE`), from the `unknown` of a part and a direction.
 #[inline(always)]
-pub fn nodes<T: Real, const D: usize>(
-    unknowns: &Unknowns<T::Constant>,
-    [alpha, beta]: [f64; 2],
-    seed: impl Fn(T::Constant, usize, f64) -> T,
-) -> [Motion<Node<T, D>>; 2] {
+pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(Part, usize) -> T) -> [Motion<Node<T, D>>; 2] {
     [0, 2 * D].map(|first| {
-        let node = |part: Part, slope: f64| {
-            let seeded = |k: usize| seed(unknowns.read(part, first + k), first + k, slope);
-            Node {
-                a: SVector::from_fn(|k, _| seeded(2 * k)),
-                b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
-            }
+        let node = |part: Part| Node {
+            a: SVector::from_fn(|k, _| unknown(part, first + 2 * k)),
+            b: SVector::from_fn(|k, _| unknown(part, first + 2 * k + 1)),
         };
         Motion {
-            value: node(Part::Position, beta),
-            rate: node(Part::Value, 1.0),
-            acceleration: node(Part::Rate, alpha),
+            value: node(Part::Position),
+            rate: node(Part::Value),
+            acceleration: node(Part::Rate),
         }
     })
 }
 
-/// Ring tension at the faces (`ALE0`), N.
+/// Motion of a cell, from the `unknown` of a part and a direction.
 #[inline(always)]
-pub(crate) fn tensions<T: Real>(
-    unknowns: &Unknowns<T::Constant>,
-    seed: impl Fn(T::Constant, usize, f64) -> T,
-) -> [T; 2] {
-    [3, 4].map(|k| seed(unknowns.read(Part::Value, k), k, 1.0))
-}
-
-/// Motion of a cell; `seed` makes a scalar from a value, its direction and its derivative.
-#[inline(always)]
-pub(crate) fn motion<T: Real, K: Directions>(
-    unknowns: &Unknowns<T::Constant>,
-    [alpha, beta]: [f64; 2],
-    seed: impl Fn(T::Constant, usize, f64) -> T,
-) -> CellMotion<T> {
-    let value = |k: usize| seed(unknowns.read(Part::Value, k), k, 1.0);
-    let rate = |k: usize| seed(unknowns.read(Part::Rate, k), k, alpha);
-    let position = |k: usize| seed(unknowns.read(Part::Position, k), k, beta);
-    let mut motion = CellMotion::of_directions([K::NODES, K::DRIFT, K::SHEAVE], position, value, rate);
-    if K::COORDINATES > 1 {
+pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(unknown: impl Fn(Part, usize) -> T) -> CellMotion<T> {
+    let degrees = K::DEGREES;
+    let mut motion = CellMotion::of_unknowns([degrees.nodes, degrees.drift, degrees.sheave], unknown);
+    if degrees.coordinates > 1 {
         // The curve holds derivatives along the motion, so time replaces Θ.
         (motion.reference.theta.rate, motion.reference.theta.acceleration) = (T::one(), T::zero());
     }
@@ -91,37 +38,32 @@ pub(crate) fn motion<T: Real, K: Directions>(
 /// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the content is
 /// zero; its balance is that of the fluxes.
 #[inline(always)]
-pub(crate) fn rows<T: Real, K: Directions, const D: usize>(
+pub(crate) fn rows<T: Real, K: DegreesOfFreedom, const D: usize>(
     b: &CellBalance<T>,
     ring: &RingForces<T, D>,
 ) -> [T; MOST_ROWS] {
+    let degrees = K::DEGREES;
     let mut rows = [T::zero(); MOST_ROWS];
-    let g = K::DRIFT;
-    if K::TENSIONS == 0 {
-        for (i, node) in ring.nodes.iter().enumerate() {
-            for k in 0..D {
-                rows[2 * (D * i + k)] = node.a[k];
-                rows[2 * (D * i + k) + 1] = node.b[k];
-            }
+    for (node, rows) in ring.nodes.iter().zip(rows[..degrees.nodes].chunks_exact_mut(2 * D)) {
+        for k in 0..D {
+            [rows[2 * k], rows[2 * k + 1]] = [node.a[k], node.b[k]];
         }
-        rows[4 * D] = b.speed[0];
-        rows[4 * D + 1] = b.speed[1];
-    } else {
-        rows[0] = b.speed[0];
-        rows[1] = b.speed[1];
-        rows[3] = ring.tension;
     }
-    rows[g] = ring.drift;
-    rows[g + 1] = ring.theta;
-    for (k, centre) in ring.centres.into_iter().enumerate().take(K::COORDINATES - 1) {
-        rows[g + 2 + k] = centre;
+    rows[degrees.nodes..][..2].copy_from_slice(&b.speed);
+    if degrees.tensions > 0 {
+        rows[degrees.content + 1] = ring.tension;
     }
-    let g = K::SHEAVE;
-    rows[g] = b.pulley.axial;
-    rows[g + 1] = -b.pulley.tilting[0];
-    rows[g + 2] = -b.pulley.tilting[1];
-    rows[g + 3] = -b.pulley.torque;
-    rows[K::COUNT] = b.pulley.resultant[0];
-    rows[K::COUNT + 1] = b.pulley.resultant[1];
+    rows[degrees.drift] = ring.drift;
+    rows[degrees.theta] = ring.theta;
+    let centres = degrees.coordinates - 1;
+    rows[degrees.theta + 1..][..centres].copy_from_slice(&ring.centres[..centres]);
+    let of_pulley = [
+        b.pulley.axial,
+        -b.pulley.tilting[0],
+        -b.pulley.tilting[1],
+        -b.pulley.torque,
+    ];
+    rows[degrees.sheave..degrees.count].copy_from_slice(&of_pulley);
+    rows[degrees.count..degrees.rows].copy_from_slice(&b.pulley.resultant);
     rows
 }

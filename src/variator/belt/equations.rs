@@ -8,7 +8,7 @@ use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::belt::Belt;
-use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
@@ -41,7 +41,7 @@ pub trait Assembly: Debug + Send + Sync {
         acting: InForce<'_>,
         view: View<'_>,
         factors: [f64; 2],
-        out: (&mut Arrow, &mut ResultantSlopes),
+        out: (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad>;
 
     /// Values at the stations of each group of cells.

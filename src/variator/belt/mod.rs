@@ -5,7 +5,7 @@ pub(crate) mod ring;
 pub(crate) mod sums;
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::law::place::{CellLaw, SheavePlane};
@@ -68,8 +68,8 @@ impl Belt {
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
         let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
         let (sin, cos) = geometry.wedge_angle.sin_cos();
-        let mesh = BeltMesh::new(&parameters.mesh, ring.cells(&parameters.mesh), ring.is_aligned());
-        let layout = Layout::new(&mesh, ring.unknowns(parameters, &mesh, &curve));
+        let mesh = ring.mesh(&parameters.mesh);
+        let layout = ring.layout(parameters, &mesh, &curve);
         Self {
             ring,
             law: CellLaw {
@@ -149,13 +149,13 @@ impl Belt {
         segment * element.share
     }
 
-    /// The reference curve at a fraction of the segment of an element.
+    /// Segment of the reference curve and fraction there of a place at a fraction of the segment of an element.
     #[must_use]
-    pub fn reference_point(&self, frame: &TwoPulleyFrame<f64>, element: usize, fraction: f64) -> ReferencePoint<f64> {
+    pub fn on_curve(&self, frame: &TwoPulleyFrame<f64>, element: usize, fraction: f64) -> (usize, f64) {
         if self.mesh.aligned {
-            TwoPulley::point(frame, self.mesh.elements[element].segment, fraction)
+            (self.mesh.elements[element].segment, fraction)
         } else {
-            self.curve.at(frame, fraction * self.curve.length())
+            self.curve.locate(frame, fraction * self.curve.length())
         }
     }
 
@@ -170,10 +170,10 @@ impl Belt {
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
         components
             .into_iter()
-            .filter(move |_| layout.components() > 0)
+            .filter(move |_| layout.components > 0)
             .map(move |(k, signs)| GaugeCondition {
                 multiplier: layout.gauge(k),
-                nodes: [0, layout.opposite].map(|node| layout.node(node, 2 * k)),
+                nodes: [0, layout.elements / 2].map(|node| layout.node(node, 2 * k)),
                 signs,
             })
     }

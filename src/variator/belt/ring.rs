@@ -1,14 +1,13 @@
 //! The trait of a ring model of a variator.
 
-use crate::reference_curve::{TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::TwoPulley;
 use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::belt::equations::Assembly;
-use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
-use crate::variator::mesh::layout::RingUnknowns;
+use crate::variator::mesh::belt_mesh::BeltMesh;
+use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mesh, Parameters};
-use nalgebra::Vector2;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -25,24 +24,14 @@ pub trait BeltRing: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Division of a mesh element into cells.
-    fn cells(&self, mesh: &Mesh) -> CellDivision;
+    /// The mesh of a belt with this ring, of the given sizes.
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh;
 
-    /// Whether element borders follow the arc borders. If not, elements are spaced evenly along the belt.
-    fn is_aligned(&self) -> bool {
-        true
-    }
-
-    /// Unknowns of the ring other than drift and Θ.
-    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns;
+    /// The unknowns of a belt with this ring, on its mesh.
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout;
 
     /// Equations of ring, elements and contact of a belt with this ring.
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly>;
-
-    /// Directions A_i of (10) of the in-plane deflection at a node; `None` for x and y.
-    fn directions(&self, _belt: &Belt, _frame: &TwoPulleyFrame<f64>, _node: usize) -> Option<[Vector2<f64>; 2]> {
-        None
-    }
 
     /// Absolute tolerance of the speed of the ring's nodes, m/s: `of_place` limits the error of their place over a step,
     /// `of_sliding` that of their sliding on the elements.

@@ -7,9 +7,9 @@ pub use crate::variator::law::place::PulleyLoad;
 /// Derivatives of the resultants of the contact forces on the belt with respect to every unknown, for the drag of the
 /// shafts. The resultants are not rows of the matrix.
 #[derive(Clone, Debug)]
-pub struct ResultantSlopes(PerPulley<[Vec<f64>; 2]>);
+pub struct ResultantDerivatives(PerPulley<[Vec<f64>; 2]>);
 
-impl ResultantSlopes {
+impl ResultantDerivatives {
     /// Memory for this number of unknowns.
     pub fn new(unknowns: usize) -> Self {
         Self(PerPulley::from_fn(|_| [0, 1].map(|_| vec![0.0; unknowns])))

@@ -4,7 +4,7 @@
 //! parts:
 //!
 //! 1. [`EulerianRing`] is the ring inside one cell, generic over the scalar. It may wrap [`Deflecting`], the ring of `ALE`.
-//! 2. [`RingKind`] constructs it from the unknowns of the cell, as numbered by [`Directions`]. A value of it holds
+//! 2. [`RingKind`] constructs it from the unknowns of the cell, as numbered by [`Degrees`]. A value of it holds
 //!    parameters.
 //! 3. [`BeltRing`] is the ring of a whole belt. [`eulerian_equations`] evaluates and differentiates the cells.
 //!
@@ -19,18 +19,18 @@ pub use crate::reference_curve::MeshCurve;
 pub use crate::variator::assembly::kinds::RingKind;
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
-pub use crate::variator::assembly::unknowns::{Part, Unknowns, nodes};
+pub use crate::variator::assembly::unknowns::nodes;
 pub use crate::variator::belt::equations::{Assembly, InForce};
 pub use crate::variator::belt::ring::BeltRing;
-pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+pub use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 pub use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 pub use crate::variator::cell::balance::balance;
-pub use crate::variator::cell::directions::Directions;
+pub use crate::variator::cell::degrees::{Degrees, DegreesOfFreedom};
 pub use crate::variator::cell::sample::{AtStation, Sample};
-pub use crate::variator::cell::state::{CellInput, Slots};
-pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Place, PulleyMotion, SheavePlane};
-pub use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, CellDivision, SLOTS};
-pub use crate::variator::mesh::layout::{Layout, RingUnknowns};
+pub use crate::variator::cell::state::{CellInput, CellPoints};
+pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Part, Place, PulleyMotion, SheavePlane};
+pub use crate::variator::mesh::belt_mesh::{BeltMesh, CELL_POINTS, Cell, CellDivision};
+pub use crate::variator::mesh::layout::Layout;
 pub use crate::variator::rings::deflecting::Deflecting;
 pub use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
-pub use standard::{Ale, Ale0, cells_of_deflecting};
+pub use standard::{Ale, Ale0};

@@ -6,7 +6,7 @@ use crate::variator::belt::Belt;
 use crate::variator::belt::equations::Assembly;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
-use crate::variator::mesh::layout::RingUnknowns;
+use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::parameters::{Mesh, Parameters, RingModel};
 
 /// `ALE0`: the ring follows the reference curve.
@@ -17,31 +17,21 @@ pub struct Ale0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ale<const D: usize = 2>;
 
-/// Cells of a ring that deflects.
-#[must_use]
-pub fn cells_of_deflecting(mesh: &Mesh) -> CellDivision {
-    let per_element = mesh.cells_per_element as usize;
-    CellDivision {
-        per_element,
-        // Full integration of the membrane needs at least three points in an element.
-        points: 2 + usize::from(per_element == 1),
-    }
-}
-
 impl BeltRing for Ale0 {
     fn name(&self) -> &'static str {
         "ALE0"
     }
 
-    fn cells(&self, _mesh: &Mesh) -> CellDivision {
-        CellDivision {
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        let cells = CellDivision {
             per_element: 1,
             points: 2,
-        }
+        };
+        BeltMesh::new(sizes, cells, true)
     }
 
-    fn unknowns(&self, _parameters: &Parameters, _mesh: &BeltMesh, _curve: &TwoPulley) -> RingUnknowns {
-        RingUnknowns::TENSION
+    fn layout(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> Layout {
+        Layout::deflecting(0, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -54,12 +44,12 @@ impl<const D: usize> BeltRing for Ale<D> {
         "ALE"
     }
 
-    fn cells(&self, mesh: &Mesh) -> CellDivision {
-        cells_of_deflecting(mesh)
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        BeltMesh::new(sizes, CellDivision::of_deflecting(sizes), true)
     }
 
-    fn unknowns(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> RingUnknowns {
-        RingUnknowns::deflection(D, mesh)
+    fn layout(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> Layout {
+        Layout::deflecting(D, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {

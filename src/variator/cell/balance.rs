@@ -16,23 +16,23 @@ use crate::chain::Transport;
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::variator::cell::sample::AtStation;
-use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
+use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, StationState, chain_at_face};
 use crate::variator::law::place::{CellBalance, PulleyLoad};
 use crate::variator::rings::ring::{Action, CellRing};
 
 /// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the cell. `reference` returns the
-/// reference curve at the face (0) and at the stations (1 and up); fills the empty `slots`; calls `observe` at every station.
+/// reference curve at the face (0) and at the stations (1 and up); fills the empty `points`; calls `observe` at every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
-    slots: &mut Slots<T, D>,
+    points: &mut CellPoints<T, D>,
     mut observe: impl FnMut(&AtStation<'_, T, D>),
 ) -> (CellBalance<T>, CellState<T>) {
-    let cell = CellState::new(given, ring, reference, slots);
+    let cell = CellState::new(given, ring, reference, points);
     let push = cell.push(given.law);
-    let face = slots.face();
+    let face = points.face();
     let mut out = CellBalance {
         speed: [push.force, -push.force],
         pulley: PulleyLoad {
@@ -46,7 +46,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
             density: cell.density,
         },
     };
-    for (i, station) in slots.stations.iter().enumerate() {
+    for (i, station) in points.stations.iter().enumerate() {
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
         apply(given, (i, station), &forces, ring, &mut out);

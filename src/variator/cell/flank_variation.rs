@@ -1,46 +1,13 @@
 //! Analytic derivatives of a flank's loads: forward differentiation of its law in its four arguments, and the chain
 //! rule for everything else.
 
-use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
+use crate::contact::{FlankForce, FlankMotion};
 use crate::scalar::{Lanes, Real, Tangent};
+use crate::variator::cell::laws::Forces;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::flanks::{Approach, FlankLoads};
 use crate::variator::law::place::{CellLaw, PulleyMotion};
 use nalgebra::Vector2;
-use num_traits::Zero;
-
-/// Forces of a flank: normal, friction around, friction along it.
-pub(crate) const FLANK_FORCES: usize = 3;
-/// Arguments of these forces: penetration, closing, sliding around, sliding along.
-pub(crate) const FLANK_ARGUMENTS: usize = 4;
-
-/// The arguments of a flank's laws in this order.
-#[inline(always)]
-pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> [T; FLANK_ARGUMENTS] {
-    [
-        motion.penetration,
-        motion.closing,
-        motion.tangential,
-        motion.along_flank,
-    ]
-}
-
-/// Tangents of the normal force, of friction around and of friction along the flank, each with respect to penetration,
-/// closing, sliding around and sliding along.
-pub type FlankTangents = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
-
-/// Tangents of the forces of a flank with this `motion`.
-#[inline(always)]
-pub(crate) fn flank_tangents(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankTangents {
-    let seeded = FlankMotion {
-        penetration: Tangent::<FLANK_ARGUMENTS>::seed(motion.penetration, 0, 1.0),
-        closing: Tangent::seed(motion.closing, 1, 1.0),
-        tangential: Tangent::seed(motion.tangential, 2, 1.0),
-        along_flank: Tangent::seed(motion.along_flank, 3, 1.0),
-    };
-    let force = flank_force(&law.contact, friction, law.wedge[1], &seeded);
-    [force.normal.eps, force.tangential.eps, force.along_flank.eps]
-}
 
 /// Variation of the loads of a flank with this `force` where its place on the pulley and λ vary by `by`, and its forces by
 /// `forces`.
@@ -49,7 +16,7 @@ pub(crate) fn vary_loads(
     law: &CellLaw,
     (at, lambda, force): (&Approach<Lanes>, Lanes, &FlankForce<Lanes>),
     by: &FlankVariation,
-    [normal, tangential, along_flank]: [Lanes; FLANK_FORCES],
+    [normal, tangential, along_flank]: Forces,
 ) -> FlankLoads<Lanes> {
     let [sin_beta, cos_beta, tan_beta] = law.wedge;
     // Per ring length: forces times λ.
@@ -71,7 +38,7 @@ pub(crate) fn vary_loads(
 }
 
 /// Variation of an [`Approach`] and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.
     pub motion: FlankMotion<Lanes>,
@@ -86,26 +53,6 @@ pub(crate) struct FlankVariation {
 }
 
 impl FlankVariation {
-    /// The variation where λ alone varies.
-    #[inline(always)]
-    pub fn of_lambda(lambda: Lanes) -> Self {
-        let zero = Lanes::zero();
-        Self {
-            motion: FlankMotion {
-                penetration: zero,
-                closing: zero,
-                tangential: zero,
-                along_flank: zero,
-            },
-            lambda,
-            rho: zero,
-            opening: zero,
-            opening_slope: zero,
-            turn: zero,
-            offset: [zero; 2],
-        }
-    }
-
     /// The variations with ż, ψ_x, ψ_y and ω at a point of the belt, whose place and velocities are `at`: forward
     /// differentiation of its approach. `alpha` and `beta` are the factors of acceleration and position.
     #[inline(always)]
@@ -127,12 +74,12 @@ impl FlankVariation {
         };
         let at = at.map(|vector| vector.map(Tangent::constant));
         let approach = Approach::new(given.law, given.place.axis, &pulley, at);
-        std::array::from_fn(|k| {
-            let mut by = Self::of_lambda(Lanes::zero());
-            by.motion = approach.flank.map(|of| of.eps[k]);
-            (by.opening, by.opening_slope) = (approach.opening.eps[k], approach.opening_slope.eps[k]);
-            by.offset = [pulley.z, pulley.z_dot].map(|of| of.eps[k] * 0.5);
-            by
+        std::array::from_fn(|k| Self {
+            motion: approach.flank.map(|of| of.eps[k]),
+            opening: approach.opening.eps[k],
+            opening_slope: approach.opening_slope.eps[k],
+            offset: [pulley.z, pulley.z_dot].map(|of| of.eps[k] * 0.5),
+            ..Self::default()
         })
     }
 }

@@ -9,84 +9,88 @@
 //! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
 use crate::chain::push_force;
+use crate::contact::{FlankMotion, flank_force};
 use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FlankTangents, flank_tangents, of_flank};
 use crate::variator::cell::sample::AtStation;
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 
-/// Arguments of the friction between ring and elements, T − m_r ṡ² and sliding speed, and of the push force, density and its
-/// material rate.
-pub(crate) const ARGUMENTS: usize = 2;
+/// Most forces of a law, and most arguments; those that a law does not have are zero.
+///
+/// | law | forces | arguments |
+/// |---|---|---|
+/// | flank | normal, friction around, friction along the flank | penetration, closing, sliding around, sliding along |
+/// | ring | friction on the elements | T − m_r ṡ², sliding speed |
+/// | stack | push force | density, its material rate |
+pub(crate) const FORCES: usize = 3;
+pub(crate) const ARGUMENTS: usize = 4;
 
-/// A value `F` for each flank, and a value `A` for each other law of a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OfLaws<F, A> {
-    pub stations: [OfStation<F, A>; STATIONS],
-    pub stack: A,
+/// A value for each law of a cell: at each station of D laws, those of the flank on the movable sheave, in space of that on the fixed
+/// sheave, and of the ring; then of the stack.
+pub type OfLaws<V> = [V; 3 * STATIONS + 1];
+
+/// Forces of a law, or their variations.
+pub(crate) type Forces = [Lanes; FORCES];
+/// Arguments of a law, or their variations.
+pub(crate) type Arguments<T> = [T; ARGUMENTS];
+/// Tangents of each force with respect to the arguments.
+pub type Tangents = [Arguments<Lanes>; FORCES];
+
+/// The two arguments of the ring's law or of the stack's.
+#[inline(always)]
+pub(crate) fn of_two<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
+    [first, second, T::zero(), T::zero()]
 }
 
-/// The values at a station.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OfStation<F, A> {
-    /// Of the flank on the movable sheave; in space also of the flank on the fixed sheave.
-    pub flanks: [F; 2],
-    pub ring: A,
+/// The arguments of a flank's law.
+#[inline(always)]
+pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> {
+    [
+        motion.penetration,
+        motion.closing,
+        motion.tangential,
+        motion.along_flank,
+    ]
 }
 
-/// Arguments of the laws, or their variations in a direction.
-pub(crate) type LawArguments<T> = OfLaws<[T; FLANK_ARGUMENTS], [T; ARGUMENTS]>;
-pub(crate) type StationArguments<T> = OfStation<[T; FLANK_ARGUMENTS], [T; ARGUMENTS]>;
-
-/// Tangents of the laws of a pack of cells.
-pub type LawTangents = OfLaws<FlankTangents, [Lanes; ARGUMENTS]>;
-pub(crate) type StationTangents = OfStation<FlankTangents, [Lanes; ARGUMENTS]>;
-
-impl LawTangents {
-    /// Records the tangents of the laws at a station; those of the second flank in space only.
-    #[inline(always)]
-    pub(crate) fn record<const D: usize>(&mut self, at: &AtStation<'_, Lanes, D>) {
-        let (given, forces) = (at.given, at.forces);
-        let to = &mut self.stations[at.index];
-        for (to, motion) in to.flanks.iter_mut().zip(&forces.flanks.motions).take(D - 1) {
-            *to = flank_tangents(given.law, given.friction, motion);
-        }
-        to.ring = ring_friction(
-            given.friction,
-            Tangent::<ARGUMENTS>::seed(forces.pressing, 0, 1.0),
-            Tangent::constant(at.station.ring.reference.kappa),
-            Tangent::seed(forces.sliding, 1, 1.0),
-        )
-        .eps;
-        if at.index == 0 && !given.law.is_chain() {
-            let arguments = at.cell.stack_arguments();
-            let seeded = std::array::from_fn(|k| Tangent::<ARGUMENTS>::seed(arguments[k], k, 1.0));
-            self.stack = push_force(&given.law.chain, seeded).force.eps;
-        }
-    }
+/// Arguments with their own derivatives.
+#[inline(always)]
+fn seeded<const N: usize>(arguments: [Lanes; N]) -> [Tangent<N>; N] {
+    std::array::from_fn(|k| Tangent::seed(arguments[k], k, 1.0))
 }
 
-impl<T: Real> LawArguments<T> {
-    /// All zero.
-    #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        let other = [T::zero(); ARGUMENTS];
-        let station = OfStation {
-            flanks: [[T::zero(); FLANK_ARGUMENTS]; 2],
-            ring: other,
+/// Records the tangents of the laws at a station.
+#[inline(always)]
+pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &AtStation<'_, Lanes, D>) {
+    let (law, friction, forces) = (at.given.law, at.given.friction, at.forces);
+    let first = at.index * D;
+    for (to, motion) in to[first..][..D - 1].iter_mut().zip(&forces.flanks.motions) {
+        let [penetration, closing, tangential, along_flank] = seeded(of_flank(motion));
+        let motion = FlankMotion {
+            penetration,
+            closing,
+            tangential,
+            along_flank,
         };
-        Self {
-            stations: [station; STATIONS],
-            stack: other,
-        }
+        let force = flank_force(&law.contact, friction, law.wedge[1], &motion);
+        *to = [force.normal.eps, force.tangential.eps, force.along_flank.eps];
     }
+    let kappa = Tangent::constant(at.station.ring.reference.kappa);
+    let [pressing, sliding] = seeded([forces.pressing, forces.sliding]);
+    to[first + D - 1][0] = of_two(ring_friction(friction, pressing, kappa, sliding).eps);
+    if at.index == 0 && !law.is_chain() {
+        let push = push_force(&law.chain, seeded(at.cell.stack_arguments()));
+        to[at.given.place.stations.len() * D][0] = of_two(push.force.eps);
+    }
+}
 
-    /// Records the arguments of the laws at a station.
-    #[inline(always)]
-    pub(crate) fn record<const D: usize>(&mut self, at: &AtStation<'_, T, D>) {
-        let to = &mut self.stations[at.index];
-        to.flanks = at.forces.flanks.motions.each_ref().map(of_flank);
-        to.ring = [at.forces.pressing, at.forces.sliding];
-        self.stack = at.cell.stack_arguments();
+/// Records the arguments of the laws at a station.
+#[inline(always)]
+pub(crate) fn record_arguments<T: Real, const D: usize>(to: &mut OfLaws<Arguments<T>>, at: &AtStation<'_, T, D>) {
+    let first = at.index * D;
+    for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
+        *to = of_flank(motion);
     }
+    to[first + D - 1] = of_two([at.forces.pressing, at.forces.sliding]);
+    to[at.given.place.stations.len() * D] = of_two(at.cell.stack_arguments());
 }

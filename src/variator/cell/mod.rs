@@ -1,7 +1,7 @@
 //! One cell of the belt: the coupling of ring, push elements and sheaves.
 
 pub(crate) mod balance;
-pub(crate) mod directions;
+pub(crate) mod degrees;
 pub(crate) mod flank_variation;
 pub(crate) mod laws;
 pub mod sample;

@@ -1,6 +1,6 @@
 //! The state of a cell and of its stations, used by its balance and by the derivatives of the balance.
 
-use crate::chain::{ChainPoint, Push, push_force};
+use crate::chain::{Acceleration, ChainPoint, Push, push_force};
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
@@ -40,12 +40,12 @@ pub struct StationState<T: Real, const D: usize> {
 /// The ring at the left face of a cell, ring and chain at its stations. Their size is kilobytes, so they are written in
 /// place.
 #[derive(Clone, Copy, Debug)]
-pub struct Slots<T: Real, const D: usize> {
+pub struct CellPoints<T: Real, const D: usize> {
     pub face: Option<RingPoint<T, D>>,
     pub stations: [Option<StationState<T, D>>; STATIONS],
 }
 
-impl<T: Real, const D: usize> Slots<T, D> {
+impl<T: Real, const D: usize> CellPoints<T, D> {
     #[inline(always)]
     pub fn empty() -> Self {
         Self {
@@ -57,7 +57,7 @@ impl<T: Real, const D: usize> Slots<T, D> {
     /// The ring at the left face.
     #[inline(always)]
     pub fn face(&self) -> &RingPoint<T, D> {
-        self.face.as_ref().expect("slot 0 is the face")
+        self.face.as_ref().expect("the first point is the face")
     }
 }
 
@@ -99,24 +99,24 @@ pub struct CellState<T: Real> {
 }
 
 impl<T: Real> CellState<T> {
-    /// The state of a cell with this `ring`; fills `slots`. `reference` returns the reference curve at the face (0) and at
-    /// the stations (1 and up). One loop evaluates all slots, so that the code for a slot is inlined once.
+    /// The state of a cell with this `ring`; fills `points`. `reference` returns the reference curve at the face (0) and at
+    /// the stations (1 and up). One loop evaluates all points, so that the code for a point is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,
         ring: &R,
         reference: impl Fn(usize) -> ReferencePoint<T>,
-        slots: &mut Slots<T, D>,
+        points: &mut CellPoints<T, D>,
     ) -> Self {
         let CellInput { law, place, motion, .. } = *given;
         let e = law.chain.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
         let length = place.length.v;
         let (mut pitch_length, mut carried, mut through, mut steepness) = (T::zero(), T::zero(), T::zero(), T::zero());
-        for slot in 0..=place.stations.len() {
-            let point = ring.point(slot, reference(slot));
-            let Some(i) = slot.checked_sub(1) else {
-                slots.face = Some(point);
+        for at in 0..=place.stations.len() {
+            let point = ring.point(at, reference(at));
+            let Some(i) = at.checked_sub(1) else {
+                points.face = Some(point);
                 continue;
             };
             let station = &place.stations[i];
@@ -129,7 +129,7 @@ impl<T: Real> CellState<T> {
             }
             through += weight * chain.flow;
             steepness += weight * point.strain_gradient;
-            slots.stations[i] = Some(StationState {
+            points.stations[i] = Some(StationState {
                 ring: point,
                 chain,
                 weight,
@@ -141,7 +141,7 @@ impl<T: Real> CellState<T> {
         let inverse_length = cell_length.recip();
         // The gradient of the strain is its mean over the cell (see `ring/ale.rs`).
         let strain_gradient = steepness * inverse_length;
-        for station in slots.stations.iter_mut().flatten() {
+        for station in points.stations.iter_mut().flatten() {
             station.ring.strain_gradient = strain_gradient;
         }
         // The pins of a chain are on it as they were mounted: one per dξ.
@@ -188,9 +188,9 @@ pub struct StationForces<T: Real, const D: usize> {
     /// Own load of the ring, and its tension, N.
     pub own_load: LineLoad<T, D>,
     pub tension: T,
-    /// Mass of the elements per dξ, kg/m, their a·t̂ and a along the normals, m/s².
+    /// Mass of the elements per dξ, kg/m, and their acceleration.
     pub mass: T,
-    pub acceleration: (T, [T; 2]),
+    pub acceleration: Acceleration<T>,
     /// Velocities at the pitch line and at the ring centre line, m/s.
     pub v_p: SVector<T, D>,
     pub v_e: SVector<T, D>,
@@ -252,7 +252,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
             let normal = &chain.normals[k];
-            *inward = mass * acceleration.1[k]
+            *inward = mass * acceleration.across[k]
                 + push * chain.curvature[k]
                 + at_pitch_line.dot(&in_plane(normal))
                 + at_ring_line.dot(normal);
@@ -290,7 +290,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     /// Inertia less forces along the belt, conjugate to V, N/m.
     #[inline(always)]
     pub fn along(&self, point: &RingPoint<T, D>, chain: &ChainPoint<T, D>) -> T {
-        self.mass * self.acceleration.0
+        self.mass * self.acceleration.along
             + self.at_pitch_line.dot(&in_plane(&point.t))
             + self.tangential * chain.lead
             + self.spin_drag

@@ -10,29 +10,16 @@
 use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
-use crate::variator::cell::directions::Directions;
-use crate::variator::cell::flank_variation::{FLANK_FORCES, FlankVariation};
-use crate::variator::cell::laws::{ARGUMENTS, LawArguments, LawTangents};
-use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
+use crate::variator::cell::degrees::DegreesOfFreedom;
+use crate::variator::cell::flank_variation::FlankVariation;
+use crate::variator::cell::laws::{Arguments, FORCES, OfLaws, Tangents, of_two};
+use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
-use crate::variator::law::flanks::FlankSum;
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::law::spin::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
-
-/// An evaluated pack of cells: its state, ring and chain, forces at the stations, tangents of the laws.
-#[derive(Clone, Copy, Debug)]
-pub struct Evaluated<'a, const D: usize> {
-    pub given: CellInput<'a, Lanes>,
-    pub cell: CellState<Lanes>,
-    pub slots: &'a Slots<Lanes, D>,
-    pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
-    pub laws: &'a LawTangents,
-    /// Factors of acceleration and position.
-    pub slopes: [f64; 2],
-}
 
 /// A pack of cells and the coefficients of the variations of its balance.
 #[derive(Debug)]
@@ -44,11 +31,11 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Derivatives of the throughput of elements with respect to density and flow.
-    throughput: [Lanes; 2],
+    d_throughput: [Lanes; 2],
     /// Tangents of the push force.
-    d_push: [Lanes; ARGUMENTS],
+    d_push: &'a Arguments<Lanes>,
     /// Factors of acceleration and position.
-    slopes: [f64; 2],
+    factors: [f64; 2],
 }
 
 /// An unknown that a cell has alone, or of its pulley.
@@ -65,27 +52,16 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
-    /// That of direction `k`, without those of the drift and the curve.
+    /// That of degree of freedom `k`, which is neither the drift nor one of the curve.
     #[inline(always)]
-    pub fn of<K: Directions>(k: usize) -> Self {
-        if k < K::NODES {
-            return Self::Ring(k);
-        }
-        if k < K::DRIFT {
-            return match k - K::NODES {
-                face @ (0 | 1) => Self::Speed(face),
-                2 => Self::Content,
-                tension => Self::Ring(tension - 3),
-            };
-        }
-        Self::Pulley(k - K::SHEAVE)
-    }
-
-    #[inline(always)]
-    fn of_ring(self) -> Option<usize> {
-        match self {
-            Self::Ring(own) => Some(own),
-            _ => None,
+    pub fn of<K: DegreesOfFreedom>(k: usize) -> Self {
+        let degrees = K::DEGREES;
+        match k {
+            _ if k >= degrees.sheave => Self::Pulley(k - degrees.sheave),
+            _ if k > degrees.content => Self::Ring(k - degrees.content - 1),
+            _ if k == degrees.content => Self::Content,
+            _ if k >= degrees.nodes => Self::Speed(k - degrees.nodes),
+            _ => Self::Ring(k),
         }
     }
 }
@@ -93,71 +69,49 @@ impl Direction {
 /// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
 type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
 
-/// Variation of a cell's integrals.
-#[derive(Clone, Copy, Debug)]
-struct CellVariation {
-    /// Flow through the left face, m/s.
-    flow_in: Lanes,
-    /// Length of the pitch line, m.
-    pitch_length: Lanes,
-    /// ∫κ̂ n̂·ṙ dξ, m/s.
-    carried: Lanes,
-    /// ∫J dξ, m²/s.
-    through: Lanes,
-    /// Difference of V across the cell, m/s.
-    difference: Lanes,
-}
-
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises `evaluated` cells with this `ring`.
+    /// Linearises evaluated cells with this `ring`: ring and chain at their `points`, `forces` at the stations, `tangents` of the
+    /// laws. `factors` are those of acceleration and position.
     #[inline(always)]
-    pub fn new(ring: &'a R, evaluated: Evaluated<'a, D>) -> Self {
-        let Evaluated {
-            given,
-            cell,
-            slots,
-            forces,
-            laws,
-            slopes,
-        } = evaluated;
-        let push = cell.push(given.law).force;
-        let face = slots.face();
+    pub fn new(
+        ring: &'a R,
+        given: CellInput<'a, Lanes>,
+        cell: CellState<Lanes>,
+        (points, forces, tangents): (
+            &'a CellPoints<Lanes, D>,
+            &'a [Option<StationForces<Lanes, D>>; STATIONS],
+            &'a OfLaws<Tangents>,
+        ),
+        factors: [f64; 2],
+    ) -> Self {
+        let face = points.face();
         let mut stations = [None; STATIONS];
-        for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
+        for (i, (to, at)) in stations.iter_mut().zip(points.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
-                *to = Some(LinearisedStation::new(
-                    &given,
-                    (i, station),
-                    cell.throughput,
-                    (forces, &laws.stations[i]),
-                    slopes,
-                ));
+                let laws = (forces, &tangents[i * D..][..D]);
+                *to = Some(LinearisedStation::new(&given, &cell, (i, station), laws, factors));
             }
         }
+        let seed = Tangent::<2>::seed;
         Self {
             face: (face, chain_at_face(&given, face)),
+            push: cell.push(given.law).force,
+            d_throughput: throughput(seed(cell.density, 0, 1.0), seed(cell.flow, 1, 1.0)).eps,
+            d_push: &tangents[given.place.stations.len() * D][0],
             given,
             ring,
             cell,
             stations,
-            push,
-            throughput: throughput(
-                Tangent::<2>::seed(cell.density, 0, 1.0),
-                Tangent::seed(cell.flow, 1, 1.0),
-            )
-            .eps,
-            d_push: laws.stack,
-            slopes,
+            factors,
         }
     }
 
-    /// Variation of balance and ring forces with an unknown. Writes that of the `arguments` of the laws, which must be zero
-    /// before.
+    /// Variation of balance and ring forces with an unknown. Writes that of the `arguments` of the laws.
     #[inline(always)]
     pub fn vary(
         &self,
         direction: Direction,
-        arguments: &mut LawArguments<Lanes>,
+        arguments: &mut OfLaws<Arguments<Lanes>>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         match direction {
             Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
@@ -170,17 +124,20 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     fn column<const MOVES: bool>(
         &self,
         direction: Direction,
-        arguments: &mut LawArguments<Lanes>,
+        arguments: &mut OfLaws<Arguments<Lanes>>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let [alpha, beta] = self.slopes;
+        let [alpha, beta] = self.factors;
+        let own = match direction {
+            Direction::Ring(own) => Some(own),
+            _ => None,
+        };
         let mut varied = [None; STATIONS];
-        let cell = self.vary_cell::<MOVES>(direction, &mut varied);
-        let stack = self.vary_stack(direction, &cell);
-        arguments.stack = stack.arguments;
+        let stack = self.vary_cell::<MOVES>(direction, &mut varied);
+        arguments[self.given.place.stations.len() * D] = stack.arguments;
         let mut out = CellBalance {
             speed: [stack.push[1], -stack.push[1]],
             transport: Transport {
-                flow: cell.flow_in,
+                flow: stack.flow_in,
                 density: stack.density[1],
             },
             ..CellBalance::default()
@@ -191,43 +148,42 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 continue;
             };
             let mut load = LineLoad::zero();
-            let tension = self
-                .ring
-                .vary_own_load(i + 1, station.ring, by, direction.of_ring(), &mut load);
+            let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
             let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &stack);
             let flank = match direction {
                 Direction::Pulley(number) => station.by_pulley[number],
                 _ => station.vary_approach::<MOVES>(&self.given, by, chain),
             };
+            let laws = &mut arguments[i * D..][..D];
+            let drag = station.vary_arguments::<MOVES>(&self.given, (by, chain), &flank, tension, laws);
             let change = StationVariation {
                 by,
                 chain,
                 flank: &flank,
+                load,
+                tension,
                 along,
                 inward,
-                tension,
+                drag,
+                forces: station.vary_forces(laws),
             };
-            let motions = station.vary_motions(&self.given, &flank);
-            let flanks = station.vary_flanks(&self.given, &flank, &motions);
-            let (along_ring, of_laws) = station.vary_ring_friction::<MOVES>(&change, &motions);
-            self.add_loads::<MOVES>((i, station), &change, (load, &flanks, along_ring), &mut out, &mut sum);
-            arguments.stations[i] = of_laws;
+            self.add_loads::<MOVES>((i, station), change, &mut out, &mut sum);
         }
-        (out, self.ring.varied_forces(&sum, direction.of_ring(), beta))
+        (out, self.ring.varied_forces(&sum, own, beta))
     }
 
     /// Variation of ring and chain at the face (0) or at a station (1 and up), where V varies by `speed`.
     #[inline(always)]
-    fn vary_slot<const MOVES: bool>(
+    fn vary_point<const MOVES: bool>(
         &self,
-        (slot, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes, D>),
+        (at, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes, D>),
         direction: Direction,
         speed: Lanes,
     ) -> (RingVariation<Lanes, D>, ChainVariation<Lanes>) {
         let (true, Direction::Ring(own)) = (MOVES, direction) else {
             return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
         };
-        let by = self.ring.vary(slot, ring, own, self.slopes);
+        let by = self.ring.vary(at, ring, own, self.factors);
         let speed = if self.given.law.is_chain() {
             by.t.dot(&ring.r_dot) + ring.t.dot(&by.r_dot) + ring.w * by.stretch
         } else {
@@ -236,20 +192,23 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (by, chain.vary(ring, &by, speed))
     }
 
-    /// Variation of ring and chain.
+    /// Variation of the stack, and of ring and chain at the `stations`.
     #[inline(always)]
-    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> CellVariation {
+    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> StackVariation {
         let zero = Lanes::zero();
-        let mut speed = [zero; 2];
-        if let (Direction::Speed(face), false) = (direction, self.given.law.is_chain()) {
-            speed[face] = Lanes::from(1.0);
+        let (mut speed, mut content) = ([zero; 2], zero);
+        match direction {
+            _ if self.given.law.is_chain() => {}
+            Direction::Speed(face) => speed[face] = Lanes::from(1.0),
+            Direction::Content => content = Lanes::from(1.0),
+            _ => {}
         }
         let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
         for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
             let Some(station) = station else { continue };
             let (chain, weight) = (station.chain, station.weight);
-            let slot = (i + 1, station.ring, chain);
-            let (by, d_chain) = self.vary_slot::<MOVES>(slot, direction, between(&speed, station.right));
+            let point = (i + 1, station.ring, chain);
+            let (by, d_chain) = self.vary_point::<MOVES>(point, direction, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
@@ -267,114 +226,90 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             }
         }
         let (ring, chain) = &self.face;
-        let (_, face) = self.vary_slot::<MOVES>((0, ring, chain), direction, speed[0]);
-        CellVariation {
-            flow_in: face.flow,
-            pitch_length,
-            carried,
-            through,
-            difference: speed[1] - speed[0],
-        }
-    }
+        let (_, face) = self.vary_point::<MOVES>((0, ring, chain), direction, speed[0]);
 
-    /// Variation of the stack with the variation `by` of ring and chain.
-    #[inline(always)]
-    fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
-        let content = if direction == Direction::Content && !self.given.law.is_chain() {
-            Lanes::from(1.0)
-        } else {
-            Lanes::zero()
-        };
-        let lengthening = by.difference - by.carried;
-        let inverse = self.cell.inverse_pitch_length;
-        let density = (content - self.cell.density * by.pitch_length) * inverse;
-        let thinning = (self.cell.density * self.cell.lengthening * inverse * by.pitch_length
-            - density * self.cell.lengthening
-            - self.cell.density * lengthening)
+        let cell = &self.cell;
+        let (difference, inverse) = (speed[1] - speed[0], cell.inverse_pitch_length);
+        let density = (content - cell.density * pitch_length) * inverse;
+        let thinning = (cell.density * cell.lengthening * inverse * pitch_length
+            - density * cell.lengthening
+            - cell.density * (difference - carried))
             * inverse;
-        let arguments = [density, thinning];
+        let arguments = of_two([density, thinning]);
         StackVariation {
+            flow_in: face.flow,
             arguments,
-            density: [self.cell.density, density],
-            push: [self.push, along(&self.d_push, &arguments)],
-            gradient: [self.cell.speed_gradient(), by.difference * self.cell.inverse_length],
-            throughput: along(&self.throughput, &[density, by.through * self.cell.inverse_length]),
+            density: [cell.density, density],
+            push: [self.push, along(self.d_push, &arguments)],
+            gradient: [cell.speed_gradient(), difference * cell.inverse_length],
+            throughput: along(&self.d_throughput, &[density, through * cell.inverse_length]),
         }
     }
 
-    /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws: at each
-    /// station those of the flanks and ring friction, then the push force.
+    /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws, and the number
+    /// of the force.
     #[inline(always)]
-    pub fn for_each_force(&self, mut record: impl FnMut(CellBalance<Lanes>, RingForces<Lanes, D>)) {
+    pub fn for_each_force(&self, mut record: impl FnMut(usize, CellBalance<Lanes>, RingForces<Lanes, D>)) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);
-        for at in self.stations.iter().enumerate() {
-            let (i, Some(station)) = at else { continue };
-            for flank in 0..D - 1 {
-                for force in 0..FLANK_FORCES {
-                    let flanks = station.unit_flanks(&self.given, flank, force);
+        let none = (
+            &RingVariation::none(),
+            &ChainVariation::default(),
+            &FlankVariation::default(),
+        );
+        let still = |inward| StationVariation {
+            by: none.0,
+            chain: none.1,
+            flank: none.2,
+            load: LineLoad::zero(),
+            tension: zero,
+            along: zero,
+            inward,
+            drag: zero,
+            forces: [[zero; FORCES]; 3],
+        };
+        let stations = || self.stations.iter().flatten().enumerate();
+        for (i, station) in stations() {
+            for law in 0..D {
+                for force in 0..if law < D - 1 { FORCES } else { 1 } {
+                    let mut change = still([zero; 2]);
+                    change.forces[law][force] = one;
                     let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-                    self.add_unit((i, station), (&flanks, zero, [zero; 2]), &mut out, &mut sum);
-                    record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
+                    self.add_loads::<false>((i, station), change, &mut out, &mut sum);
+                    let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
+                    record((i * D + law) * FORCES + force, out, ring);
                 }
             }
-            let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-            let none = FlankSum::default();
-            self.add_unit((i, station), (&none, one, [zero; 2]), &mut out, &mut sum);
-            record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
         }
         let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
         out.speed = [one, -one];
-        for (i, station) in self.stations.iter().enumerate() {
-            let Some(station) = station else { continue };
-            let pushed = (&FlankSum::default(), zero, station.chain.curvature);
-            self.add_unit((i, station), pushed, &mut out, &mut sum);
+        for at in stations() {
+            self.add_loads::<false>(at, still(at.1.chain.curvature), &mut out, &mut sum);
         }
-        record(out, self.ring.varied_forces(&sum, None, self.slopes[1]));
+        let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
+        record(stations().count() * D * FORCES, out, ring);
     }
 
-    /// Adds the loads at station `i` of flanks, of ring friction and of a force across the belt, where nothing moves.
-    #[inline(always)]
-    fn add_unit(
-        &self,
-        at: (usize, &LinearisedStation<'_, D>),
-        (flanks, friction, inward): (&FlankSum<Lanes>, Lanes, [Lanes; 2]),
-        out: &mut CellBalance<Lanes>,
-        sum: &mut R::Sum,
-    ) {
-        let zero = Lanes::zero();
-        let change = StationVariation {
-            by: &RingVariation::none(),
-            chain: &ChainVariation::none(),
-            flank: &FlankVariation::of_lambda(zero),
-            along: zero,
-            inward,
-            tension: zero,
-        };
-        self.add_loads::<false>(at, &change, (LineLoad::zero(), flanks, [friction, zero]), out, sum);
-    }
-
-    /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's
-    /// layers at station `i`.
+    /// Adds the variation of the loads at station `i`.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
-        change: &StationVariation<'_, D>,
-        (mut load, flanks, [d_friction, d_drag]): (LineLoad<Lanes, D>, &FlankSum<Lanes>, [Lanes; 2]),
+        change: StationVariation<'_, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
-        let (ring, by, weight) = (station.ring, change.by, station.weight);
+        let (ring, weight) = (station.ring, station.weight);
+        let StationVariation { by, mut load, .. } = change;
         let ring_along = load.position.dot(&ring.t);
-        let ([mut along, tangential], force) = station.add_flank_forces::<MOVES>(change, flanks, &mut load);
-        station.add_pulley_loads::<MOVES>(change.flank, flanks, force, out);
+        let [mut along, tangential] = station.add_flank_forces::<MOVES>(&self.given, &change, &mut load, out);
 
-        let along_ring = station.forces.ring_friction + station.forces.layer_drag;
-        let d_along_ring = d_friction + d_drag;
+        let d_friction = change.forces[D - 1][0];
+        let d_along_ring = d_friction + change.drag;
         let across = load.position.dot(&ring.n);
         load.position += ring.t * d_along_ring;
         let mut dragged = d_along_ring * ring.stretch;
         if MOVES {
+            let along_ring = station.forces.ring_friction + station.forces.layer_drag;
             load.position += by.t * along_ring;
             dragged += along_ring * by.stretch;
         }

@@ -86,10 +86,10 @@ impl Evolution for Problem<'_> {
             let content = y_error[at.content] / (5.0e-3 * tolerance);
             local += speed * speed + content * content;
         }
-        layout.for_each_length_unknown(|i| {
+        for (i, _) in layout.node_unknowns().filter(|(_, is_length)| *is_length) {
             let x = q_error[i] / place_scale;
             local += x * x;
-        });
+        }
         for centre in layout.centres() {
             norm = norm.max((q_error[centre] / (5.0e-3 * tolerance)).abs());
         }

@@ -136,24 +136,32 @@ pub struct CellMotion<T: Real> {
     pub pulley: PulleyMotion<T>,
 }
 
+/// Position, value or rate of an unknown.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// The position q.
+    Position,
+    /// The unknown y.
+    Value,
+    /// Its rate ẏ.
+    Rate,
+}
+
 impl<T: Real> CellMotion<T> {
-    /// From the unknowns by their directions: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
+    /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
     #[inline(always)]
-    pub fn of_directions(
-        [own, drift, sheave]: [usize; 3],
-        position: impl Fn(usize) -> T,
-        value: impl Fn(usize) -> T,
-        rate: impl Fn(usize) -> T,
-    ) -> Self {
+    pub fn of_unknowns([own, drift, sheave]: [usize; 3], unknown: impl Fn(Part, usize) -> T) -> Self {
+        let value = |k: usize| unknown(Part::Value, k);
+        let rate = |k: usize| unknown(Part::Rate, k);
         let theta = drift + 1;
-        let [tilt_x, tilt_y, shaft] = std::array::from_fn(|k| sheave + 1 + k);
+        let tilt = [sheave + 1, sheave + 2];
         Self {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
             content: value(own + 2),
             reference: ReferenceMotion {
                 theta: Motion {
-                    value: position(theta),
+                    value: unknown(Part::Position, theta),
                     rate: value(theta),
                     acceleration: rate(theta),
                 },
@@ -161,11 +169,11 @@ impl<T: Real> CellMotion<T> {
                 s_ddot: rate(drift),
             },
             pulley: PulleyMotion {
-                z: position(sheave),
+                z: unknown(Part::Position, sheave),
                 z_dot: value(sheave),
-                psi: [value(tilt_x), value(tilt_y)],
-                psi_dot: [rate(tilt_x), rate(tilt_y)],
-                omega: value(shaft),
+                psi: tilt.map(value),
+                psi_dot: tilt.map(rate),
+                omega: value(sheave + 3),
             },
         }
     }
@@ -246,16 +254,16 @@ impl<T: Real> Place<'_, T> {
     /// The face (0) or a station (1 and up).
     #[inline(always)]
     #[must_use]
-    pub fn slot(&self, slot: usize) -> &Station<T::Constant> {
-        if slot == 0 { self.face } else { &self.stations[slot - 1] }
+    pub fn point(&self, at: usize) -> &Station<T::Constant> {
+        if at == 0 { self.face } else { &self.stations[at - 1] }
     }
 
-    /// Fraction of the segment at a slot.
+    /// Fraction of the segment at the face or a station.
     #[inline(always)]
     #[must_use]
-    pub fn fraction(&self, slot: usize) -> T::Constant {
+    pub fn fraction(&self, at: usize) -> T::Constant {
         let [start, share] = self.of_segment;
-        start + share * self.slot(slot).fraction
+        start + share * self.point(at).fraction
     }
 }
 

@@ -10,7 +10,6 @@
 //! Each cell still has one pulley, provided that no arc reaches the quarters of the belt, ξ = L/4 and 3L/4.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::mesh::{Spacing, divide, parts};
 use crate::scalar::{LANES, Lanes};
 use crate::variator::settings::parameters::Mesh;
@@ -19,8 +18,8 @@ pub use crate::ring::mesh::{Element, Station};
 
 /// Largest number of quadrature points of a cell.
 pub const STATIONS: usize = 3;
-/// Slots of a cell: its left face, then its quadrature points.
-pub const SLOTS: usize = STATIONS + 1;
+/// Points of a cell: its left face, then its quadrature points.
+pub const CELL_POINTS: usize = STATIONS + 1;
 
 /// Grading g of the arcs: an element at the border has 1 − g times the mean size.
 const ARC_GRADING: f64 = 0.76;
@@ -71,6 +70,19 @@ pub struct CellDivision {
     pub per_element: usize,
     /// Quadrature points in a cell, 2 to 3.
     pub points: usize,
+}
+
+impl CellDivision {
+    /// For a ring that deflects.
+    #[must_use]
+    pub fn of_deflecting(mesh: &Mesh) -> Self {
+        let per_element = mesh.cells_per_element as usize;
+        Self {
+            per_element,
+            // Full integration of the membrane needs at least three points in an element.
+            points: 2 + usize::from(per_element == 1),
+        }
+    }
 }
 
 /// Elements and cells around the loop; the first node is at ξ = 0.
@@ -177,26 +189,5 @@ impl BeltMesh {
             cells_per_element,
             points,
         }
-    }
-
-    /// Segment of the reference curve and its fraction at the start of an element.
-    #[must_use]
-    pub fn start(&self, curve: &TwoPulley, frame: &TwoPulleyFrame<f64>, element: usize) -> (usize, f64) {
-        let Element { segment, start, .. } = self.elements[element];
-        if self.aligned {
-            (segment, start)
-        } else {
-            curve.locate(frame, start * curve.length())
-        }
-    }
-
-    /// Node in the middle of the primary arc, opposite node 0.
-    #[must_use]
-    pub fn opposite(&self) -> usize {
-        if !self.aligned {
-            return self.elements.len() / 2;
-        }
-        let of = |segment| self.elements.iter().filter(move |e| e.segment == segment).count();
-        of(0) + of(1) + of(2) / 2
     }
 }

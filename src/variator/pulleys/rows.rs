@@ -10,7 +10,7 @@ use crate::scalar::Tangent;
 use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
@@ -260,7 +260,7 @@ impl<'a> Pulleys<'a> {
     pub(crate) fn jacobian(
         &self,
         boundary: &Boundary,
-        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
+        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantDerivatives),
         view: View<'_>,
         factors: [f64; 2],
         out: &mut Arrow,
@@ -320,7 +320,7 @@ impl<'a> Pulleys<'a> {
     fn add_drag_jacobian(
         &self,
         pulley: Pulley,
-        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
+        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantDerivatives),
         view: View<'_>,
         out: &mut Arrow,
     ) {

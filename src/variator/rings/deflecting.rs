@@ -62,19 +62,19 @@ impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
 
 impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
-        RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
+    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
+        RingPoint::new(reference, &self.place.point(at).shape, &self.element, self.motion)
     }
 
     #[inline(always)]
-    fn own_load(&self, _slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
+    fn own_load(&self, _at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
         ale::add_inertia(self.ring, point, load);
         ale::add_elasticity(self.ring, point, self.growth, load)
     }
 
     #[inline(always)]
-    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
-        let shape = &self.place.slot(slot).shape;
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+        let shape = &self.place.point(at).shape;
         self.sum.add(&action.load, point, shape, &self.element, action.weight);
     }
 
@@ -94,8 +94,8 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     const MOVES: bool = true;
 
     #[inline(always)]
-    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
-        let shape = &self.place.slot(slot).shape;
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
+        let shape = &self.place.point(at).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];
         RingVariation::of_node(point, shape, &self.element, self.motion, which, slopes)
@@ -104,7 +104,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn vary_own_load(
         &self,
-        _slot: usize,
+        _at: usize,
         point: &RingPoint<T, D>,
         by: &RingVariation<T, D>,
         _own: Option<usize>,
@@ -123,12 +123,12 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     fn apply_varied(
         &self,
         sum: &mut ElementLoad<T, D>,
-        slot: usize,
+        at: usize,
         (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
         own_load: &LineLoad<T, D>,
         action: &Action<T, D>,
     ) {
-        let shape = &self.place.slot(slot).shape;
+        let shape = &self.place.point(at).shape;
         sum.add(&action.load, point, shape, &self.element, action.weight);
         sum.add_varied(own_load, by, &self.element, action.weight);
     }

@@ -103,14 +103,14 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
     fn add(
         &self,
         sum: &mut GuidedSum<T>,
-        slot: usize,
+        at: usize,
         point: &RingPoint<T>,
         action: &Action<T>,
         own: impl Fn(&PointSlopes<T>) -> T,
     ) {
         let (frame, segment) = self.curve;
         let Action { load, weight, .. } = action;
-        let by = C::slopes(frame, segment, self.place.fraction(slot), &point.reference);
+        let by = C::slopes(frame, segment, self.place.fraction(at), &point.reference);
         let force = load.position;
         let [theta, spread] = by
             .shape
@@ -139,25 +139,23 @@ impl<T: Real, C: MeshCurve> EulerianRing<T> for Guided<'_, T, C> {
 
 impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
-    fn point(&self, _slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+    fn point(&self, _at: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
         RingPoint::guided(reference, self.motion, &C::arcs(self.curve.0).growth)
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
+    fn own_load(&self, at: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         ale::add_inertia(self.ring, point, load);
-        between(&self.tension, self.place.slot(slot).right)
+        between(&self.tension, self.place.point(at).right)
     }
 
     #[inline(always)]
-    fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
+    fn apply(&mut self, at: usize, point: &RingPoint<T>, action: &Action<T>) {
         let kappa = point.reference.kappa;
         let moment = kappa * self.ring.bending_stiffness;
         let energy = moment * kappa * 0.5;
         let mut sum = self.sum;
-        self.add(&mut sum, slot, point, action, |by| {
-            energy * by.growth + moment * by.kappa
-        });
+        self.add(&mut sum, at, point, action, |by| energy * by.growth + moment * by.kappa);
         sum.curve[GROWTH] -= kappa * self.mean_tension() * action.weight;
         self.sum = sum;
     }
@@ -181,21 +179,21 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
     const MOVES: bool = false;
 
     #[inline(always)]
-    fn vary(&self, _slot: usize, _point: &RingPoint<T>, _own: usize, _slopes: [f64; 2]) -> RingVariation<T> {
+    fn vary(&self, _at: usize, _point: &RingPoint<T>, _own: usize, _slopes: [f64; 2]) -> RingVariation<T> {
         RingVariation::none()
     }
 
     #[inline(always)]
     fn vary_own_load(
         &self,
-        slot: usize,
+        at: usize,
         point: &RingPoint<T>,
         by: &RingVariation<T>,
         own: Option<usize>,
         load: &mut LineLoad<T>,
     ) -> T {
         ale::vary_inertia(self.ring, point, by, load);
-        let right = self.place.slot(slot).right;
+        let right = self.place.point(at).right;
         own.map_or(T::zero(), |face| share(face, right))
     }
 
@@ -208,12 +206,12 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
     fn apply_varied(
         &self,
         sum: &mut GuidedSum<T>,
-        slot: usize,
+        at: usize,
         (point, _): (&RingPoint<T>, &RingVariation<T>),
         _own_load: &LineLoad<T>,
         action: &Action<T>,
     ) {
-        self.add(sum, slot, point, action, |_| T::zero());
+        self.add(sum, at, point, action, |_| T::zero());
     }
 
     #[inline(always)]

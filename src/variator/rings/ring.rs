@@ -32,17 +32,17 @@ pub struct RingDensity<T> {
     pub viscous: T,
 }
 
-/// A ring inside a cell. Slot 0 is the left face of the cell, slots 1 and up are its stations.
+/// A ring inside a cell. Point 0 of a cell is its left face, points 1 and up are its stations.
 pub trait CellRing<T: Real, const D: usize = 2> {
-    /// The ring at a slot where the reference curve is `reference`.
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
+    /// The ring at a point where the reference curve is `reference`.
+    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
 
     /// Adds the ring's own forces, inertia included; returns its tension, N. A ring that assembles these on elements of
     /// its own adds nothing.
-    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T;
+    fn own_load(&self, at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T;
 
     /// Applies the loads at a station.
-    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
 
     /// Energies at a station; zero for a ring with elements of its own.
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
@@ -63,14 +63,14 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Whether the ring moves with its own unknowns.
     const MOVES: bool;
 
-    /// Variation of the ring at a slot with its own unknown `own`; `slopes` are the factors of acceleration and position.
-    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
+    /// Variation of the ring at a point with its own unknown `own`; `slopes` are the factors of acceleration and position.
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
 
     /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the ring's unknown that
     /// varies, if any.
     fn vary_own_load(
         &self,
-        slot: usize,
+        at: usize,
         point: &RingPoint<T, D>,
         by: &RingVariation<T, D>,
         own: Option<usize>,
@@ -84,8 +84,8 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     fn apply_varied(
         &self,
         sum: &mut Self::Sum,
-        slot: usize,
-        at: (&RingPoint<T, D>, &RingVariation<T, D>),
+        at: usize,
+        varied: (&RingPoint<T, D>, &RingVariation<T, D>),
         own_load: &LineLoad<T, D>,
         action: &Action<T, D>,
     );

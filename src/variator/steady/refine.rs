@@ -3,7 +3,7 @@
 //! A solution from the kinematic state mainly determines which elements stick, slide and separate. A mesh with half the
 //! elements gives nearly the same result, and with one cell per element its Jacobian costs a quarter.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
+use crate::reference_curve::ReferenceCurve;
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
@@ -13,7 +13,6 @@ use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use crate::variator::steady::tuning::FEWEST;
 use crate::variator::system::VariatorSystem;
-use nalgebra::Vector3;
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
 pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
@@ -75,7 +74,7 @@ fn find_cell(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (us
 
 /// Nodes on the cubics of the coarse mesh.
 fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
-    if fine.layout.components() == 0 {
+    if fine.layout.components == 0 {
         return;
     }
     let frame = belt.curve.frame(belt.theta(from.view()));
@@ -85,41 +84,15 @@ fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
         let length = belt.element_length(&frame, element);
         let shape = Hermite::<f64>::at(2.0 * along - 1.0);
         for (to, of) in [(&mut state.q, &from.q), (&mut state.y, &from.y)] {
-            let [left, right] = [element, element + 1].map(|node| {
-                let [a, b] = read_node(belt, &frame, of, node);
-                [a, b * length]
-            });
-            let along = |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
-            let values = [along(&shape.n), along(&shape.dn) * 2.0 / length];
-            write_node(fine, &frame, to, node, values);
-        }
-    }
-}
-
-/// Deflection of a node and its slope in x, y, z, or their rates where Θ rests, from the vector `of`.
-fn read_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, of: &[f64], node: usize) -> [Vector3<f64>; 2] {
-    [0, 1].map(|slope| {
-        let mut x = Vector3::zeros();
-        for k in 0..belt.layout.components() {
-            x[k] = of[belt.layout.node(node, 2 * k + slope)];
-        }
-        if let Some([t, n]) = belt.ring.directions(belt, frame, node) {
-            let turned = t * x[0] + n * x[1];
-            (x[0], x[1]) = (turned.x, turned.y);
-        }
-        x
-    })
-}
-
-/// Writes a deflection and its slope into the vector `to`; the inverse of [`read_node`].
-fn write_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, to: &mut [f64], node: usize, values: [Vector3<f64>; 2]) {
-    for (slope, mut x) in values.into_iter().enumerate() {
-        if let Some([t, n]) = belt.ring.directions(belt, frame, node) {
-            let planar = x.xy();
-            (x[0], x[1]) = (t.dot(&planar), n.dot(&planar));
-        }
-        for k in 0..belt.layout.components() {
-            to[belt.layout.node(node, 2 * k + slope)] = x[k];
+            for k in 0..fine.layout.components {
+                let [left, right] = [element, element + 1].map(|node| {
+                    let [a, b] = [0, 1].map(|slope| of[belt.layout.node(node, 2 * k + slope)]);
+                    [a, b * length]
+                });
+                let along = |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
+                to[fine.layout.node(node, 2 * k)] = along(&shape.n);
+                to[fine.layout.node(node, 2 * k + 1)] = along(&shape.dn) * 2.0 / length;
+            }
         }
     }
 }
@@ -181,8 +154,8 @@ mod tests {
     fn deflected(parameters: &Parameters) -> (VariatorSystem, State) {
         let (system, mut state) = started(parameters);
         let (layout, noise) = (&system.belt.layout, |i: usize| (2.3 * i as f64).sin());
-        for i in 0..layout.components() * 2 * layout.elements {
-            let per_node = 2 * layout.components();
+        for i in 0..layout.components * 2 * layout.elements {
+            let per_node = 2 * layout.components;
             state.q[layout.node(i / per_node, i % per_node)] += 1.0e-5 * noise(i);
         }
         for (i, at) in system.belt.cells_at.iter().enumerate() {
@@ -228,7 +201,7 @@ mod tests {
             assert!((sum(&found) / wanted - 1.0).abs() < 1e-13);
             // Every other node is one of the coarse mesh.
             let [layout, of_fine] = [&coarse.belt.layout, &fine.belt.layout];
-            let per_node = 2 * layout.components();
+            let per_node = 2 * layout.components;
             for (node, k) in (0..layout.elements).flat_map(|node| (0..per_node).map(move |k| (node, k))) {
                 let (a, b) = (state.q[layout.node(node, k)], found.q[of_fine.node(2 * node, k)]);
                 assert!((a - b).abs() < 1e-15, "{node} {k}: {a} {b}");

@@ -71,7 +71,7 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
     let middle = belt.middles(state.view());
     let rise = middle.primary - middle.secondary;
     for node in 0..layout.elements {
-        let (segment, x) = belt.mesh.start(&belt.curve, frame, node);
+        let (segment, x) = belt.on_curve(frame, node, belt.mesh.elements[node].start);
         let (w, slope) = match segment {
             1 | 3 => {
                 let share = if segment == 1 { x } else { 1.0 - x };
@@ -92,7 +92,10 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
 
 /// Mean reference curvature over the stations of a cell, 1/m.
 fn mean_curvature(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 {
-    let of = |station: &Station| belt.reference_point(frame, cell.element, station.fraction).kappa;
+    let of = |station: &Station| {
+        let (segment, fraction) = belt.on_curve(frame, cell.element, station.fraction);
+        TwoPulley::point::<f64>(frame, segment, fraction).kappa
+    };
     let first = of(&cell.stations[0]);
     let weight: f64 = cell.stations.iter().map(|station| station.weight).sum();
     let others = cell.stations.iter().map(|s| s.weight * (of(s) - first));

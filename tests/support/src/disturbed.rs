@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantSlopes};
+use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantDerivatives};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
@@ -94,9 +94,7 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let mut coarse = vec![false; size.len()];
     if system.belt.ring.starts_on().is_some() {
         let layout = &system.belt.layout;
-        for k in (0..layout.ring.per_node).filter(|&k| layout.ring.is_length(k)) {
-            (0..layout.ring.nodes).for_each(|node| coarse[layout.node(node, k)] = true);
-        }
+        layout.node_unknowns().for_each(|(i, is_length)| coarse[i] = is_length);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     let name = system.belt.ring.name();
@@ -118,7 +116,7 @@ pub type Equations = fn(&Belt, bool) -> Box<dyn Assembly>;
 fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand: bool) -> Vec<Vec<f64>> {
     let (belt, law, friction) = (&*system.belt, &system.belt.law, &system.friction());
     let n = state.y.len();
-    let (mut matrix, mut resultants) = (Arrow::new(system.shape()), ResultantSlopes::new(n));
+    let (mut matrix, mut resultants) = (Arrow::new(system.shape()), ResultantDerivatives::new(n));
     equations(belt, by_hand).jacobian(
         InForce { belt, law, friction },
         state.view(),

@@ -83,7 +83,7 @@ impl Steady {
     pub fn overlay_places(&self) -> Vec<usize> {
         let layout = &self.system.belt.layout;
         (0..layout.elements)
-            .flat_map(|node| (0..2 * layout.components()).map(move |k| layout.node(node, k)))
+            .flat_map(|node| (0..2 * layout.components).map(move |k| layout.node(node, k)))
             .chain([0, 1].map(|condition| layout.gauge(condition)))
             .collect()
     }
