@@ -28,11 +28,10 @@ use std::path::PathBuf;
 use clap::Parser;
 use cpu_time::ThreadTime;
 use pushbelt::contact::full_slip_torque;
-use pushbelt::pulley::Pulley;
 use pushbelt::scalar::LANES;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
-use pushbelt::variator::pulleys::loads::ShaftMode;
+
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Parameters, RingModel};
@@ -41,7 +40,7 @@ use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
 use pushbelt_support::inside::thrust_ratio;
-use pushbelt_support::load_cases::{LoadCase, given, pair};
+use pushbelt_support::load_cases::{LoadCase, pair, transmitted};
 use pushbelt_support::manoeuvre::Manoeuvre;
 use pushbelt_support::variators::{SPEED, variator};
 use serde_json::{Value, json};
@@ -366,10 +365,7 @@ fn steady_map(model: RingModel) -> Map {
         let mut neighbour: Option<State> = None;
         for k in 0..MAP_TORQUES {
             let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;
-            let task = SteadyTask {
-                shaft: pair(ShaftMode::Transmit(share * capacity), ShaftMode::Fixed),
-                ..given(ratio, Pulley::Primary, MAP_FORCE, 0.01)
-            };
+            let task = transmitted(ratio, MAP_FORCE, share * capacity);
             let cold = Start {
                 ratio,
                 primary_speed: SPEED,

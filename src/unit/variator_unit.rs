@@ -151,12 +151,9 @@ impl<R: Rings> Unit for UnitWith<R> {
     }
 
     fn moment(&mut self) -> Option<Moment<Readings>> {
-        let moment = self.variator.moment();
-        Some(Moment {
-            before: (*moment.before).into(),
-            after: (*moment.after).into(),
-            span: moment.span,
-        })
+        let (outputs, span) = self.variator.moment();
+        let [before, after] = outputs.map(|outputs| (*outputs).into());
+        Some(Moment { before, after, span })
     }
 }
 

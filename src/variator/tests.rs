@@ -77,7 +77,6 @@ fn a_failed_search_leaves_the_specified_friction() {
         reaction: Pulley::Primary,
         clamping: CLAMPING,
         shaft: Boundary::HELD.shaft,
-        slip: 0.0,
         warm: false,
     };
     let mut solver = SteadySolver {

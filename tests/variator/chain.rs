@@ -1,23 +1,15 @@
 //! The pull chain: what a pushbelt has not, its losses, bending, mesh, the manoeuvre. Other files test laws of both belts.
 
-use pushbelt::pulley::Pulley;
-use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_support::checks::{assert_close, assert_mirrored};
-use pushbelt_support::load_cases::{given, pair, speeds};
 use pushbelt_support::manoeuvre::Manoeuvre;
 use pushbelt_support::run::Run;
-use pushbelt_support::steady::{Steady, steady};
+use pushbelt_support::steady::{Steady, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, chain};
 
 /// The steady state at a ratio with a torque on the primary shaft, N·m; the secondary shaft turns at `speed`/ratio.
 fn driven(parameters: &Parameters, ratio: f64, torque: f64, speed: f64) -> Steady {
-    let task = SteadyTask {
-        shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(torque)),
-        ..given(ratio, Pulley::Primary, 11e3, 0.01)
-    };
-    steady(parameters, &task, speeds(ratio, speed))
+    transmitting(parameters, ratio, 11e3, torque, speed)
 }
 
 /// What a chain has not reads 0, its pins move with it, power balances, and reverse running mirrors it.

@@ -64,7 +64,7 @@ fn nine_load_cases(model: RingModel) {
         // Efficiencies of a whole transmission at 41 or 81 N·m (NREL ADVISOR, TX_CVT50_SUBARU).
         for (case, measured) in LoadCase::three(&parameters, torque).iter().zip([0.851, 0.924, 0.947]) {
             let state = load_case(&parameters, case);
-            assert_close(-state.outputs.primary.shaft_torque, case.torque, 1e-4, "torque on P");
+            assert_close(state.external_torques().primary, case.torque, 1e-4, "torque on P");
             let o = &state.outputs;
             let name = format!("{model:?} {} {torque} N·m", case.name);
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
@@ -204,14 +204,12 @@ fn swapped_pulleys_mirror_each_other() {
         let mut parameters = coarse(model);
         parameters.mesh = mesh(12, 8);
         for i in [0.5, ratio(0.2), 1.0, 1.6] {
-            let direct = transmitting(&parameters, i, 9e3, 50.0, SPEED);
-            let load = direct.external_torques().secondary;
-            let direct = direct.outputs;
+            let direct = transmitting(&parameters, i, 9e3, 50.0, SPEED).outputs;
             let task = SteadyTask {
-                shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(load)),
-                ..given(1.0 / i, Pulley::Secondary, 9000.0, -0.01)
+                shaft: pair(ShaftMode::Torque(50.0), ShaftMode::Fixed),
+                ..given(1.0 / i, Pulley::Secondary, 9000.0)
             };
-            let mirrored = steady(&parameters, &task, pair(SPEED, SPEED * i)).outputs;
+            let mirrored = steady(&parameters, &task, pair(SPEED, SPEED / i)).outputs;
             let product = direct.thrust_ratio * mirrored.thrust_ratio;
             assert!((product - 1.0).abs() < 1e-6);
         }
@@ -223,8 +221,8 @@ fn swapped_pulleys_mirror_each_other() {
 fn equal_pulleys_with_equal_torques_share_the_thrust() {
     for model in MODELS {
         // Equal speeds at ratio 1 within the tolerance of the ratio: a slip of 3e-8 is a torque of 3e-4 N·m.
-        let o = turning(&variator(model), 1.0, 10e3, speeds(1.0, SPEED)).outputs;
-        let half = -0.5 * (o.primary.shaft_torque + o.secondary.shaft_torque);
+        let torques = turning(&variator(model), 1.0, 10e3, speeds(1.0, SPEED)).external_torques();
+        let half = 0.5 * (torques.primary + torques.secondary);
         assert!(half > 0.0, "losses must be supplied");
         let o = transmitting(&variator(model), 1.0, 10e3, half, SPEED).outputs;
         assert!((o.thrust_ratio - 1.0).abs() < 1e-6);
@@ -255,7 +253,7 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     assert_pinned(counts.residuals, 907, "residuals");
-    assert_pinned(counts.factorizations, 202, "factorizations");
+    assert_pinned(counts.factorizations, 91, "factorizations");
 }
 
 /// The default mesh is chosen for some thousand revolutions per minute; at 600 rad/s in overdrive gaps are wider.

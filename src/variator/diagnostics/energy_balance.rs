@@ -1,5 +1,6 @@
 //! The error norm of time integration, its longest step, and the energy balance of a run.
 
+use crate::archive::Archive;
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::Evolution;
@@ -15,6 +16,8 @@ pub struct EnergyBalance {
     pub supplied: f64,
     /// Energy lost.
     pub lost: f64,
+    /// Energy stored at the start.
+    initial: f64,
     /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
     pub moved: f64,
     /// The belt at the end of the last step.
@@ -187,9 +190,23 @@ impl EnergyBalance {
     /// The energy balance of a run that starts at a state.
     #[must_use]
     pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {
+        let last = BeltDiagnostics::of(system, view);
         Self {
-            last: BeltDiagnostics::of(system, view),
+            initial: last.belt_energy(&system.belt) + system.pulleys().energy(view),
+            last,
             ..Self::default()
+        }
+    }
+
+    /// Energy that is not accounted for where so much is stored, J.
+    pub(crate) fn residual(&self, stored: f64) -> f64 {
+        self.supplied - self.lost - (stored - self.initial)
+    }
+
+    /// Writes to an archive, or reads from it, the energies.
+    pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
+        for value in [&mut self.supplied, &mut self.lost, &mut self.initial, &mut self.moved] {
+            archive.real(value);
         }
     }
 }

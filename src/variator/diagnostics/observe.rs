@@ -11,8 +11,7 @@ use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sl
 use crate::variator::diagnostics::idle_arc::idle_arcs;
 use crate::variator::diagnostics::{NO_POWER, NO_SPEED, ONE_WAY, SLIPPING, STILL_ONE_WAY, STILL_SLIPPING, UNLOADED};
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
-use crate::variator::pulleys::rows::External;
-use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState, Work};
+use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs};
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -27,52 +26,21 @@ pub struct Observer {
     stations: Vec<Sample>,
 }
 
-/// Values for outputs in addition to the state.
-#[derive(Clone, Copy, Debug)]
-pub struct Context {
-    /// Loads from outside at this time.
-    pub external: PerPulley<External>,
-    /// Macro-slip flag with its hysteresis.
-    pub macro_slip: bool,
-    /// Energy supplied since the start, J.
-    pub supplied: f64,
-    /// Energy lost since the start, J.
-    pub lost: f64,
-    /// Stored energy at the start, J.
-    pub initial_energy: f64,
-    /// State that the run started from.
-    pub start_state: StartState,
-    /// Work of the run.
-    pub work: Work,
-}
-
-impl Context {
-    /// A steady state outside a run, under these loads; there are no accumulated energies.
-    #[must_use]
-    pub fn of_steady_state(external: PerPulley<External>) -> Self {
-        Self {
-            external,
-            macro_slip: false,
-            supplied: 0.0,
-            lost: 0.0,
-            initial_energy: 0.0,
-            start_state: StartState::Steady,
-            work: Work::default(),
-        }
-    }
-}
-
 impl Observer {
-    /// Fills `out` from the state and the diagnostics of the belt there.
+    /// Fills `out` from the state at a time, s, and the diagnostics of the belt there, but for what depends on the run before.
     pub fn observe(
         &mut self,
         system: &VariatorSystem,
+        time: f64,
         view: View<'_>,
         diagnostics: &BeltDiagnostics,
-        context: &Context,
         out: &mut Outputs,
     ) {
         let sums = &diagnostics.sums;
+        let boundary = system.boundary(time);
+        let external = system
+            .pulleys()
+            .external(&boundary, view, sums.shaft_torque, sums.axial);
         let belt = &*system.belt;
         let radii = sums.mean_radii(belt, view);
         self.stations.clear();
@@ -90,8 +58,8 @@ impl Observer {
             position: view.q[belt.layout.sheave(j)],
             axial_force: sums.axial[j],
             shaft_torque: sums.torque[j],
-            external_torque: context.external[j].torque,
-            clamping_force_total: context.external[j].closing,
+            external_torque: external[j].torque,
+            clamping_force_total: external[j].closing,
             sheave_velocity: view.y[belt.layout.sheave(j)],
             flow: system.parameters.pulley(j).cylinder.area * view.y[belt.layout.sheave(j)],
             power: -sums.torque[j] * view.y[belt.layout.shaft_speed(j)],
@@ -109,7 +77,6 @@ impl Observer {
             ..sums.losses
         };
         out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
-        out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
         self.mean_elements(&belt.mesh, belt.curve.length());
         let tensions = || self.elements.iter().map(|e| e.tension);
@@ -118,9 +85,6 @@ impl Observer {
         out.ring_stress = self.ring_stress(belt, view, radii);
         lateral(belt, view, &self.stations, out);
         out.stored_energy = diagnostics.belt_energy(belt) + system.pulleys().energy(view);
-        out.start_state = context.start_state;
-        out.work = context.work;
-        out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);
     }
 
     /// The tension of a cubic element oscillates about its mean wherever the curvature changes fast. The balance along the

@@ -4,8 +4,8 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 
 use crate::solver::{State, System};
-use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
-use crate::variator::diagnostics::observe::{Context, Observer};
+use crate::variator::diagnostics::belt::BeltDiagnostics;
+use crate::variator::diagnostics::observe::Observer;
 use crate::variator::linear::NEARLY_STATIC;
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
@@ -198,7 +198,7 @@ fn derivatives_along(
         Some(Load::ClampingForce(_)) => step,
         _ => 0.0,
     };
-    let beside = |step: f64| {
+    let mut beside = |step: f64| {
         let mut state = state.clone();
         for i in 0..n {
             state.y[i] += step * direction.y[i];
@@ -209,15 +209,10 @@ fn derivatives_along(
         if let Some(load) = load {
             *load.field(&mut inputs) += offset + step;
         }
+        system.loads = Loads::held(&inputs);
         let diagnostics = BeltDiagnostics::of(system, state.view());
-        let BeltSums {
-            shaft_torque, axial, ..
-        } = diagnostics.sums;
-        let boundary = Loads::held(&inputs).at(0.0, &system.parameters);
-        let external = system.pulleys().external(&boundary, state.view(), shaft_torque, axial);
-        let context = Context::of_steady_state(external);
         let mut outputs = Outputs::default();
-        Observer::default().observe(system, state.view(), &diagnostics, &context, &mut outputs);
+        Observer::default().observe(system, 0.0, state.view(), &diagnostics, &mut outputs);
         outputs
     };
     let (after, before) = (beside(step), beside(-step));

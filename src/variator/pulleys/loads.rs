@@ -46,9 +46,6 @@ pub enum ShaftMode {
         /// At the primary shaft.
         primary: f64,
     },
-    /// Secondary only: the speed follows from the torque, N·m, that the belt takes from the primary pulley. The torque excludes
-    /// the drag of the shafts.
-    Transmit(f64),
 }
 
 /// Boundary conditions at one time.
@@ -167,37 +164,37 @@ impl InputProfile {
 /// What acts on the pulleys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loads {
-    /// Inputs of a run. Of torques, forces and pressures a share acts, which grows in a soft start.
-    Inputs(InputProfile, f64),
+    /// Inputs of a run.
+    Inputs(InputProfile),
     /// The same conditions at all times, of a steady solution: inertias of the pulleys are `PSEUDO_INERTIA` times as large.
     Steady(Boundary),
 }
 
 impl Loads {
-    /// Inputs that are held, in a run under load.
+    /// Inputs that are held.
     #[must_use]
     pub fn held(inputs: &Inputs) -> Self {
-        Self::Inputs(InputProfile::constant(inputs), 1.0)
+        Self::Inputs(InputProfile::constant(inputs))
     }
 
     /// The boundary conditions at a time, s.
     pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
-        let (given, share) = match self {
-            Self::Inputs(profile, share) => (profile.at(time), *share),
+        let given = match self {
+            Self::Inputs(profile) => profile.at(time),
             Self::Steady(boundary) => return *boundary,
         };
         Boundary {
             sheave: PerPulley::from_fn(|pulley| {
                 let of = parameters.pulley(pulley);
                 match of.axial {
-                    Axial::Force => SheaveMode::Force(share * given.pulley(pulley).force(&of.cylinder)),
+                    Axial::Force => SheaveMode::Force(given.pulley(pulley).force(&of.cylinder)),
                     Axial::Held => SheaveMode::Held,
                 }
             }),
             shaft: PerPulley::from_fn(|pulley| {
                 let inputs = given.pulley(pulley);
                 match parameters.pulley(pulley).drive {
-                    Drive::Torque => ShaftMode::Torque(share * inputs.torque),
+                    Drive::Torque => ShaftMode::Torque(inputs.torque),
                     Drive::Speed => ShaftMode::Setpoint(inputs.speed_setpoint),
                 }
             }),
@@ -207,20 +204,19 @@ impl Loads {
     /// Inputs at a time, s; none of a steady solution.
     pub(crate) fn inputs(&self, time: f64) -> Inputs {
         match self {
-            Self::Inputs(given, _) => given.at(time),
+            Self::Inputs(given) => given.at(time),
             Self::Steady(_) => Inputs::ZERO,
         }
     }
 
     /// Writes the loads of a run to an archive, or reads them.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
-        let (mut given, mut share) = match *self {
-            Self::Inputs(given, share) => (given, share),
-            Self::Steady(_) => (InputProfile::constant(&Inputs::ZERO), 1.0),
+        let mut given = match *self {
+            Self::Inputs(given) => given,
+            Self::Steady(_) => InputProfile::constant(&Inputs::ZERO),
         };
         given.serialize(archive);
-        archive.within(&mut share, 0.0, 1.0);
-        *self = Self::Inputs(given, share);
+        *self = Self::Inputs(given);
     }
 }
 

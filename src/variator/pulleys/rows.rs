@@ -194,7 +194,7 @@ impl<'a> Pulleys<'a> {
             self.tilt_rows(pulley, &loads[pulley], view, out);
             let i = self.layout().shaft_speed(pulley);
             let mode = boundary.shaft[pulley];
-            out[i] = self.shaft_row((pulley, mode), torques, loads.primary.torque, view);
+            out[i] = self.shaft_row(pulley, mode, torques, view);
         }
     }
 
@@ -232,15 +232,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Equation of motion of a shaft under the torque `on_primary` of the belt on the primary pulley; `torques` are those of
-    /// belt and drag on the shafts, N·m.
-    fn shaft_row(
-        &self,
-        (pulley, mode): (Pulley, ShaftMode),
-        torques: PerPulley<f64>,
-        on_primary: f64,
-        view: View<'_>,
-    ) -> f64 {
+    /// Equation of motion of a shaft; `torques` are those of belt and drag on the shafts, N·m.
+    fn shaft_row(&self, pulley: Pulley, mode: ShaftMode, torques: PerPulley<f64>, view: View<'_>) -> f64 {
         let of = self.parameters.pulley(pulley);
         let i = self.layout().shaft_speed(pulley);
         let inertia = self.inertia_factor * of.inertia * view.y_dot[i];
@@ -251,7 +244,6 @@ impl<'a> Pulleys<'a> {
             ShaftMode::Balanced { own, primary } => {
                 inertia - own - torques[pulley] + self.balanced_factor(view) * (primary + torques.primary)
             }
-            ShaftMode::Transmit(primary) => inertia + primary + on_primary,
         }
     }
 
@@ -268,16 +260,8 @@ impl<'a> Pulleys<'a> {
         for pulley in Pulley::BOTH {
             self.sheave_jacobian(pulley, boundary.sheave[pulley], view, factors, out);
             self.tilt_jacobian(pulley, view, factors[0], out);
+            self.add_drag_jacobian(pulley, (loads, resultants), view, out);
         }
-        // The secondary comes first: its row may use the primary's before that is overwritten.
-        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout().shaft_speed(pulley));
-        if let ShaftMode::Transmit(_) = boundary.shaft.secondary {
-            out.set_unit_row(s, 0.0);
-            out.add_row(s, p, -1.0);
-        } else {
-            self.add_drag_jacobian(Pulley::Secondary, (loads, resultants), view, out);
-        }
-        self.add_drag_jacobian(Pulley::Primary, (loads, resultants), view, out);
         if let ShaftMode::Balanced { primary, .. } = boundary.shaft.secondary {
             let torque = primary + self.shaft_torques(loads, view).primary;
             self.balance_secondary(torque, view, out);
@@ -432,7 +416,7 @@ impl<'a> Pulleys<'a> {
     fn torque_supplied(mode: ShaftMode, torque: f64) -> f64 {
         match mode {
             ShaftMode::Torque(external) | ShaftMode::Balanced { own: external, .. } => external,
-            ShaftMode::Setpoint(_) | ShaftMode::Fixed | ShaftMode::Transmit(_) => -torque,
+            ShaftMode::Setpoint(_) | ShaftMode::Fixed => -torque,
         }
     }
 

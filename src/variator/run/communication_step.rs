@@ -2,26 +2,21 @@
 //! Left alone, it is [`Variator::advance_along`] to the last bit.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::outcome::{Event, StepError};
-use crate::variator::run::tuning::{STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND, USUAL_TOLERANCE};
 use crate::variator::run::variator::Variator;
-use crate::variator::settings::parameters::{Mode, Solver};
+use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Inputs;
 
 /// An ongoing communication step.
 #[derive(Clone, Debug)]
 pub struct CommunicationStep {
-    /// Where it began and where it ends, s.
-    from: f64,
+    /// Where it ends, s.
     to: f64,
     /// Inputs that were given last, and how they come into force.
     given: Inputs,
     profile: InputProfile,
-    /// Work that had been done before.
-    before: Counts,
     /// End stops that the sheaves were at in the beginning.
     stops: PerPulley<Option<Stop>>,
     is_over: bool,
@@ -52,19 +47,6 @@ impl Variator {
     }
 }
 
-/// Residuals that a communication step of this length, s, may take. Tighter tolerances than the default may take more: steps shorten
-/// with the cube root.
-fn most_residuals(solver: &Solver, length: f64) -> u64 {
-    let tighter = (USUAL_TOLERANCE / solver.tolerance).cbrt().max(1.0);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count, positive"
-    )]
-    let most = (tighter * (STEP_RESIDUALS + STEP_RESIDUALS_PER_SECOND * length)) as u64;
-    most
-}
-
 impl CommunicationStep {
     /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
     /// is over, then [`CommunicationStep::finish`].
@@ -79,13 +61,11 @@ impl CommunicationStep {
         let ramp = simulation.system.parameters.solver.input_ramp;
         let profile = InputProfile::new(ramp, [from, to], &simulation.inputs(), inputs, rates);
         let stops = simulation.stops();
-        variator.stepper.begin([from, to]);
+        variator.stepper.begin(from);
         Ok(Self {
-            from,
             to,
             given: *inputs,
             profile,
-            before: variator.counts(),
             stops,
             is_over: to - from < SHORTEST_STEP,
         })
@@ -103,39 +83,17 @@ impl CommunicationStep {
     /// The communication step can't be done: the variator is in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
-        let stepped = variator.stepper.step(&mut variator.simulation, &self.profile, self.to);
-        let failed = match stepped {
+        match variator.stepper.step(&mut variator.simulation, &self.profile, self.to) {
             Ok(is_over) => {
                 self.is_over = is_over;
-                self.exhausted(variator)
+                Ok(())
             }
-            Err(stalled) => Some(StepError::Stalled {
-                from: self.from,
-                reached: stalled.time,
-                reason: stalled.to_string(),
-            }),
-        };
-        let Some(error) = failed else {
-            return Ok(());
-        };
-        variator.roll_back();
-        self.count_work(variator, 0.0);
-        Err(error)
-    }
-
-    /// The error of a communication step that takes too much work. In real time the work of each millisecond is bounded.
-    fn exhausted(&self, variator: &Variator) -> Option<StepError> {
-        let solver = &variator.parameters().solver;
-        let residuals = (variator.counts() - self.before).residuals;
-        if self.is_over || solver.mode == Mode::RealTime || residuals <= most_residuals(solver, self.to - self.from) {
-            return None;
+            Err(error) => {
+                variator.roll_back();
+                self.count_work(variator);
+                Err(error)
+            }
         }
-        Some(StepError::Exhausted {
-            from: self.from,
-            to: self.to,
-            reached: variator.simulation.time,
-            residuals,
-        })
     }
 
     /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once.
@@ -149,7 +107,7 @@ impl CommunicationStep {
         inputs.validate()?;
         self.profile.change(&self.given, inputs);
         self.given = *inputs;
-        variator.stepper.restart([variator.simulation.time, self.to]);
+        variator.stepper.restart();
         Ok(())
     }
 
@@ -160,7 +118,7 @@ impl CommunicationStep {
         }
         let now = variator.simulation.time;
         self.to = time.max(now);
-        variator.stepper.restart([now, self.to]);
+        variator.stepper.restart();
         self.is_over |= self.to - now < SHORTEST_STEP;
     }
 
@@ -179,10 +137,10 @@ impl CommunicationStep {
 
     /// Ends it at the time that it has reached.
     pub fn finish(&self, variator: &mut Variator) {
-        if variator.simulation.time == self.from {
+        if variator.simulation.time == variator.stepper.from() {
             return;
         }
-        self.count_work(variator, self.to - self.from);
+        self.count_work(variator);
         variator.work = variator.stepper.finish(&mut variator.simulation, &self.profile);
         variator.report_slip();
         variator.report_buckling();
@@ -190,13 +148,13 @@ impl CommunicationStep {
         variator.stale = true;
     }
 
-    /// Counts its work for so many seconds of simulation, and warns where that is too much. In real time it is bounded.
-    fn count_work(&self, variator: &mut Variator, simulated: f64) {
+    /// Counts its work so far, and warns where that is too much. In real time it is bounded.
+    fn count_work(&self, variator: &mut Variator) {
         if variator.parameters().solver.mode == Mode::RealTime {
             return;
         }
-        let work = variator.counts() - self.before;
-        let unknowns = variator.simulation.state.y.len();
+        let simulated = variator.time() - variator.stepper.from();
+        let (work, unknowns) = (variator.stepper.work(), variator.state().y.len());
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
         remark.into_iter().for_each(|text| variator.log(true, text));
     }

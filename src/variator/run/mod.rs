@@ -4,11 +4,9 @@
 //! |---|---|
 //! | `variator` | [`Variator`]: all that a user calls |
 //! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
-//! | `stepper` | the trait behind a communication step, and the accurate integrator |
-//! | `real_time` | the same integrator with bounded work |
+//! | `stepper`, `real_time` | the integrator behind a communication step, and the bound on its work in real time |
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `simulation` | what a stepper advances: equations, state, inputs in force |
-//! | `pending_inputs` | inputs that wait in real time |
 //! | `start`, `steady_start`, `at_rest`, `soft_start` | the state that a run starts from |
 //! | `tuning` | the numbers that all this is tuned with |
 //! | `pace` | the warning of a run that takes too much work |
@@ -19,7 +17,6 @@ mod communication_step;
 mod hints;
 mod outcome;
 mod pace;
-mod pending_inputs;
 mod real_time;
 mod simulation;
 mod soft_start;
@@ -31,5 +28,5 @@ pub(crate) mod variator;
 
 pub use crate::variator::pulleys::loads::InputProfile;
 pub use communication_step::CommunicationStep;
-pub use outcome::{Event, InitialisationError, Message, Moment, StepError};
+pub use outcome::{Event, InitialisationError, Message, StepError};
 pub use variator::Variator;

@@ -3,7 +3,6 @@
 use crate::pulley::Pulley;
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::settings::ParameterError;
-use crate::variator::settings::signals::Outputs;
 
 /// A remark for the user's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,15 +84,4 @@ impl Event {
             Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
         }
     }
-}
-
-/// Outputs a moment before and after the present, along the tangent of the state.
-#[derive(Debug)]
-pub struct Moment {
-    /// Outputs a moment before.
-    pub before: Box<Outputs>,
-    /// Outputs a moment after.
-    pub after: Box<Outputs>,
-    /// Time between the two, s.
-    pub span: f64,
 }

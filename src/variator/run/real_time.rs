@@ -1,17 +1,15 @@
 //! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]), in short steps of one length.
 //!
 //! A step for which the work does not last stays open and continues in the next millisecond: the run is then behind the clock, and its
-//! inputs wait ([`PendingInputs`]). Work that is not needed makes up for it later. A step that has no solution is begun again with half the length.
+//! inputs wait. Work that is not needed makes up for it later. A step that has no solution is begun again with half the length.
 
 use crate::archive::Archive;
-use crate::solver::newton::{Counts, Unsolved, WorkBound};
-use crate::solver::sdirk::{Sdirk, Stalled};
+use crate::solver::newton::{Unsolved, WorkBound};
+use crate::solver::sdirk::Sdirk;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::pending_inputs::PendingInputs;
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::stepper::{Stepper, work};
 use crate::variator::run::tuning::REAL_TIME;
-use crate::variator::settings::signals::Work;
+use crate::variator::settings::signals::Inputs;
 
 /// The millisecond of the clock, s, whose work is bounded.
 const MILLISECOND: f64 = 1.0e-3;
@@ -19,15 +17,10 @@ const MILLISECOND: f64 = 1.0e-3;
 /// A run in real time.
 #[derive(Clone, Debug)]
 pub(super) struct RealTime {
-    sdirk: Sdirk,
-    /// The communication step, s, its number of milliseconds or shorter parts, and how many of them are over.
-    span: [f64; 2],
-    parts: f64,
-    over: f64,
-    /// Time of the clock and of the state, s, and the inputs between them.
-    clock: f64,
+    /// Time of the state, s.
     reached: f64,
-    pending: PendingInputs,
+    /// Inputs from the state, or the end of the open step, to the clock.
+    waiting: InputProfile,
     /// Length of steps as a share of its longest, and that of the open step, s, if one is.
     share: f64,
     open: Option<f64>,
@@ -36,158 +29,165 @@ pub(super) struct RealTime {
 }
 
 impl RealTime {
-    /// A run that begins with the state and at the time of a simulation.
-    pub fn new(simulation: &Simulation) -> Self {
-        let mut sdirk = Sdirk::new(&simulation.system, REAL_TIME.step, REAL_TIME.step);
-        sdirk.newton_tolerance = REAL_TIME.tolerance;
+    /// A run that begins with the state and at the time of a simulation, in steps by `sdirk`.
+    pub fn new(simulation: &Simulation, sdirk: &mut Sdirk) -> Self {
+        (sdirk.step, sdirk.newton_widening) = (REAL_TIME.step, 0.0);
         sdirk.newton.bound = WorkBound {
             left: 0.0,
             jacobian: REAL_TIME.jacobian,
             overdraft: REAL_TIME.spare,
-            jacobians: REAL_TIME.jacobians,
+            ..WorkBound::NONE
         };
+        let inputs = InputProfile::constant(&simulation.inputs());
         Self {
-            sdirk,
-            span: [simulation.time; 2],
-            parts: 0.0,
-            over: 0.0,
-            clock: simulation.time,
             reached: simulation.time,
-            pending: PendingInputs::new(),
+            waiting: inputs,
             share: 1.0,
             open: None,
-            inputs: InputProfile::constant(&simulation.inputs()),
+            inputs,
         }
     }
 
-    /// Advances the clock, s, and the state as far as the work lasts.
-    fn advance_clock(&mut self, simulation: &mut Simulation, profile: &InputProfile, [from, to]: [f64; 2]) {
-        self.pending.add(profile, [from, to]);
-        self.clock = to;
+    /// Advances the clock by a millisecond, or by a part of one of those up to a time, s, and the state as far as the work lasts.
+    pub fn advance(&mut self, sdirk: &mut Sdirk, simulation: &mut Simulation, profile: &InputProfile, to: f64) {
+        let from = simulation.time;
+        let parts = ((to - from) / MILLISECOND - SHORTEST_STEP).ceil();
+        let clock = if parts > 1.0 { from + (to - from) / parts } else { to };
+        let since = self.reached + self.open.unwrap_or_default();
+        self.waiting = joined(&self.waiting, since, from, profile, clock);
         let effort = f64::from(simulation.system.parameters.solver.effort);
-        let left = &mut self.sdirk.newton.bound.left;
-        *left = left.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((to - from) / MILLISECOND);
+        let left = &mut sdirk.newton.bound.left;
+        *left = left.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
         simulation.time = self.reached;
         simulation.restore(self.inputs);
         let wider = if self.open.is_some() { REAL_TIME.widening } else { 1.0 };
-        self.sdirk.newton_tolerance = wider * REAL_TIME.tolerance;
-        while self.behind() > SHORTEST_STEP && self.step(simulation) {}
-        let skipped = self.behind() - REAL_TIME.behind;
+        sdirk.newton_tolerance = wider * REAL_TIME.tolerance;
+        while self.behind(clock) > SHORTEST_STEP && self.step(sdirk, simulation, clock) {}
+        let skipped = self.behind(clock) - REAL_TIME.behind;
         if skipped > 0.0 {
-            // An open step moves in time with its inputs: it continues.
-            self.pending.level(self.reached);
+            // An open step moves in time with its inputs: it continues. Those that wait are then constant.
             self.reached += skipped;
             self.inputs.kink += skipped;
-            self.pending.forget(self.reached);
         }
-        simulation.time = to;
+        simulation.time = clock;
     }
 
-    /// Takes or continues a step. False if the work is used up.
-    fn step(&mut self, simulation: &mut Simulation) -> bool {
-        let length = self.open.unwrap_or_else(|| self.begin_step(simulation));
+    /// Takes or continues a step towards the clock's time, s. False if the work is used up.
+    fn step(&mut self, sdirk: &mut Sdirk, simulation: &mut Simulation, clock: f64) -> bool {
+        let length = self.open.unwrap_or_else(|| self.begin_step(simulation, clock));
         let (mut problem, state) = simulation.problem();
-        match self.sdirk.fixed_step(&mut problem, state, self.reached, length) {
+        let solved = sdirk.fixed_step(&mut problem, state, self.reached, length);
+        self.open = None;
+        match solved {
             Ok(()) => {
-                let rest = self.behind() - length;
+                let rest = self.behind(clock) - length;
                 self.reached = if rest < SHORTEST_STEP {
-                    self.clock
+                    clock
                 } else {
                     self.reached + length
                 };
                 simulation.time = self.reached;
-                self.pending.forget(self.reached);
                 self.share = (2.0 * self.share).min(1.0);
-                self.open = None;
             }
-            Err(Unsolved::OutOfWork) => {
-                self.open = Some(length);
-                return false;
-            }
+            Err(Unsolved::OutOfWork) => self.open = Some(length),
             Err(Unsolved::NoSolution) => {
-                self.sdirk.newton.counts.rejected += 1;
+                sdirk.newton.counts.rejected += 1;
+                let end = self.reached + length;
+                self.waiting = joined(&self.inputs, self.reached, end, &self.waiting, clock);
                 self.share = (0.5 * self.share).max(REAL_TIME.shortest);
-                self.open = None;
             }
         }
-        true
+        self.open.is_none()
     }
 
-    /// Brings the inputs of the next step into force: a straight line, so no impulse is lost. Returns its length, s: steps until the clock's
+    /// Brings the inputs of the next step into force: a straight line whose mean is theirs. Returns its length, s: steps until the clock's
     /// time are alike.
-    fn begin_step(&mut self, simulation: &mut Simulation) -> f64 {
-        let rest = self.behind();
+    fn begin_step(&mut self, simulation: &mut Simulation, clock: f64) -> f64 {
+        let rest = self.behind(clock);
         let count = (rest / (self.share * REAL_TIME.step) - SHORTEST_STEP).ceil().max(1.0);
         let length = rest / count;
-        self.inputs = self.pending.line([self.reached, self.reached + length]);
+        self.inputs = line(&self.waiting, [self.reached, self.reached + length]);
         simulation.apply(self.inputs);
         length
     }
 
     /// How far the state is behind the clock, s.
-    fn behind(&self) -> f64 {
-        self.clock - self.reached
-    }
-}
-
-impl Stepper for RealTime {
-    fn boxed(&self) -> Box<dyn Stepper> {
-        Box::new(self.clone())
+    pub fn behind(&self, clock: f64) -> f64 {
+        clock - self.reached
     }
 
-    fn begin(&mut self, span: [f64; 2]) {
-        let [from, to] = span;
-        self.span = span;
-        self.parts = ((to - from) / MILLISECOND - SHORTEST_STEP).ceil().max(1.0);
-        self.over = 0.0;
-        self.sdirk.newton.left = 0.0;
-    }
-
-    fn restart(&mut self, span: [f64; 2]) {
-        if span[1] != self.span[1] {
-            self.begin(span);
-        }
-    }
-
-    /// The work of one millisecond.
-    fn step(&mut self, simulation: &mut Simulation, profile: &InputProfile, to: f64) -> Result<bool, Stalled> {
-        self.over += 1.0;
-        let is_over = self.over >= self.parts;
-        let [from, end] = self.span;
-        let until = if is_over {
-            to
-        } else {
-            from + self.over * ((end - from) / self.parts)
-        };
-        self.advance_clock(simulation, profile, [simulation.time, until]);
-        Ok(is_over)
-    }
-
-    fn finish(&mut self, simulation: &mut Simulation, profile: &InputProfile) -> Work {
-        simulation.restore(*profile);
-        let counts = self.counts();
-        Work {
-            behind: self.behind(),
-            rollbacks: i32::try_from(counts.rejected).unwrap_or(i32::MAX),
-            ..work(counts, self.sdirk.newton.left)
-        }
-    }
-
-    fn counts(&self) -> Counts {
-        self.sdirk.newton.counts
-    }
-
-    fn change_laws(&mut self) {
-        self.sdirk.newton.forget_rate();
-    }
-
-    fn serialize(&mut self, archive: &mut Archive<'_>) {
-        self.sdirk.serialize(archive);
-        self.pending.serialize(archive);
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.waiting.serialize(archive);
         self.inputs.serialize(archive);
-        archive.real(&mut self.clock);
         archive.real(&mut self.reached);
         archive.within(&mut self.share, REAL_TIME.shortest, 1.0);
         archive.option(&mut self.open);
+    }
+}
+
+/// Inputs of one profile from `from` to `middle` and of another one until `to`, s: their mean, so no impulse is lost. The latter alone where
+/// nothing lies before it.
+fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, to: f64) -> InputProfile {
+    if middle - from <= SHORTEST_STEP {
+        return *second;
+    }
+    if to - middle <= SHORTEST_STEP {
+        return *first;
+    }
+    let share = (middle - from) / (to - from);
+    let means = [mean(first, [from, middle]), mean(second, [middle, to])];
+    InputProfile::constant(&Inputs::ZERO.after(share, &means[0]).after(1.0 - share, &means[1]))
+}
+
+/// Mean of inputs from one time to another, s.
+fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
+    let kink = profile.kink.clamp(from, to);
+    let part =
+        |start: f64, end: f64, sum: Inputs| sum.after((end - start) / (to - from), &profile.at(0.5 * (start + end)));
+    part(kink, to, part(from, kink, Inputs::ZERO))
+}
+
+/// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
+fn line(profile: &InputProfile, [from, to]: [f64; 2]) -> InputProfile {
+    let length = to - from;
+    let rates = Inputs::ZERO
+        .after(1.0 / length, &profile.at(to))
+        .after(-1.0 / length, &profile.at(from));
+    InputProfile {
+        kink: from,
+        inputs: mean(profile, [from, to]).after(-0.5 * length, &rates),
+        rates: [rates; 2],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::variator::pulleys::loads::tests::torque;
+
+    /// A ramp to 50 N·m over a quarter of the first millisecond, and one on to -50 N·m: the impulse of the steps is that of both.
+    #[test]
+    fn no_impulse_is_lost() {
+        let ramp = |from: f64, present: f64, given: f64| {
+            InputProfile::new(
+                0.25e-3,
+                [from, from + 1e-3],
+                &torque(present),
+                &torque(given),
+                &Inputs::ZERO,
+            )
+        };
+        let (first, second) = (ramp(0.0, 0.0, 50.0), ramp(1e-3, 50.0, -50.0));
+        let impulse = |profile: &InputProfile, from: f64, to: f64| {
+            let line = line(profile, [from, to]);
+            let [start, end] = [from, to].map(|time| line.at(time).primary.torque);
+            0.5 * (start + end) * (to - from)
+        };
+        let both = joined(&first, 0.7e-3, 1e-3, &second, 2e-3);
+        let found = impulse(&first, 0.0, 0.2e-3) + impulse(&first, 0.2e-3, 0.7e-3) + impulse(&both, 0.7e-3, 2e-3);
+        let expected = (50e-3 - 6.25e-3) - 50e-3 + 12.5e-3;
+        assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+        assert_eq!(joined(&first, 1e-3, 1e-3, &second, 2e-3), second);
     }
 }

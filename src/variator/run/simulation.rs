@@ -47,12 +47,8 @@ impl Simulation {
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.state.serialize(archive);
         self.system.serialize(archive);
-        let EnergyBalance {
-            supplied, lost, moved, ..
-        } = &mut self.energy;
-        for value in [&mut self.time, supplied, lost, moved] {
-            archive.real(value);
-        }
+        archive.real(&mut self.time);
+        self.energy.serialize(archive);
         // −∞ where there was none.
         archive.within(&mut self.soft_start.from, f64::NEG_INFINITY, f64::MAX);
     }
@@ -86,18 +82,15 @@ impl Simulation {
 
     /// Brings inputs into force, with the friction of the present time. The rates jump with the loads.
     pub fn apply(&mut self, inputs: InputProfile) {
-        let loads = self.loads(inputs);
+        self.regularise();
+        let loads = Loads::Inputs(inputs);
         self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
     /// The same where they were in force before at this state, or for outputs alone: the rates stay.
     pub fn restore(&mut self, inputs: InputProfile) {
-        self.system.loads = self.loads(inputs);
-    }
-
-    fn loads(&mut self, inputs: InputProfile) -> Loads {
         self.regularise();
-        Loads::Inputs(inputs, self.soft_start.load_share(self.time))
+        self.system.loads = Loads::Inputs(inputs);
     }
 
     /// Sums over the belt in the present state.

@@ -4,12 +4,11 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::run::at_rest::Unsettled;
-use crate::variator::run::outcome::{InitialisationError, Message};
+use crate::variator::run::outcome::{InitialisationError, Message, StepError};
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::steady_start::{NoSteadyState, StartSearch};
-use crate::variator::run::tuning::{CREEP_SPEED, CREEP_VELOCITY, LOAD_RAMP, STANDSTILL};
+use crate::variator::run::tuning::{CREEP_SPEED, CREEP_VELOCITY, RAMP, STANDSTILL};
 use crate::variator::settings::parameters::{Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
@@ -43,7 +42,7 @@ pub(super) fn find_start(
     Ok(found)
 }
 
-fn no_clamping(why: &Unsettled) -> Message {
+fn no_clamping(why: &StepError) -> Message {
     Message {
         warning: true,
         text: format!("the belt was not clamped before the start: {why}"),
@@ -126,7 +125,7 @@ impl StartSearch<'_> {
             why => {
                 self.log(
                     true,
-                    format!("{why}: the run starts unloaded and the loads ramp in over {LOAD_RAMP} s"),
+                    format!("{why}: the run starts unloaded, with soft friction that sharpens over {RAMP} s"),
                 );
                 self.start_unloaded(start)?;
                 Ok(StartState::NotFound)
@@ -220,7 +219,7 @@ impl StartSearch<'_> {
         Ok(())
     }
 
-    /// Starts unloaded; loads and friction come in softly.
+    /// Starts unloaded; friction comes in softly.
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
         self.start_cold(&Start { clamping, ..*start })?;

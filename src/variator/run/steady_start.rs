@@ -6,10 +6,9 @@ use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::at_rest::Unsettled;
-use crate::variator::run::outcome::Message;
+use crate::variator::run::outcome::{Message, StepError};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, JACOBIAN, LEAST_SHARE, NEXT_SHARE, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::run::tuning::{CLOSE_SHARE, JACOBIAN, NEXT_SHARE, STEP_RESIDUALS_PER_SECOND};
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::{Inputs, StartState};
@@ -42,7 +41,7 @@ pub(super) enum NoSteadyState {
     NotFound(Settled, Option<Demand>),
     /// The belt was not brought to rest.
     #[error("the belt was not brought to rest: {0}")]
-    NotStopped(#[from] Unsettled),
+    NotStopped(#[from] StepError),
 }
 
 impl StartSearch<'_> {
@@ -54,7 +53,7 @@ impl StartSearch<'_> {
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.simulation.system);
         newton.bound = WorkBound {
-            left: STEADY_WORK,
+            left: STEP_RESIDUALS_PER_SECOND,
             jacobian: [JACOBIAN, 0.0],
             overdraft: f64::INFINITY,
             ..WorkBound::NONE
@@ -86,7 +85,7 @@ impl StartSearch<'_> {
         let free = [primary, secondary] == [Axial::Force; 2];
         let balance = free && parameters.initial.equilibrium;
         let demand = Demand::new(parameters, self.inputs, clamped, at);
-        let whole = self.steady_task(clamped.other(), demand, 1.0);
+        let whole = self.steady_task(clamped.other(), 1.0);
         let share = self.carry(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
         if share < 1.0 {
@@ -124,8 +123,8 @@ impl StartSearch<'_> {
         system.belt.shaft_speeds(state.view()).primary
     }
 
-    /// The steady state with a share of the torques. The first guess of the slip is in proportion to them, in the direction of the power.
-    fn steady_task(&self, reaction: Pulley, demand: Option<Demand>, share: f64) -> SteadyTask {
+    /// The steady state with a share of the torques.
+    fn steady_task(&self, reaction: Pulley, share: f64) -> SteadyTask {
         let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
         let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| share * pulley.torque);
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
@@ -134,7 +133,6 @@ impl StartSearch<'_> {
             (Drive::Torque, Drive::Speed) => (ShaftMode::Torque(own), ShaftMode::Fixed),
             (Drive::Torque, Drive::Torque) => (ShaftMode::Balanced { own, primary }, ShaftMode::Fixed),
         };
-        let utilisation = demand.map_or(0.0, |demand| -share * demand.share_of_capacity());
         SteadyTask {
             ratio: p.initial.ratio,
             reaction,
@@ -143,7 +141,6 @@ impl StartSearch<'_> {
                 secondary: of_secondary,
                 primary: of_primary,
             },
-            slip: SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation.clamp(-1.0, 1.0),
             warm: false,
         }
     }
@@ -155,8 +152,8 @@ impl StartSearch<'_> {
         let is_beyond = |share| demand.filter(|demand| demand.is_beyond(share));
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
-            let task = self.steady_task(reaction, demand, share);
-            let is_least = share <= LEAST_SHARE;
+            let task = self.steady_task(reaction, share);
+            let is_least = share <= CLOSE_SHARE;
             match is_beyond(share) {
                 Some(demand) if is_least => return Err(NoSteadyState::Beyond(demand)),
                 Some(_) => {}
@@ -171,11 +168,11 @@ impl StartSearch<'_> {
             }
             (beyond, share) = (share, NEXT_SHARE * share);
         }
-        while beyond > CLOSE_SHARE * share {
+        while beyond > (1.0 + CLOSE_SHARE) * share {
             let middle = (share * beyond).sqrt();
             let task = SteadyTask {
                 warm: true,
-                ..self.steady_task(reaction, demand, middle)
+                ..self.steady_task(reaction, middle)
             };
             let carried = self.simulation.state.clone();
             let found = is_beyond(middle).is_none() && self.solve(newton, &task).is_ok();

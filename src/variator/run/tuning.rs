@@ -13,17 +13,18 @@ pub const NEWTON_TOLERANCE: f64 = 20.0;
 /// How many times wider it is where steps err as much as is tolerated. What an iteration then leaves is some tenth of such an error,
 /// as in CVODE (Hindmarsh et al. 2005). Less so at tighter tolerances: they serve to compare small differences. Half: +2, +3; twice: +2, -3.
 pub const NEWTON_WIDENING: f64 = 60.0;
-/// The default solver tolerance, and limits of Newton's tolerance at others.
-pub const USUAL_TOLERANCE: f64 = 1.0e-4;
+/// Limits of Newton's tolerance at other solver tolerances.
 pub const NEWTON_LIMITS: [f64; 2] = [0.05, 100.0];
 
-/// Residuals that an accurate communication step may take, and more for each second of it: twenty times what loads that jump take.
+/// Residuals that an accurate communication step, or a belt that settles before a start, may take, and more for each second of it: twenty times
+/// what loads that jump take. Also the work of the search for a steady state, which took at most 77 000 in some 220 starts, two thirds of
+/// them at random.
 pub const STEP_RESIDUALS: f64 = 1.0e4;
 pub const STEP_RESIDUALS_PER_SECOND: f64 = 5.0e5;
 
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
 /// it leaves nine digits of a difference.
-pub const MOMENT: f64 = 1.0e-6;
+pub const MOMENT: f64 = COLD_STEP;
 
 /// What real time is tuned with. Work is in units of a residual with its correction.
 pub struct RealTimeTuning {
@@ -36,9 +37,6 @@ pub struct RealTimeTuning {
     /// Work of a Jacobian with its factors, units: with reused geometry (measured 5.3 to 5.7), and what all geometry takes beside
     /// (11 with `ALE`, 17 with `ALE0`).
     pub jacobian: [f64; 2],
-    /// Jacobians in a stage after which its step is begun again: what they do not solve, more of them rarely do. Half: -1, 0 and four such
-    /// steps; twice: 0, 0 and none.
-    pub jacobians: u64,
     /// Length of steps, s. Longer ones take more Jacobians under flips and hunting; with 0.125 ms smooth loads take half as much work again.
     /// Half: -13, +38; twice: +5, -21.
     pub step: f64,
@@ -52,31 +50,22 @@ pub struct RealTimeTuning {
     pub widening: f64,
     /// Longest time behind the clock, s. What is beyond it is left out: a controller can't use older outputs.
     pub behind: f64,
-    /// Most communication steps, or milliseconds of them, whose inputs wait: 20 ms and some. In shorter steps, inputs are replaced by their
-    /// mean once there are more.
-    pub pending: usize,
 }
 
 pub const REAL_TIME: RealTimeTuning = RealTimeTuning {
     effort: 15.5,
     spare: 12.0,
-    jacobian: [6.0, 14.0],
-    jacobians: 6,
+    jacobian: [6.0, JACOBIAN],
     step: 0.2e-3,
     shortest: 1.0 / 32.0,
     tolerance: 10.0,
     widening: 8.0,
     behind: 0.02,
-    pending: 24,
 };
 
-/// Start without load: time over which the loads ramp in, s; time over which the friction velocity falls to its own, s, and what it starts
-/// with, m/s, unless its own is larger. Loads are held over each of so many parts of the ramp, and friction over as many of the time that
-/// is left: larger steps of the loads shake the belt more. Half: +3, +1; -1, -1; -1, 0; +8, -1. Twice: +3, +1; 0, +1; +5, +5; 0, +9.
-pub const LOAD_RAMP: f64 = 2.0e-3;
-pub const FRICTION_RAMP: f64 = 1.0e-2;
-pub const RAMP_VELOCITY: f64 = 0.02;
-pub const RAMP_PARTS: f64 = 16.0;
+/// Start without load: time over which the friction velocity falls to its own, s, held over each of so many parts.
+pub const RAMP: f64 = 1.0e-2;
+pub const RAMP_PARTS: f64 = 32.0;
 
 /// Speed of a pulley below which it stands still, rad/s.
 pub const STANDSTILL: f64 = 1.0e-3;
@@ -88,40 +77,26 @@ pub const STANDSTILL: f64 = 1.0e-3;
 pub const CREEP_SPEED: f64 = 20.0;
 pub const CREEP_VELOCITY: f64 = 5.0e-5;
 
-/// Time in which a belt that is clamped at a standstill settles, s; time for which a belt between held sheaves stands before the start, in
-/// which friction returns, s: in a longer time it loses tension, 6 % in 10 ms. The tolerance of the steps, of which only the end counts, and the
-/// residuals that they may take. Half: -2, -4; -1, 0; +8, +5. Twice: +1, +6; 0, 0; +2, +2.
+/// Time in which a belt that is clamped at a standstill settles, s, and the tolerance of the steps, of which only the end counts.
+/// Half: -2, -4; +8, +5. Twice: +1, +6; +2, +2. Also the time for which a load seems to be in another unit before that is said: a force that comes
+/// in passes small values; and after which a change between gripping and slipping through is logged again.
 pub const SETTLING: f64 = 0.2;
-pub const STANDING: f64 = 5.0e-4;
 pub const SETTLING_TOLERANCE: f64 = 1.0e-2;
-pub const SETTLING_RESIDUALS: u64 = 20_000;
 
-/// Share of the torques below which no smaller one is tried, factor to which the largest is found, and factor from one share to the next while
-/// there is none that is carried. Half (0.025, 1.02, 0.5): 0, 0; +15, +12; +1, +1. Twice (0.1, 1.1, 0.85): 0, 0; -10, -8; +11, +11.
-pub const LEAST_SHARE: f64 = 0.05;
-pub const CLOSE_SHARE: f64 = 1.05;
+/// Share of the torques below which no smaller one is tried, and to which the largest is found; factor from one share to the next while
+/// there is none that is carried. Half: +15, +12; +1, +1. Twice: -10, -8; with 0.85: +11, +11.
+pub const CLOSE_SHARE: f64 = 0.05;
 pub const NEXT_SHARE: f64 = 0.7;
-/// Most work of the search for a steady state, in residuals. Of some 220 starts, two thirds of them at random with both rings and chains,
-/// a steady state took at most 49 000, one at reduced torque 77 000. Half and twice: 0, 0.
-pub const STEADY_WORK: f64 = 2.5e5;
 /// Residuals that take as long as a Jacobian with its factors: 12 to 17 under the ten rough loads, since most are updates of
 /// the constitutive tangents.
 pub const JACOBIAN: f64 = 14.0;
-/// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %.
-/// Half and twice: 0, 0; without: +2, +4.
-pub const SLIP_AT_CAPACITY: f64 = 0.015;
 
-/// Simulated time over which the work of a run is judged, s, and the time for a residual and the correction from it, for each unknown, s: with
-/// ten loads on three meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
+/// Simulated time over which the work of a run is judged, and time without net compression in a strand after which it is logged again, s. And
+/// the time for a residual and the correction from it, for each unknown, s: with ten loads on three meshes of two rings it was 33 to 38 ns on one
+/// core of an AMD EPYC with AVX2.
 pub const JUDGED: f64 = 1.0;
 pub const RESIDUAL: f64 = 36.0e-9;
-/// Time without net compression in a strand after which it is logged again, and the same for a change between gripping and slipping through,
-/// s: a strand at the limit does not fill the log.
-pub const QUIET: f64 = 1.0;
-pub const CHATTER: f64 = 0.1;
 /// Belt speed above which no belt of a car runs, m/s: they run at up to about 50 m/s.
 pub const FASTEST: f64 = 60.0;
-/// Time for which a load seems to be in another unit before that is said, s: a force that comes in passes small values.
-pub const LASTING: f64 = 0.2;
 /// Deviation from balance up to which one torque seems to have the wrong sign, as a share.
 pub const BALANCED: f64 = 0.25;

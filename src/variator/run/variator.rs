@@ -1,21 +1,20 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
 use crate::archive::Archive;
+use crate::solver::State;
 use crate::solver::newton::Counts;
-use crate::solver::{State, View};
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
+use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::diagnostics::energy_balance::EnergyBalance;
-use crate::variator::diagnostics::observe::{Context, Observer};
+use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::hints::Hints;
-use crate::variator::run::outcome::{Event, InitialisationError, Message, Moment};
+use crate::variator::run::outcome::{Event, InitialisationError, Message};
 use crate::variator::run::pace::Pace;
-use crate::variator::run::real_time::RealTime;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::start::find_start;
-use crate::variator::run::stepper::{Accurate, Stepper};
-use crate::variator::run::tuning::{CHATTER, COLD_STEP, FIRST_STEP, MOMENT, QUIET};
+use crate::variator::run::stepper::Stepper;
+use crate::variator::run::tuning::{COLD_STEP, FIRST_STEP, JUDGED, MOMENT, SETTLING};
 use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
@@ -38,14 +37,13 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Variator {
     pub(super) simulation: Simulation,
-    pub(super) stepper: Box<dyn Stepper>,
+    pub(super) stepper: Stepper,
     start_state: StartState,
     pub(super) macro_slip: bool,
     /// Last time at which a strand was in net compression, s.
     buckled: f64,
     /// Last time at which the belt began or ceased to slip through, s.
     slipped: f64,
-    initial_energy: f64,
     pub(super) work: Work,
     pub(super) pace: Pace,
     hints: Hints,
@@ -59,14 +57,11 @@ pub struct Variator {
 }
 
 /// The stepper that the parameters choose, for the state and time of a simulation.
-fn stepper(simulation: &Simulation, start: StartState) -> Box<dyn Stepper> {
+fn stepper(simulation: &Simulation, start: StartState) -> Stepper {
+    let is_cold = matches!(start, StartState::Unloaded | StartState::NotFound | StartState::Clamped);
     match simulation.system.parameters.solver.mode {
-        Mode::Accurate => {
-            let is_cold = matches!(start, StartState::Unloaded | StartState::NotFound | StartState::Clamped);
-            let first_step = if is_cold { COLD_STEP } else { FIRST_STEP };
-            Box::new(Accurate::new(&simulation.system, first_step))
-        }
-        Mode::RealTime => Box::new(RealTime::new(simulation)),
+        Mode::Accurate => Stepper::accurate(simulation, if is_cold { COLD_STEP } else { FIRST_STEP }),
+        Mode::RealTime => Stepper::in_real_time(simulation),
     }
 }
 
@@ -104,7 +99,6 @@ impl Variator {
             macro_slip: false,
             buckled: f64::NEG_INFINITY,
             slipped: f64::NEG_INFINITY,
-            initial_energy: 0.0,
             work: Work::default(),
             pace: Pace::default(),
             hints: Hints::NONE,
@@ -133,8 +127,6 @@ impl Variator {
         self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
-        self.initial_energy = simulation.energy.last.belt_energy(&simulation.system.belt)
-            + simulation.system.pulleys().energy(simulation.state.view());
         self.macro_slip = simulation.slips(false);
         self.warn_of_layers();
         self.warn_of_slip();
@@ -193,7 +185,7 @@ impl Variator {
             return;
         }
         self.macro_slip = slips;
-        if to - self.slipped > CHATTER {
+        if to - self.slipped > SETTLING {
             self.log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
         self.slipped = to;
@@ -206,25 +198,28 @@ impl Variator {
         if force >= 0.0 {
             return;
         }
-        if to - self.buckled > QUIET {
+        if to - self.buckled > JUDGED {
             let real = if self.simulation.system.belt.law.is_chain() {
                 "chain would be slack"
             } else {
                 "push strand would buckle"
             };
             let text = format!(
-                "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {QUIET} s without)"
+                "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {JUDGED} s without)"
             );
             self.log(true, text);
         }
         self.buckled = to;
     }
 
-    /// Outputs on both sides of the present, for their time derivatives: the state moves along y' = ẏ, q' = y, and ẏ as
-    /// it did between the stages of the last step. Allocates.
-    pub fn moment(&mut self) -> Moment {
-        let [before, after] = [-MOMENT, MOMENT].map(|after| {
-            let Simulation { system, time, .. } = &self.simulation;
+    /// Outputs a moment before and after the present, and the time between them, s, for time derivatives: the state moves along y' = ẏ,
+    /// q' = y, and ẏ as it did between the stages of the last step. Allocates.
+    pub fn moment(&mut self) -> ([Box<Outputs>; 2], f64) {
+        let present = self.outputs().clone();
+        let Simulation {
+            system, energy, time, ..
+        } = &self.simulation;
+        let outputs = [-MOMENT, MOMENT].map(|after| {
             let mut state = self.simulation.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
@@ -232,17 +227,14 @@ impl Variator {
                 state.y_dot[i] += after * self.stepper.slope_rate(i);
             }
             let diagnostics = BeltDiagnostics::of(system, state.view());
-            let context = self.context(time + after, state.view(), &diagnostics.sums);
-            let mut outputs = Box::<Outputs>::default();
+            let mut outputs = Box::new(present.clone());
             self.observer
-                .observe(system, state.view(), &diagnostics, &context, &mut outputs);
+                .observe(system, time + after, state.view(), &diagnostics, &mut outputs);
+            outputs.energy_residual = energy.residual(outputs.stored_energy);
             outputs
         });
-        Moment {
-            before,
-            after,
-            span: 2.0 * MOMENT,
-        }
+        self.stale = true;
+        (outputs, 2.0 * MOMENT)
     }
 
     /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
@@ -264,7 +256,6 @@ impl Variator {
     /// The same without what the solver reuses from step to step.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
-        archive.real(&mut self.initial_energy);
         // Times that may lie at −∞.
         for time in [&mut self.buckled, &mut self.slipped] {
             archive.within(time, f64::NEG_INFINITY, f64::MAX);
@@ -378,22 +369,6 @@ impl Variator {
         Ok(())
     }
 
-    /// Values that outputs need beside the state, at a time, s.
-    fn context(&self, time: f64, view: View<'_>, sums: &BeltSums) -> Context {
-        let system = &self.simulation.system;
-        Context {
-            external: system
-                .pulleys()
-                .external(&system.boundary(time), view, sums.shaft_torque, sums.axial),
-            macro_slip: self.macro_slip,
-            supplied: self.simulation.energy.supplied,
-            lost: self.simulation.energy.lost,
-            initial_energy: self.initial_energy,
-            start_state: self.start_state,
-            work: self.work,
-        }
-    }
-
     /// Outputs at the present time.
     pub fn outputs(&mut self) -> &Outputs {
         &self.readings(false).outputs
@@ -413,18 +388,20 @@ impl Variator {
             time,
             ..
         } = &self.simulation;
-        let diagnostics = &energy.last;
+        let Readings {
+            outputs,
+            profile: fields,
+            ..
+        } = &mut *self.readings;
+        let (view, belt) = (state.view(), &energy.last);
         if self.stale {
-            let context = self.context(*time, state.view(), &diagnostics.sums);
-            let outputs = &mut self.readings.outputs;
-            self.observer
-                .observe(system, state.view(), diagnostics, &context, outputs);
+            self.observer.observe(system, *time, view, belt, outputs);
+            (outputs.macro_slip, outputs.start_state, outputs.work) = (self.macro_slip, self.start_state, self.work);
+            outputs.energy_residual = energy.residual(outputs.stored_energy);
             (self.stale, self.profile_stale) = (false, true);
         }
         if profile && self.profile_stale {
-            let profile = &mut self.readings.profile;
-            self.observer
-                .profile(&system.belt, state.view(), &diagnostics.sums, profile);
+            self.observer.profile(&system.belt, view, &belt.sums, fields);
             self.profile_stale = false;
         }
         &self.readings

@@ -5,13 +5,12 @@ use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode, SheaveMode};
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, cold_start, reaction};
-use crate::variator::steady::tuning::{FORCE_ERROR, MOST_SOLVES, NEAR, STEADY_TIME};
+use crate::variator::steady::{FORCE_ERROR, MOST_SOLVES, STEADY_TIME};
 use crate::variator::system::VariatorSystem;
 
 impl SteadySolver<'_> {
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
-    /// secant method on ln(force/reaction) over ln(ratio), each state solved for from the kinematic one or, where it is near,
-    /// from the last. Where that finds no state, the ratio changes by no more than [`NEAR`] from then on. At the ends of `range`,
+    /// secant method on ln(force/reaction) over ln(ratio), each state solved for from the last. At the ends of `range`,
     /// where the sheaves are near their stops, they are released. Whether a sheave then rests against its end stop.
     ///
     /// # Errors
@@ -27,13 +26,12 @@ impl SteadySolver<'_> {
         let mut f = defect(self.system, state);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
         let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
-        let mut longest = f64::INFINITY;
         let mut last = Settled::default();
         for _ in 0..MOST_SOLVES {
             if f.abs() < FORCE_ERROR {
                 return Ok(is_at_stop(self.system, state));
             }
-            let wanted = x - (f / slope).clamp(-longest, longest);
+            let wanted = x - f / slope;
             let next = wanted.clamp(lowest, highest);
             if next != wanted && (next - x).abs() < 1.0e-9 {
                 self.rest_at_stop(state, task)?;
@@ -41,22 +39,10 @@ impl SteadySolver<'_> {
             }
             let there = SteadyTask {
                 ratio: next.exp(),
-                warm: (next - x).abs() <= NEAR,
                 ..*task
             };
-            let mut trial = state.clone();
-            if !there.warm {
-                restart(self.system, &mut trial, &there);
-            }
-            match self.solve(&mut trial, &there) {
-                Ok(report) => last = report,
-                Err(report) if longest == NEAR => return Err(report),
-                Err(_) => {
-                    longest = NEAR;
-                    continue;
-                }
-            }
-            *state = trial;
+            restart(self.system, state, &there);
+            last = self.solve(state, &there)?;
             let reached = defect(self.system, state);
             let secant = (reached - f) / (next - x);
             if secant * slope > 0.0 {

@@ -11,7 +11,7 @@ use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
-use crate::variator::steady::tuning::FEWEST;
+use crate::variator::steady::FEWEST;
 use crate::variator::system::VariatorSystem;
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.

@@ -15,9 +15,8 @@ use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::Inputs;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
-use crate::variator::steady::tuning::{
-    FIRM, FIRMER, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, NEAR, RATIO_TIME,
-    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
+use crate::variator::steady::{
+    FIRM, MOST_SOLVES, PSEUDO_STEP, RATIO_TIME, RUN_AWAY, SOFT_VELOCITY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -32,18 +31,14 @@ pub struct SteadyTask {
     pub clamping: PerPulley<f64>,
     /// Conditions of the shafts.
     pub shaft: PerPulley<ShaftMode>,
-    /// First guess of the slip.
-    pub slip: f64,
     /// The initial state is a neighbouring steady one, so the belt already grips.
     pub warm: bool,
 }
 
 impl SteadyTask {
-    /// The pulley whose speed is solved for, if any.
-    fn free(&self) -> Option<Pulley> {
-        Pulley::BOTH
-            .into_iter()
-            .find(|&pulley| self.shaft[pulley] != ShaftMode::Fixed)
+    /// Whether both speeds are given.
+    fn is_held(&self) -> bool {
+        self.shaft == Boundary::HELD.shaft
     }
 }
 
@@ -65,10 +60,7 @@ impl SteadySolver<'_> {
         let own = self.system.parameters.friction.velocity;
         let mut near = state.clone();
         if task.warm {
-            let way = (task.ratio / geometric_ratio(self.system, state.view())).ln().abs();
-            if way < NEAR
-                && let Ok(settled) = self.continuation(&mut near, task, own)
-            {
+            if let Ok(settled) = self.continuation(&mut near, task, own) {
                 *state = near;
                 return Ok(settled);
             }
@@ -84,17 +76,18 @@ impl SteadySolver<'_> {
                 }
             }
         }
-        self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
+        self.continuation(state, task, own.max(SOFT_VELOCITY))
     }
 
     /// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the
     /// coarse mesh itself, which is solved for directly.
     fn start_at_firmer_force(&mut self, state: &mut State, task: &SteadyTask) -> bool {
+        let factor = FIRM / task.clamping[task.reaction.other()];
         let firmer = SteadyTask {
-            clamping: task.clamping.map(|force| FIRMER * force),
+            clamping: task.clamping.map(|force| factor * force),
             ..*task
         };
-        let is_loose = task.clamping[task.reaction.other()] < FIRM && coarser(&self.system.parameters).is_some();
+        let is_loose = factor > 1.0 && coarser(&self.system.parameters).is_some();
         is_loose && self.solve(state, &firmer).is_ok()
     }
 
@@ -143,7 +136,7 @@ impl SteadySolver<'_> {
     ) -> Result<Settled, Settled> {
         let settings = Settling {
             time: 0.0,
-            first_step: FIRST_PSEUDO_STEP,
+            first_step: PSEUDO_STEP,
             last_step: STEADY_TIME,
             max_solves: MOST_SOLVES,
         };
@@ -182,28 +175,23 @@ struct Control<'a> {
     clamping: PerPulley<f64>,
     /// Set point of Θ.
     theta: f64,
-    /// Whether the belt grips. Before, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to
+    /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not yet grip leads to
     /// the branch on which a pulley slips permanently.
     gripping: bool,
 }
 
 impl<'a> Control<'a> {
-    /// At the initial state, which gets the first guess of the slip where a shaft's speed is solved for.
-    fn new(system: &VariatorSystem, state: &mut State, task: &'a SteadyTask) -> Self {
+    /// At the initial state.
+    fn new(system: &VariatorSystem, state: &State, task: &'a SteadyTask) -> Self {
         let mut clamping = task.clamping;
         if task.warm {
             clamping[task.reaction] = reaction(system, state.view(), task.reaction);
-        }
-        let free = task.free();
-        if let (Some(pulley), false) = (free, task.warm) {
-            let sign = if pulley == Pulley::Secondary { 1.0 } else { -1.0 };
-            state.y[system.belt.layout.shaft_speed(pulley)] *= 1.0 - task.slip * sign;
         }
         Self {
             task,
             clamping,
             theta: system.belt.theta(state.view()),
-            gripping: free.is_none() || task.warm,
+            gripping: task.is_held() || task.warm,
         }
     }
 
@@ -227,19 +215,18 @@ impl<'a> Control<'a> {
     /// Corrects the system after a solved step. Returns the largest next step; `None` rejects the step.
     fn correct(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
         let present = geometric_ratio(system, trial.after);
-        let free = self.gripping && self.task.free().is_some();
-        if free && runs_away(&system.belt, trial, present) {
+        if self.gripping && !self.task.is_held() && runs_away(&system.belt, trial, present) {
             return None;
         }
         // Slower than the belt settles: otherwise the two integral corrections oscillate with growing amplitude.
-        let gain = |time: f64| (trial.step / time).min(1.0);
+        let gain = (trial.step / RATIO_TIME).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
             .pulleys()
             .holding_force(reaction, trial.after, system.of_belt[reaction].axial);
-        self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
-        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
-        let is_long = trial.step >= HOMOTOPY_STEP;
+        self.clamping[reaction] = holding;
+        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain;
+        let is_long = trial.step >= PSEUDO_STEP;
         let was_gripping = self.gripping;
         self.gripping |= is_long;
         system.loads = Loads::Steady(self.boundary());
@@ -250,7 +237,7 @@ impl<'a> Control<'a> {
         if is_long && was_gripping {
             system.friction_velocity = (velocity * VELOCITY_REDUCTION).max(own);
         }
-        Some(HOMOTOPY_STEP)
+        Some(PSEUDO_STEP)
     }
 }
 

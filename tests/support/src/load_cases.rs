@@ -15,7 +15,7 @@ pub struct LoadCase {
     pub name: &'static str,
     /// Θ.
     pub theta: f64,
-    /// Torque the belt takes from the primary shaft, N·m.
+    /// Torque on the primary shaft, N·m.
     pub torque: f64,
     /// F_S, N.
     pub clamping: f64,
@@ -40,10 +40,7 @@ impl LoadCase {
 
     /// The task of the steady solver.
     pub fn task(&self) -> SteadyTask {
-        SteadyTask {
-            shaft: pair(ShaftMode::Transmit(self.torque), ShaftMode::Fixed),
-            ..given(ratio(self.theta), Pulley::Primary, self.clamping, 0.01)
-        }
+        transmitted(ratio(self.theta), self.clamping, self.torque)
     }
 }
 
@@ -72,13 +69,20 @@ pub fn ratio(theta: f64) -> f64 {
 }
 
 /// A task at a given ratio and given speeds; `reaction` is the pulley whose sheave holds the ratio.
-pub fn given(ratio: f64, reaction: Pulley, clamping: f64, slip: f64) -> SteadyTask {
+pub fn given(ratio: f64, reaction: Pulley, clamping: f64) -> SteadyTask {
     SteadyTask {
         ratio,
         reaction,
         clamping: PerPulley::from_fn(|_| clamping),
         shaft: Boundary::HELD.shaft,
-        slip,
         warm: false,
+    }
+}
+
+/// A task under a secondary clamping force, N, and a torque on the primary shaft, N·m; the speed of the secondary one is held.
+pub fn transmitted(ratio: f64, clamping: f64, torque: f64) -> SteadyTask {
+    SteadyTask {
+        shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(torque)),
+        ..given(ratio, Pulley::Primary, clamping)
     }
 }

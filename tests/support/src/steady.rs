@@ -8,14 +8,14 @@ use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
-use pushbelt::variator::diagnostics::observe::{Context, Observer};
+use pushbelt::variator::diagnostics::observe::Observer;
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 
-use crate::load_cases::{LoadCase, given, pair, ratio, speeds};
+use crate::load_cases::{LoadCase, given, pair, ratio, speeds, transmitted};
 use crate::variators::SPEED;
 
 /// A steady state.
@@ -90,25 +90,21 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>
 
 /// At a ratio that the primary sheave holds, under a secondary clamping force, N: both shafts have given speeds, rad/s.
 pub fn turning(parameters: &Parameters, ratio: f64, force: f64, speeds: PerPulley<f64>) -> Steady {
-    steady(parameters, &given(ratio, Pulley::Primary, force, 0.0), speeds)
+    steady(parameters, &given(ratio, Pulley::Primary, force), speeds)
 }
 
 /// The same at a primary speed, rad/s, with a torque on the secondary shaft, N·m, often none.
 pub fn loaded(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
     let task = SteadyTask {
         shaft: pair(ShaftMode::Torque(torque), ShaftMode::Fixed),
-        ..given(ratio, Pulley::Primary, force, 0.0)
+        ..given(ratio, Pulley::Primary, force)
     };
     steady(parameters, &task, speeds(ratio, speed))
 }
 
-/// The same where the belt takes a torque, N·m, from the primary shaft.
+/// The same with a torque, N·m, on the primary shaft, and the secondary speed without slip at a primary one, rad/s.
 pub fn transmitting(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
-    let task = SteadyTask {
-        shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
-        ..given(ratio, Pulley::Primary, force, 0.01 * (torque * speed).signum())
-    };
-    steady(parameters, &task, speeds(ratio, speed))
+    steady(parameters, &transmitted(ratio, force, torque), speeds(ratio, speed))
 }
 
 /// [`steady`] with a ring other than that of the parameters.
@@ -138,10 +134,9 @@ pub fn steady_with(
     if let Err(report) = solver.solve(&mut state, task) {
         panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
     }
-    let context = Context::of_steady_state(PerPulley::default());
     let mut outputs = Outputs::default();
     let diagnostics = BeltDiagnostics::of(&system, state.view());
-    Observer::default().observe(&system, state.view(), &diagnostics, &context, &mut outputs);
+    Observer::default().observe(&system, 0.0, state.view(), &diagnostics, &mut outputs);
     Steady {
         system,
         state,
