@@ -1,6 +1,6 @@
 """Compares the FMU with theory and measurements: `python -m pushbelt_validation --fmu … --output target/validate [--short]`.
 
-Two processors take three minutes, with --short about one.
+Two processors take about a minute, less with --short.
 
 Exit codes: 0 all theories are met in the limit in which they hold, 1 an error, 3 one of them is not (all files are written). A missed
 measurement is a result.
