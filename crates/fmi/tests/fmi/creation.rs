@@ -45,7 +45,7 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
     exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
     let mut of_three = Arguments::of([name, Some(&three), None]);
-    of_three.handles.required = &[LEVEL, NONE];
+    of_three.handles.2 = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
     let blank = Arguments::of([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");

@@ -14,8 +14,8 @@ use crate::importer::{Handles, Message, TIME, experiment, log_of_fmi3, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-const WATCHES: Handles<'_> = Handles::of(false, true, &[INFLOW, LEVEL]);
-const EVENTS: Handles<'_> = Handles::of(true, true, &[]);
+const WATCHES: Handles<'_> = (false, true, &[INFLOW, LEVEL]);
+const EVENTS: Handles<'_> = (true, true, &[]);
 
 fn running_with(handles: Handles<'_>) -> Importer {
     let importer = Importer::handling(Three, handles);
@@ -132,7 +132,7 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.step(0.75, 1.25), ended(false, false, 2.0));
     assert_eq!(importer.real(LEVEL), 3.75);
     for (events, early_return, event) in [(true, false, true), (false, true, false), (false, false, false)] {
-        let importer = running_with(Handles::of(events, early_return, &[]));
+        let importer = running_with((events, early_return, &[]));
         assert_eq!(importer.set(MARK, 2.2), Ok);
         // At its end, or never.
         assert_eq!(importer.step(0.0, 2.0), ended(event, false, 2.0));
@@ -164,7 +164,7 @@ fn a_master_reads_sets_and_returns_within_a_step() {
         assert_eq!(importer.step(1.0, 1.0), ended(false, end < 2.0, end), "{later}");
         assert_eq!(importer.real(LEVEL), 1.0 + 2.0 * end);
     }
-    let importer = running_with(Handles::of(false, false, WATCHES.required));
+    let importer = running_with((false, false, WATCHES.2));
     importer.answer(|update| Some(update.time));
     // Not without early return.
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
@@ -172,7 +172,7 @@ fn a_master_reads_sets_and_returns_within_a_step() {
 
 #[test]
 fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
-    let importer = running_with(Handles::of(false, true, &[GAIN, LEVEL, GAIN]));
+    let importer = running_with((false, true, &[GAIN, LEVEL, GAIN]));
     let warning = "fmi3InstantiateCoSimulation: gain can't be set or read in intermediate update";
     let is_it = |(status, _, text): &&Message| *status == 1 && text.contains(warning);
     assert_eq!(importer.record.messages.borrow().iter().filter(is_it).count(), 1);

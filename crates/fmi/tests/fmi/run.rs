@@ -5,7 +5,7 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Ended, Handles, experiment};
+use crate::importer::{BOTH, Ended, experiment};
 use crate::tank::*;
 
 /// An instance in step mode at 0 s.
@@ -56,7 +56,7 @@ use State::{
 };
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(version, Handles::of(state == Event, false, &[]));
+    let importer = Importer::handling(version, (state == Event, false, &[]));
     if state != Instantiated {
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     }
@@ -300,7 +300,7 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(version, Handles::of(false, false, &[INFLOW, LEVEL]));
+        let importer = Importer::handling(version, (false, false, &[INFLOW, LEVEL]));
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));
@@ -347,7 +347,7 @@ fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
     use crate::environment::{DEFAULT, HOSTS, present, set};
 
     for host in HOSTS {
-        let importer = Importer::handling(Three, Handles::of(false, false, &[LEVEL]));
+        let importer = Importer::handling(Three, (false, false, &[LEVEL]));
         importer.start();
         importer.answer(move |_| {
             set(host);

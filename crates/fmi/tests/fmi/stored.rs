@@ -6,7 +6,7 @@ use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::{BOTH, Handles, experiment, token};
+use crate::importer::{BOTH, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -60,7 +60,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
 /// A state of event mode is one of step mode in an instance without event mode.
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(Three, Handles::of(true, false, &[]));
+    let importer = Importer::handling(Three, (true, false, &[]));
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();
