@@ -11,7 +11,6 @@ use pushbelt_fmi::start_file::FILE;
 use crate::importer::{Arguments, BOTH, experiment, token};
 use crate::tank::*;
 
-/// There is no instance, for this reason.
 fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
     let importer = Importer::with(version, arguments);
     assert!(importer.c.is_null(), "{why}");
@@ -169,7 +168,6 @@ fn data_come_from_the_first_folder_that_has_them() {
     assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
 }
 
-/// A copy of the FMU with start values has a token of its own, and does not start without them.
 #[test]
 fn a_copy_with_start_values_needs_its_file() {
     for version in BOTH {

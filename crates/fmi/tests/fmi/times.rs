@@ -57,7 +57,6 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
     assert!((importer.real(LEVEL) - 1.0 - 2e-3).abs() < 2e-5);
 }
 
-/// The unit steps to the same times, bit for bit, however a master sums up its steps.
 #[test]
 fn sums_and_products_of_steps_give_the_same_times() {
     for size in [1e-3, 1e-2 / 3.0, 0.25, 7e-6] {

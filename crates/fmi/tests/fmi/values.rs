@@ -51,7 +51,6 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
     }
 }
 
-/// Another model that ends at a limit may leave a rounding error beyond it.
 #[test]
 fn an_input_beyond_a_limit_by_rounding_is_the_limit() {
     for version in BOTH {
