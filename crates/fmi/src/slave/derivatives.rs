@@ -1,9 +1,9 @@
 //! Derivatives of inputs and outputs with respect to time.
 
-use super::error::{Outcome, refused};
 use super::instance::Slave;
 use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
+use super::{Outcome, refused};
 use crate::state::Call;
 use crate::table::{Causality, Value, Variable, not_finite};
 use crate::unit::Unit;

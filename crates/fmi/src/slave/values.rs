@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::error::{CallError, Outcome, refused};
 use super::instance::{Slave, Version};
 use super::snapshot::Snapshot;
+use super::{CallError, Outcome, refused};
 use crate::state::{Call, State};
 use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::Unit;
