@@ -49,7 +49,7 @@ def write_table(fmu: Path, path: Path) -> int:
             for utilisation, force in LOADS:
                 torque = round(utilisation * torque_capacity(base, ratio, force), 2)
                 point = Point(0, "", ratio, None, SPEED, torque, force, None, (Measured("slip", 0.0, 1.0, True),))
-                found = worker.solve_or_say_why(fmu, archive.directory, truth, point)
+                found = worker.solve(fmu, archive.directory, truth, point)
                 if found.reason is None:
                     thrust = found.values["thrustRatio"] * (1.0 + NOISE["thrustRatio"] * random.standard_normal())
                     efficiency = found.values["efficiency"] + NOISE["efficiency"] * random.standard_normal()

@@ -6,7 +6,7 @@ use pushbelt::fmi::log::Status::{Error, Ok};
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;
 
-const EVENTS: Handles<'_> = Handles::of(true, true, &[]);
+const EVENTS: Handles<'_> = (true, true, &[]);
 
 /// After 20 ms at constant inputs, a load and clamping forces for the following steps.
 fn loaded(handles: Handles<'_>, torque: f64, [primary, secondary]: [f64; 2]) -> Importer {

@@ -88,7 +88,7 @@ fn check(run: &Run) {
     let expected = rows(run, Two, Handles::default());
     let required = ["thrustRatio", "primary.torque"].map(reference);
     for (events, early_return, required) in [(false, false, &[][..]), (false, true, &required), (true, false, &[])] {
-        let handles = Handles::of(events, early_return, required);
+        let handles = (events, early_return, required);
         let found = rows(run, Three, handles);
         let differs = expected.iter().zip(&found).position(|(a, b)| a != b);
         assert_eq!(differs, None, "the first step that differs");
@@ -139,7 +139,7 @@ fn instances_on_threads_give_the_sequential_bits() {
     let run = |version: Version, number: u32| {
         let speed = [reference("primary.speed")];
         let watched: &[u32] = if number.is_multiple_of(2) { &speed } else { &[] };
-        let importer = Importer::coarse(version, Handles::of(false, true, watched));
+        let importer = Importer::coarse(version, (false, true, watched));
         importer.start();
         let alias = importer.alias();
         importer.answer(move |_| {
@@ -250,7 +250,7 @@ fn a_step_that_stalls_is_discarded() {
 #[test]
 fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     let required = ["primary.torque", "primary.speed"].map(reference);
-    let watched = Handles::of(false, true, &required);
+    let watched: Handles<'_> = (false, true, &required);
     for (version, handles) in [(Two, Handles::default()), (Three, watched)] {
         let importer = fragile(version, handles, 1e-4);
         let gentle = LOADS.map(|name| (name, importer.get(name)));

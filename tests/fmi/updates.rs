@@ -6,14 +6,12 @@ use std::rc::Rc;
 use pushbelt::fmi::Version::Three;
 use pushbelt::fmi::log::Status::Ok;
 
-use crate::importer::Handles;
 use crate::variator::{Importer, reference};
 
 /// An importer that is called back and may return early.
 fn watching(early_return: bool) -> Importer {
     let required = ["primary.torque", "primary.speed", "primary.externalTorque"].map(reference);
-    let handles = Handles::of(false, early_return, &required);
-    Importer::coarse(Three, handles)
+    Importer::coarse(Three, (false, early_return, &required))
 }
 
 #[test]

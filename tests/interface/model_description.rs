@@ -89,7 +89,7 @@ fn value_references_do_not_change() {
 /// is far from a slip of 0.003.
 #[test]
 fn settings_have_legal_start_values_and_outputs_a_typical_size() {
-    let settings = Settings::default();
+    let mut settings = Settings::default();
     for variable in VariatorUnit::table().variables() {
         let (name, start) = (&variable.name, variable.value(&settings, None));
         assert_eq!(start.is_some(), variable.causality.is_setting(), "{name}");
@@ -100,7 +100,7 @@ fn settings_have_legal_start_values_and_outputs_a_typical_size() {
             }
             continue;
         };
-        assert_eq!(variable.set(&mut Settings::default(), start), Ok(()));
+        assert_eq!(variable.set(&mut settings, start), Ok(()));
         let number = matches!(variable.kind, Kind::Real { .. } | Kind::Integer { .. });
         assert!(!number || range_of(name).is_some(), "{name}");
     }

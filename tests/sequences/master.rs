@@ -83,7 +83,7 @@ impl<'a> Master<'a> {
     pub fn new(version: Version, seen: &'a Seen, coarse: bool, modes: [bool; 3]) -> Self {
         let [events, early_return, updates] = modes.map(|mode| mode && version == Three);
         let required = ["primary.torque", "primary.speed"].map(reference);
-        let handles = Handles::of(events, early_return, if updates { &required } else { &[] });
+        let handles: Handles<'_> = (events, early_return, if updates { &required } else { &[] });
         let mut master = Self {
             importer: Importer::handling(version, handles),
             seen,

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
+use num_traits::cast;
+
 /// A physical unit: its name and its exponents over the SI base units and the radian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitDefinition {
@@ -241,39 +243,13 @@ pub enum Value {
     Boolean(bool),
 }
 
-macro_rules! whole_numbers {
-    ($($type:ty),*) => {$(
-        impl From<$type> for Value {
-            fn from(value: $type) -> Self {
-                Self::Integer(value.into())
-            }
-        }
-
-        impl From<Value> for $type {
-            fn from(value: Value) -> Self {
-                match value {
-                    Value::Integer(value) => Self::try_from(value).unwrap_or_default(),
-                    Value::Boolean(value) => value.into(),
-                    Value::Real(_) => 0,
-                }
-            }
-        }
-    )*};
-}
-
-whole_numbers!(u8, i32, i64);
-
-impl From<f64> for Value {
-    fn from(value: f64) -> Self {
-        Self::Real(value)
-    }
-}
-
-impl From<Value> for f64 {
-    fn from(value: Value) -> Self {
-        match value {
-            Value::Real(value) => value,
-            Value::Integer(_) | Value::Boolean(_) => Self::NAN,
+impl Value {
+    /// As a number of C; a truth value is 0 or 1.
+    pub(crate) fn number<N: num_traits::NumCast>(self) -> Option<N> {
+        match self {
+            Self::Real(value) => cast(value),
+            Self::Integer(value) => cast(value),
+            Self::Boolean(value) => cast(u8::from(value)),
         }
     }
 }
@@ -349,7 +325,8 @@ impl<S, R> Variable<S, R> {
         match &self.kind {
             Kind::Real { access, .. } => access.read(settings, readings).map(Value::Real),
             Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
-                access.read(settings, readings).map(Value::from)
+                let number = access.read(settings, readings)?;
+                Some(Value::Integer(number.into()))
             }
             Kind::Boolean { access } => access.read(settings, readings).map(Value::Boolean),
         }
@@ -378,7 +355,7 @@ impl<S, R> Variable<S, R> {
         match (&self.kind, value) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
             (Kind::Integer { access, .. } | Kind::Enumeration { access, .. }, Value::Integer(value)) => {
-                access.write(settings, Value::Integer(value).into());
+                access.write(settings, i32::try_from(value).unwrap_or_default());
             }
             (Kind::Boolean { access }, Value::Boolean(value)) => access.write(settings, value),
             _ => {}

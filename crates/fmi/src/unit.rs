@@ -15,18 +15,6 @@ pub struct Experiment {
     pub stop: Option<f64>,
 }
 
-impl Experiment {
-    /// From the arguments of the C functions: tolerance and stop time apply only if they are defined.
-    pub(super) fn from_arguments(tolerance: (bool, f64), start: f64, stop: (bool, f64)) -> Self {
-        let defined = |(defined, value): (bool, f64)| defined.then_some(value);
-        Self {
-            tolerance: defined(tolerance),
-            start,
-            stop: defined(stop),
-        }
-    }
-}
-
 /// Name of a model, and the experiment that its description suggests.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity {

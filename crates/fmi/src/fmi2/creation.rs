@@ -2,7 +2,7 @@
 
 use libc::{c_char, c_int, c_void};
 
-use super::types::{CallbackFunctions, Component, Logger};
+use super::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{c_string, create};
 use crate::c::floating_point::in_hosts;
 use crate::log::{Sink, Status};

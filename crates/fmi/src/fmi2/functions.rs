@@ -4,7 +4,7 @@ use libc::{c_char, c_int, c_uint};
 use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
-use super::types::{CallbackFunctions, Component, FmuState};
+use super::{CallbackFunctions, Component, FmuState};
 use crate::c::creation::free_instance;
 use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
 use crate::c::{define, stored};
@@ -46,8 +46,9 @@ macro_rules! fmi2_functions {
         fmi2SetupExperiment(
             c: Component, tolerance_defined: c_int, tolerance: f64, start_time: f64, stop_time_defined: c_int, stop_time: f64
         ) -> Status => c, |slave| {
-            let (tolerance, stop) = ((tolerance_defined != 0, tolerance), (stop_time_defined != 0, stop_time));
-            slave.setup_experiment(Experiment::from_arguments(tolerance, start_time, stop))
+            let tolerance = (tolerance_defined != 0).then_some(tolerance);
+            let stop = (stop_time_defined != 0).then_some(stop_time);
+            slave.setup_experiment(Experiment { tolerance, start: start_time, stop })
         };
         fmi2EnterInitializationMode(c: Component) -> Status =>
             c, |slave| slave.enter(State::Initialisation, Call::EnterInitializationMode);

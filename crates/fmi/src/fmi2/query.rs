@@ -5,7 +5,7 @@ use std::ffi::CString;
 use libc::c_char;
 use std::ptr;
 
-use super::types::Component;
+use super::Component;
 use crate::c::entry::{contain, enter, result};
 use crate::log::Status;
 use crate::slave::{Slave, refused};

@@ -5,7 +5,7 @@ use std::ptr;
 
 use libc::c_int;
 
-use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+use super::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::{c_string, create};
 use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;

@@ -5,7 +5,7 @@ use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices, refuse_instance};
 use super::steps::do_step;
-use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+use super::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::free_instance;
 use crate::c::entry::{NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported};
 use crate::c::{define, stored};
@@ -61,8 +61,10 @@ macro_rules! fmi3_functions {
             c: Instance, tolerance_defined: Boolean, tolerance: f64, start_time: f64, stop_time_defined: Boolean,
             stop_time: f64
         ) -> Status => c, |slave| {
-            let (tolerance, stop) = ((tolerance_defined != 0, tolerance), (stop_time_defined != 0, stop_time));
-            slave.initialize(Experiment::from_arguments(tolerance, start_time, stop))
+            let tolerance = (tolerance_defined != 0).then_some(tolerance);
+            let stop = (stop_time_defined != 0).then_some(stop_time);
+            slave.setup_experiment(Experiment { tolerance, start: start_time, stop })?;
+            slave.enter(State::Initialisation, Call::EnterInitializationMode)
         };
         fmi3ExitInitializationMode(c: Instance) -> Status => c, Slave::exit_initialization_mode;
         fmi3EnterEventMode(c: Instance) -> Status => c, Slave::enter_event_mode;

@@ -6,14 +6,31 @@
 //!
 //! By the standard, an instance is terminated after an error. Here a refused call leaves it unchanged.
 
+use libc::{c_char, c_int, c_void};
+
 mod creation;
 #[doc(hidden)]
 pub mod functions;
 mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
-mod types;
 
+pub use crate::slave::{Environment, IntermediateUpdate};
 pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
-pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+
+/// `fmi3Instance`: an instance.
+pub type Instance = *mut c_void;
+/// `fmi3FMUState`: a stored state.
+pub type FmuState = *mut c_void;
+/// `fmi3ValueReference`.
+pub type Reference = u32;
+/// `fmi3Boolean` and `fmi3Clock`: one byte, 0 or 1. Not `bool`: an importer may pass another number.
+pub type Boolean = u8;
+/// `fmi3String`.
+pub type Text = *const c_char;
+/// `fmi3Binary`.
+pub type Binary = *const u8;
+
+/// `fmi3LogMessageCallback`: environment, status, category, message.
+pub type LogMessage = unsafe extern "C" fn(Environment, c_int, Text, Text);

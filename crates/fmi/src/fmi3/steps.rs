@@ -3,7 +3,7 @@
 //! The master is called back between two borrows of the instance, never within one, because its callback calls functions on the
 //! same instance.
 
-use super::types::{Boolean, Instance};
+use super::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
 use crate::c::floating_point::in_hosts;
 use crate::log::Status;

@@ -3,7 +3,7 @@
 //! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any time of the master. Where the
 //! master's times are too coarse for its steps, the unit's time is the sum of these steps.
 
-use super::error::{CallError, refused};
+use super::{CallError, refused};
 use pushbelt_archive::Archive;
 
 /// Latest time and earliest time of a master, s, some three thousand years.

@@ -1,9 +1,9 @@
 //! Derivatives of inputs and outputs with respect to time.
 
-use super::error::{Outcome, refused};
 use super::instance::Slave;
 use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
+use super::{Outcome, refused};
 use crate::state::Call;
 use crate::table::{Causality, Value, Variable, not_finite};
 use crate::unit::Unit;
@@ -58,7 +58,8 @@ impl<U: Unit> Slave<U> {
         for (&reference, value) in references.iter().zip(values) {
             let variable = find(&self.table, reference, Type::Real)?;
             let read = |readings| variable.value(&self.now.settings, Some(readings));
-            let [before, after] = [&moment.before, &moment.after].map(|at| read(at).map_or(f64::NAN, f64::from));
+            let [before, after] =
+                [&moment.before, &moment.after].map(|at| read(at).and_then(Value::number).unwrap_or(f64::NAN));
             *value = (after - before) / moment.span;
         }
         Ok(())

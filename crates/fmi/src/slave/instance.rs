@@ -6,8 +6,8 @@ use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
-use super::error::{CallError, Outcome, refused};
 use super::snapshot::Snapshot;
+use super::{CallError, Outcome, refused};
 use crate::description;
 use crate::log::{Category, Log, Status};
 use crate::state::{Call, State};

@@ -2,9 +2,9 @@
 
 use super::bytes;
 use super::clock::Clock;
-use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
 use super::snapshot::Snapshot;
+use super::{CallError, Outcome, refused};
 use crate::log::Category;
 use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
@@ -32,7 +32,6 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Sets tolerance, start and stop time, in FMI 2.0.
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.allow(Call::SetupExperiment)?;
         self.now.experiment = experiment.checked()?;
@@ -44,12 +43,6 @@ impl<U: Unit> Slave<U> {
         self.allow(by)?;
         self.now.state = state;
         Ok(())
-    }
-
-    /// Sets tolerance, start and stop time, and enters initialisation mode, in FMI 3.0.
-    pub fn initialize(&mut self, experiment: Experiment) -> Outcome {
-        self.setup_experiment(experiment)?;
-        self.enter(State::Initialisation, Call::EnterInitializationMode)
     }
 
     /// Leaves initialisation mode, for event mode if the master handles events.

@@ -10,17 +10,36 @@
 mod bytes;
 mod clock;
 mod derivatives;
-mod error;
 mod instance;
 mod lifecycle;
 mod snapshot;
 mod steps;
 mod values;
 
-pub(crate) use error::refused;
-pub use error::{CallError, Outcome};
 pub use instance::{Environment, IntermediateUpdate, Master, Slave, Version};
 pub use snapshot::Snapshot;
 pub use steps::{Ended, Next, Update};
 pub(crate) use values::TIME;
 pub use values::Type;
+
+/// Why a call was not done.
+#[derive(Debug, thiserror::Error)]
+pub enum CallError {
+    /// The call is not allowed or makes no sense; nothing has changed.
+    #[error("{0}")]
+    Refused(String),
+    /// The instance needs a reset or a stored state.
+    #[error("{0}")]
+    Failed(String),
+    /// A value was not set, or a step was completed in part only. The master may continue.
+    #[error("{0}")]
+    Discarded(String),
+}
+
+/// How a call ended.
+pub type Outcome = Result<(), CallError>;
+
+/// A refusal with this text.
+pub(crate) fn refused<T>(text: impl Into<String>) -> Result<T, CallError> {
+    Err(CallError::Refused(text.into()))
+}

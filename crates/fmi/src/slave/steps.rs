@@ -1,7 +1,7 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
-use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
+use super::{CallError, Outcome, refused};
 use crate::log::{Category, Status};
 use crate::state::{Call, State};
 use crate::unit::Unit;

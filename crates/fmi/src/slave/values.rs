@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::error::{CallError, Outcome, refused};
+use num_traits::{NumCast, ToPrimitive};
+
 use super::instance::{Slave, Version};
 use super::snapshot::Snapshot;
+use super::{CallError, Outcome, refused};
 use crate::state::{Call, State};
 use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::Unit;
@@ -62,7 +64,7 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Reads variables of a type, in FMI 3.0 the time among them.
-    pub fn get<N: From<Value>>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
+    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
         let references = self.of_each_value(references, values.len())?;
         self.allow(Call::Get)?;
@@ -93,15 +95,15 @@ impl<U: Unit> Slave<U> {
                 Some(_) if reference == TIME => time,
                 _ => find(&self.table, reference, of)?.value(settings, readings),
             };
-            if let Some(found) = found {
-                *value = found.into();
+            if let Some(found) = found.and_then(Value::number) {
+                *value = found;
             }
         }
         Ok(())
     }
 
     /// Writes variables of a type: either all values are set or none.
-    pub fn set<N: Into<Value> + Copy>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
+    pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
         let references = self.of_each_value(references, values.len())?;
@@ -110,8 +112,12 @@ impl<U: Unit> Slave<U> {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         let mut settings = self.now.settings.clone();
-        for (&reference, &value) in references.iter().zip(values) {
-            let set = find(&self.table, reference, of)?.set(&mut settings, value.into());
+        for (&reference, value) in references.iter().zip(values) {
+            let value = match of {
+                Type::Real => Value::Real(value.to_f64().unwrap_or(f64::NAN)),
+                _ => Value::Integer(value.to_i64().unwrap_or(i64::MAX)),
+            };
+            let set = find(&self.table, reference, of)?.set(&mut settings, value);
             set.map_err(CallError::Discarded)?;
         }
         if !self.now.state.is_running() {

@@ -11,7 +11,6 @@ use pushbelt_fmi::start_file::FILE;
 use crate::importer::{Arguments, BOTH, experiment, token};
 use crate::tank::*;
 
-/// There is no instance, for this reason.
 fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
     let importer = Importer::with(version, arguments);
     assert!(importer.c.is_null(), "{why}");
@@ -45,7 +44,7 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
     exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
     let mut of_three = Arguments::of([name, Some(&three), None]);
-    of_three.handles.required = &[LEVEL, NONE];
+    of_three.handles.2 = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
     let blank = Arguments::of([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");
@@ -169,7 +168,6 @@ fn data_come_from_the_first_folder_that_has_them() {
     assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
 }
 
-/// A copy of the FMU with start values has a token of its own, and does not start without them.
 #[test]
 fn a_copy_with_start_values_needs_its_file() {
     for version in BOTH {

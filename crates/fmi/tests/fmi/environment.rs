@@ -4,7 +4,6 @@
 
 use std::arch::asm;
 
-/// An environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment {
     pub mxcsr: u32,
@@ -30,7 +29,6 @@ pub const HOSTS: [Environment; 4] = [
     Environment::of(0x1fa1, 0x037f, 0x21),
 ];
 
-/// The present environment.
 #[must_use]
 pub fn present() -> Environment {
     let mut found = Environment::of(0, 0, 0);

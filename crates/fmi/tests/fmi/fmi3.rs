@@ -14,8 +14,8 @@ use crate::importer::{Handles, Message, TIME, experiment, log_of_fmi3, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-const WATCHES: Handles<'_> = Handles::of(false, true, &[INFLOW, LEVEL]);
-const EVENTS: Handles<'_> = Handles::of(true, true, &[]);
+const WATCHES: Handles<'_> = (false, true, &[INFLOW, LEVEL]);
+const EVENTS: Handles<'_> = (true, true, &[]);
 
 fn running_with(handles: Handles<'_>) -> Importer {
     let importer = Importer::handling(Three, handles);
@@ -41,7 +41,6 @@ fn other_kinds_of_fmu_are_refused_with_a_message() {
             fmi3InstantiateScheduledExecution::<Tank>(name, token, null(), 0, 0, environment, log, clock, clock, clock);
         assert!(other.is_null());
         importer.assert_logged("fmi3InstantiateScheduledExecution: this FMU is for co-simulation only");
-        // Without a function for messages.
         let c = fmi3InstantiateCoSimulation::<Tank>(name, token, null(), 0, 1, 0, 0, null(), 0, null_mut(), None, None);
         assert_eq!(fmi3Terminate::<Tank>(c), Error);
         fmi3FreeInstance::<Tank>(c);
@@ -115,7 +114,6 @@ fn arrays_lie_between_scalars_and_the_time() {
 fn an_event_ends_a_step_that_may_end_early() {
     let importer = running_with(EVENTS);
     assert_eq!(importer.set(MARK, 2.2), Ok);
-    // At the end of an internal step.
     assert_eq!(importer.step(0.0, 2.0), ended(true, true, 0.75));
     importer.assert_logged("event at 0.75 s: the level reaches 2.2");
     let flag: *mut u8 = &mut 9;
@@ -132,9 +130,8 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.step(0.75, 1.25), ended(false, false, 2.0));
     assert_eq!(importer.real(LEVEL), 3.75);
     for (events, early_return, event) in [(true, false, true), (false, true, false), (false, false, false)] {
-        let importer = running_with(Handles::of(events, early_return, &[]));
+        let importer = running_with((events, early_return, &[]));
         assert_eq!(importer.set(MARK, 2.2), Ok);
-        // At its end, or never.
         assert_eq!(importer.step(0.0, 2.0), ended(event, false, 2.0));
     }
 }
@@ -148,7 +145,6 @@ fn a_master_reads_sets_and_returns_within_a_step() {
         assert_eq!(alias.real(TIME), time);
         let level = 1.0 + 2.0 * time.min(0.5) + 4.0 * (time - 0.5).max(0.0);
         assert_eq!(alias.real(LEVEL), level);
-        // Nothing at the end of the step.
         assert_eq!((update.set, update.can_return), (time < 1.0, time < 1.0));
         let inflow = if time < 0.5 { 2.0 } else { 4.0 };
         assert_eq!(alias.set(INFLOW, inflow) == Ok, update.set);
@@ -164,15 +160,14 @@ fn a_master_reads_sets_and_returns_within_a_step() {
         assert_eq!(importer.step(1.0, 1.0), ended(false, end < 2.0, end), "{later}");
         assert_eq!(importer.real(LEVEL), 1.0 + 2.0 * end);
     }
-    let importer = running_with(Handles::of(false, false, WATCHES.required));
+    let importer = running_with((false, false, WATCHES.2));
     importer.answer(|update| Some(update.time));
-    // Not without early return.
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
 }
 
 #[test]
 fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
-    let importer = running_with(Handles::of(false, true, &[GAIN, LEVEL, GAIN]));
+    let importer = running_with((false, true, &[GAIN, LEVEL, GAIN]));
     let warning = "fmi3InstantiateCoSimulation: gain can't be set or read in intermediate update";
     let is_it = |(status, _, text): &&Message| *status == 1 && text.contains(warning);
     assert_eq!(importer.record.messages.borrow().iter().filter(is_it).count(), 1);

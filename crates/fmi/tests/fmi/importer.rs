@@ -125,24 +125,9 @@ unsafe extern "C" fn update(
     }
 }
 
-/// Capabilities of an importer of FMI 3.0.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Handles<'a> {
-    pub events: bool,
-    pub early_return: bool,
-    /// Variables for intermediate update mode; the callback is set if there are any.
-    pub required: &'a [u32],
-}
-
-impl<'a> Handles<'a> {
-    pub const fn of(events: bool, early_return: bool, required: &'a [u32]) -> Self {
-        Self {
-            events,
-            early_return,
-            required,
-        }
-    }
-}
+/// Capabilities of an importer of FMI 3.0: events, early return, and the variables for intermediate update mode; the callback is set if
+/// there are any.
+pub type Handles<'a> = (bool, bool, &'a [u32]);
 
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     Experiment {
@@ -220,11 +205,7 @@ impl<U: Unit> Importer<U> {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
         let [name, token, location] = arguments.texts.map(|text| text.map_or(null(), CStr::as_ptr));
-        let Handles {
-            events,
-            early_return,
-            required,
-        } = arguments.handles;
+        let (events, early_return, required) = arguments.handles;
         let c = unsafe {
             match version {
                 Two => {

@@ -5,18 +5,13 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Ended, Handles, experiment};
+use crate::importer::{BOTH, Ended, experiment};
 use crate::tank::*;
 
-/// An instance in step mode at 0 s.
 pub fn running(version: Version) -> Importer {
     let importer = Importer::new(version);
     importer.start();
     importer
-}
-
-fn level(importer: &Importer) -> f64 {
-    importer.real(LEVEL)
 }
 
 pub fn ended(event: bool, early: bool, time: f64) -> Ended {
@@ -33,17 +28,17 @@ fn a_run_goes_through_its_states() {
     for version in BOTH {
         let importer = Importer::new(version);
         assert_eq!(importer.enter(experiment(3.0, Some(5.0))), Ok);
-        assert_eq!(level(&importer), 1.0);
+        assert_eq!(importer.real(LEVEL), 1.0);
         assert_eq!(importer.set(START, 4.0), Ok);
-        assert_eq!(level(&importer), 4.0, "set in initialization mode, it starts again");
+        assert_eq!(importer.real(LEVEL), 4.0, "set in initialization mode, it starts again");
         assert_eq!(importer.exit(), Ok);
         assert_eq!(importer.step(3.0, 1.0), ended(false, false, 4.0));
-        assert_eq!(level(&importer), 6.0);
+        assert_eq!(importer.real(LEVEL), 6.0);
         assert_eq!(importer.set(INFLOW, 1.0), Ok);
         assert_eq!(importer.step(4.0, 1.0), ended(false, false, 5.0));
         importer.assert(importer.step(5.0, 1.0).status, Error, "stop time 5 s");
         assert_eq!(importer.terminate(), Ok);
-        assert_eq!(level(&importer), 7.0, "last values can be read after the end");
+        assert_eq!(importer.real(LEVEL), 7.0, "last values can be read after the end");
         assert_eq!(importer.reset(), Ok);
         importer.start();
         importer.assert_reals(&[LEVEL, START, INFLOW], &[1.0, 1.0, 2.0]);
@@ -56,7 +51,7 @@ use State::{
 };
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(version, Handles::of(state == Event, false, &[]));
+    let importer = Importer::handling(version, (state == Event, false, &[]));
     if state != Instantiated {
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     }
@@ -159,12 +154,12 @@ fn after_a_discarded_step_all_is_as_before_and_the_step_can_be_repeated() {
             status, early, time, ..
         } = importer.step(0.0, 1.0);
         importer.assert((status, early, time), (Discard, false, 0.0), "DoStep: full");
-        assert_eq!(level(&importer), 1.0);
+        assert_eq!(importer.real(LEVEL), 1.0);
         assert_eq!(importer.step(0.0, 0.25), ended(false, false, 0.25), "a shorter one");
         // And one with other inputs.
         assert_eq!(importer.set(BRIM, 100.0), Ok);
         assert_eq!(importer.step(0.25, 0.75), ended(false, false, 1.0));
-        assert_eq!(level(&importer), 3.0);
+        assert_eq!(importer.real(LEVEL), 3.0);
         // A setting that the unit refuses.
         assert_eq!(importer.set(MARK, -1.0), Ok);
         importer.assert(importer.step(1.0, 0.5).status, Discard, "mark is below 0");
@@ -274,19 +269,19 @@ fn derivatives_are_those_of_the_unit() {
         }
         assert_eq!(importer.set_derivative(INFLOW, 1, 1.0), Ok);
         assert_eq!(importer.step(1.0, 1.0).status, Ok);
-        assert_eq!(level(&importer), 5.5, "3 + 2 + 1/2");
+        assert_eq!(importer.real(LEVEL), 5.5, "3 + 2 + 1/2");
         assert_eq!(importer.derivatives(&[LEVEL], 1), Result::Ok(vec![3.0]));
         assert_eq!(importer.real(INFLOW), 2.0, "an input reads back what was set");
         assert_eq!(importer.set_derivative(BRIM, 1, 0.0), Ok, "that of another input");
         assert_eq!(importer.step(2.0, 1.0).status, Ok);
-        assert_eq!(level(&importer), 7.5, "derivatives last for one step");
+        assert_eq!(importer.real(LEVEL), 7.5, "derivatives last for one step");
         // A discarded step leaves them in force.
         assert_eq!(importer.set_derivative(INFLOW, 1, 1.0), Ok);
         assert_eq!(importer.set(BRIM, 1.0), Ok);
         assert_eq!(importer.step(3.0, 1.0).status, Discard);
         assert_eq!(importer.set(BRIM, 100.0), Ok);
         assert_eq!(importer.step(3.0, 1.0).status, Ok);
-        assert_eq!(level(&importer), 10.0);
+        assert_eq!(importer.real(LEVEL), 10.0);
     }
 }
 
@@ -300,7 +295,7 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(version, Handles::of(false, false, &[INFLOW, LEVEL]));
+        let importer = Importer::handling(version, (false, false, &[INFLOW, LEVEL]));
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));
@@ -333,7 +328,6 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
         for host in HOSTS {
             let (bits, seen) = within(host, || run(version));
             assert_eq!(bits, expected, "{host:?}");
-            // The message, and the updates.
             assert!(seen.len() > if version == Two { 0 } else { 6 });
             assert!(seen.iter().all(|of_callback| *of_callback == host), "{host:?} {seen:?}");
         }
@@ -347,7 +341,7 @@ fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
     use crate::environment::{DEFAULT, HOSTS, present, set};
 
     for host in HOSTS {
-        let importer = Importer::handling(Three, Handles::of(false, false, &[LEVEL]));
+        let importer = Importer::handling(Three, (false, false, &[LEVEL]));
         importer.start();
         importer.answer(move |_| {
             set(host);

@@ -6,11 +6,10 @@ use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::{BOTH, Handles, experiment, token};
+use crate::importer::{BOTH, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-/// The bits of a level after one more step under another inflow.
 fn go_on(importer: &Importer, from: f64) -> u64 {
     assert_eq!(importer.step(from, 0.9).status, Ok, "{}", importer.last());
     assert_eq!(importer.set(INFLOW, 0.3), Ok);
@@ -57,10 +56,9 @@ fn a_state_holds_everything_and_fits_every_instance() {
     }
 }
 
-/// A state of event mode is one of step mode in an instance without event mode.
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(Three, Handles::of(true, false, &[]));
+    let importer = Importer::handling(Three, (true, false, &[]));
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();

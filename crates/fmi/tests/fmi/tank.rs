@@ -3,13 +3,10 @@
 use std::path::Path;
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
-use pushbelt_fmi::table::{
-    Access, Array, Causality, Enumeration, Item, Kind, Range, Retired, Table, UnitDefinition, Variable,
-};
-use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark};
-use pushbelt_fmi::{Archive, Unit, setting};
+use pushbelt_fmi::prelude::*;
+use pushbelt_fmi::table::{Array, Enumeration, Item, Kind, Retired};
+use pushbelt_fmi::unit::Moment;
 
-/// An importer of it.
 pub type Importer = crate::importer::Importer<Tank>;
 
 pub const START: u32 = 1;
@@ -32,7 +29,6 @@ pub const NONE: u32 = 99;
 
 /// Inflow that makes the tank panic.
 pub const BURST: f64 = 666.0;
-/// Longest internal step, s.
 pub const LONGEST: f64 = 0.25;
 
 #[derive(Clone)]
