@@ -108,89 +108,62 @@ pub struct PointSlopes<T: Real> {
     pub growth: T,
 }
 
-/// Radius r_P, φ and b on a path, with their first derivatives.
-struct Dimensions<T> {
-    r_p: Jet<T>,
-    r_s: Jet<T>,
-    phi: Jet<T>,
-    b: Jet<T>,
-    /// Derivatives of (r_P, r_S, φ, b) with respect to Θ and spread.
-    by: [[T; 4]; OF_SHAPE],
-}
+/// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their derivatives with respect to Θ and
+/// spread.
+fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T>; 4], [[T; 4]; OF_SHAPE]) {
+    let ratio = ratio(theta);
+    let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
+    // Solved for plain numbers, and extended to `T` by the first derivatives.
+    let (i0, d0) = (i.re(), d.v.re());
+    let r0 = if d0 > 0.0 {
+        TwoPulley::new(d0, curve.length).primary_radius(i0)
+    } else {
+        f64::NAN
+    };
+    let x0 = (1.0 - i0) * r0 / d0;
+    let (phi0, sine) = (x0.acos(), (1.0 - x0 * x0).sqrt());
+    let w0 = PI - phi0 + i0 * phi0;
+    let r = (i - i0) * (-r0 * phi0 / w0) + (d.v - d0) * (-sine / w0) + r0;
+    let delta = r - i * r;
+    let x = delta / d.v;
+    let phi = -(x - x0) * sine.recip() + phi0;
+    let b = (d.v * d.v - delta * delta).sqrt();
+    let (per_b, per_d) = (b.recip(), d.v.recip());
+    let w = i * phi - phi + PI;
+    let per_w = w.recip();
+    // Derivatives of r with respect to i and d.
+    let (by_i, by_d) = (-(r * phi * per_w), -(b * per_d * per_w));
 
-impl<T: Real> Dimensions<T> {
-    /// At one place of a path through Θ and the distance d of the centres.
-    fn new(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> Self {
-        let ratio = ratio(theta);
-        let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
-        // Solved for plain numbers, and extended to `T` by the first derivatives.
-        let (i0, d0) = (i.re(), d.v.re());
-        let r0 = if d0 > 0.0 {
-            TwoPulley::new(d0, curve.length).primary_radius(i0)
-        } else {
-            f64::NAN
-        };
-        let x0 = (1.0 - i0) * r0 / d0;
-        let (phi0, sine) = (x0.acos(), (1.0 - x0 * x0).sqrt());
-        let w0 = PI - phi0 + i0 * phi0;
-        let r = (i - i0) * (-r0 * phi0 / w0) + (d.v - d0) * (-sine / w0) + r0;
-        let difference = |i: T, r: T| r - i * r;
-        let delta = difference(i, r);
-        let x = delta / d.v;
-        let phi = -(x - x0) * sine.recip() + phi0;
-        let b = (d.v * d.v - delta * delta).sqrt();
-        let (per_b, per_d) = (b.recip(), d.v.recip());
-        let w = i * phi - phi + PI;
-        let per_w = w.recip();
-        // Derivatives of r with respect to i and d.
-        let (by_i, by_d) = (-(r * phi * per_w), -(b * per_d * per_w));
+    let r_dot = by_i * ratio.d + by_d * d.d;
+    let delta_dot = r_dot - ratio.d * r - i * r_dot;
+    let off = delta_dot - x * d.d;
+    let phi_dot = -(off * per_b);
+    let b_dot = (d.v * d.d - delta * delta_dot) * per_b;
+    let w_dot = ratio.d * phi + i * phi_dot - phi_dot;
+    let by_i_dot = -((r_dot * phi + r * phi_dot + by_i * w_dot) * per_w);
+    let by_d_dot = -(((b_dot - b * per_d * d.d) * per_d + by_d * w_dot) * per_w);
+    let r_ddot = by_i_dot * ratio.d + by_i * ratio.dd + by_d_dot * d.d + by_d * d.dd;
+    let delta_ddot = r_ddot - ratio.dd * r - ratio.d * r_dot * 2.0 - i * r_ddot;
+    let phi_ddot = (off * b_dot * per_b - (delta_ddot - off * per_d * d.d - x * d.dd)) * per_b;
+    let b_ddot = (d.d * d.d + d.v * d.dd - delta_dot * delta_dot - delta * delta_ddot - b_dot * b_dot) * per_b;
+    let jet = |v, d, dd| Jet { v, d, dd };
+    let r_p = jet(r, r_dot, r_ddot);
 
-        let r_dot = by_i * ratio.d + by_d * d.d;
-        let delta_dot = r_dot - ratio.d * r - i * r_dot;
-        let off = delta_dot - x * d.d;
-        let phi_dot = -(off * per_b);
-        let b_dot = (d.v * d.d - delta * delta_dot) * per_b;
-        let w_dot = ratio.d * phi + i * phi_dot - phi_dot;
-        let by_i_dot = -((r_dot * phi + r * phi_dot + by_i * w_dot) * per_w);
-        let by_d_dot = -(((b_dot - b * per_d * d.d) * per_d + by_d * w_dot) * per_w);
-        let r_ddot = by_i_dot * ratio.d + by_i * ratio.dd + by_d_dot * d.d + by_d * d.dd;
-        let delta_ddot = r_ddot - ratio.dd * r - ratio.d * r_dot * 2.0 - i * r_ddot;
-        let phi_ddot = (off * b_dot * per_b - (delta_ddot - off * per_d * d.d - x * d.dd)) * per_b;
-        let b_ddot = (d.d * d.d + d.v * d.dd - delta_dot * delta_dot - delta * delta_ddot - b_dot * b_dot) * per_b;
-        let r_p = Jet {
-            v: r,
-            d: r_dot,
-            dd: r_ddot,
-        };
-
-        let slopes = |r_by: T, i_by: T, d_by: T| {
-            let delta_by = r_by - i * r_by - i_by * r;
-            [
-                r_by,
-                i * r_by + i_by * r,
-                -((delta_by - x * d_by) * per_b),
-                (d.v * d_by - delta * delta_by) * per_b,
-            ]
-        };
-        Self {
-            r_s: ratio.times(r_p),
-            r_p,
-            phi: Jet {
-                v: phi,
-                d: phi_dot,
-                dd: phi_ddot,
-            },
-            b: Jet {
-                v: b,
-                d: b_dot,
-                dd: b_ddot,
-            },
-            by: [
-                slopes(by_i * i_theta, i_theta, T::zero()),
-                slopes(by_d, T::zero(), T::one()),
-            ],
-        }
-    }
+    let slopes = |r_by: T, i_by: T, d_by: T| {
+        let delta_by = r_by - i * r_by - i_by * r;
+        [
+            r_by,
+            i * r_by + i_by * r,
+            -((delta_by - x * d_by) * per_b),
+            (d.v * d_by - delta * delta_by) * per_b,
+        ]
+    };
+    let by = [
+        slopes(by_i * i_theta, i_theta, T::zero()),
+        slopes(by_d, T::zero(), T::one()),
+    ];
+    let (phi, b) = (jet(phi, phi_dot, phi_ddot), jet(b, b_dot, b_ddot));
+    ([r_p, ratio.times(r_p), phi, b], by)
 }
 
 /// di_g/dΘ.
@@ -237,8 +210,7 @@ impl TwoPulley {
         let axes = self.center_distance;
         let mut distance = spread;
         distance.v += T::from(axes);
-        let dimensions = Dimensions::new(self, &theta, &distance);
-        let Dimensions { r_p, r_s, phi, b, .. } = dimensions;
+        let ([r_p, r_s, phi, b], by) = dimensions(self, &theta, &distance);
         let radius = [r_s, r_p];
         let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
         let half = r_s.times(phi);
@@ -265,7 +237,7 @@ impl TwoPulley {
         let by_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
         let by = std::array::from_fn(|k| {
-            let [of_r_p, of_r_s, of_phi, of_b] = dimensions.by[k];
+            let [of_r_p, of_r_s, of_phi, of_b] = by[k];
             let radius_by = [of_r_s, of_r_p];
             let part = |length: T, slope: T, angle: T, by: T| slope * angle + length * by;
             let lengths_of = around(
@@ -277,7 +249,6 @@ impl TwoPulley {
             for k in 1..SEGMENTS {
                 starts[k] = starts[k - 1] + lengths_of[k - 1];
             }
-            let part_of = |k: usize| lengths_of[k] * by_length[k];
             let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
             let centers = [toward * apart, toward * -apart];
             let per_b = b.v.recip();
@@ -294,7 +265,7 @@ impl TwoPulley {
                 phi: of_phi,
                 lengths: lengths_of,
                 starts,
-                growth: std::array::from_fn(part_of),
+                growth: std::array::from_fn(|k| lengths_of[k] * by_length[k]),
                 strands,
             }
         });

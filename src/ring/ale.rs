@@ -28,6 +28,7 @@
 
 use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
+use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 
@@ -78,6 +79,14 @@ pub fn energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T,
     gamma * gamma * (0.5 * ring.axial_stiffness) + bending_energy_density(ring, point)
 }
 
+/// ∂κ_n/∂Θ at these r' and r''; `one` is 0 where they are variations.
+#[inline(always)]
+fn kappa_theta<T: Real>(reference: &ReferencePoint<T>, slope: &Vector2<T>, bend: &Vector2<T>, one: f64) -> T {
+    -(reference.chi_theta * reference.t.dot(bend))
+        - reference.kappa_theta * (reference.t.dot(slope) - one)
+        - reference.kappa * reference.chi_theta * reference.n.dot(slope)
+}
+
 /// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
 #[inline(always)]
 pub fn add_elasticity<T: Real, const D: usize>(
@@ -97,11 +106,7 @@ pub fn add_elasticity<T: Real, const D: usize>(
         load.bend[i] += point.bend[i] * ring.lateral_bending_stiffness;
     }
     load.drift += viscous * point.strain_gradient;
-    let chi_theta = reference.chi_theta;
-    let slope = in_plane(&point.slope);
-    let kappa_theta = -(chi_theta * reference.t.dot(&in_plane(&point.bend)))
-        - reference.kappa_theta * (reference.t.dot(&slope) - 1.0)
-        - reference.kappa * chi_theta * reference.n.dot(&slope);
+    let kappa_theta = kappa_theta(reference, &in_plane(&point.slope), &in_plane(&point.bend), 1.0);
     load.theta += moment * kappa_theta + energy_density(ring, point) * growth;
     tension
 }
@@ -151,13 +156,8 @@ pub fn vary_elasticity<T: Real, const D: usize>(
         d_energy += point.bend[i] * lateral;
     }
     load.drift += d_viscous * gradient + viscous * d_gradient;
-    let kappa_theta = |slope: &Vector2<T>, bend: &Vector2<T>, one: f64| {
-        -(reference.chi_theta * t_ref.dot(bend))
-            - reference.kappa_theta * (t_ref.dot(slope) - one)
-            - reference.kappa * reference.chi_theta * n_ref.dot(slope)
-    };
-    load.theta += d_moment * kappa_theta(&in_plane(&point.slope), &in_plane(&point.bend), 1.0)
-        + moment * kappa_theta(&slope, &bend, 0.0)
+    load.theta += d_moment * kappa_theta(reference, &in_plane(&point.slope), &in_plane(&point.bend), 1.0)
+        + moment * kappa_theta(reference, &slope, &bend, 0.0)
         + d_energy * growth;
     d_tension
 }

@@ -118,12 +118,15 @@ fn a_singular_block_is_named() {
 fn rows_are_replaced_and_added() {
     let shape = BOTH_WAYS[0];
     let (n, split) = (shape.len(), shape.blocks * shape.block);
-    let (mut arrow, mut dense) = random(shape, &[], 4);
+    let (mut arrow, mut dense) = random(shape, &shuffled(shape, 7), 4);
+    let added = numbers(n, 5);
     arrow.set_unit_row(3, 7.0);
+    arrow.add_to_border_row(split + 1, added.iter().copied());
     arrow.add_row(split, split + 2, -2.0);
     for j in 0..n {
         dense[(3, j)] = if j == 3 { 7.0 } else { 0.0 };
         dense[(split, j)] -= 2.0 * dense[(split + 2, j)];
+        dense[(split + 1, j)] += added[j];
     }
     let x = numbers(n, 9);
     let mut product = vec![0.0; n];
