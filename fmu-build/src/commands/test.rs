@@ -96,7 +96,11 @@ fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Res
     tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
     // One more than the number of cores, since some tests wait for a browser or another program.
     let processes = thread::available_parallelism().map_or(1, NonZero::get).min(3) + 1;
-    tests.args(["--dist=loadfile", "--no-loadscope-reorder", &format!("--numprocesses={processes}")]);
+    tests.args([
+        "--dist=loadfile",
+        "--no-loadscope-reorder",
+        &format!("--numprocesses={processes}"),
+    ]);
     if !arguments.all && arguments.passed_on.is_empty() {
         tests.arg("--first-tier");
     }

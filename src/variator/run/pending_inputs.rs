@@ -93,8 +93,10 @@ impl PendingInputs {
             return InputProfile::constant(&mean);
         };
         let last = within.next_back().unwrap_or(first);
-        let [start, end] = [first.profile.at(from), last.profile.at(to)];
-        let rates = Inputs::ZERO.after(1.0 / length, &end).after(-1.0 / length, &start);
+        let rates = Inputs::blend([
+            (1.0 / length, last.profile.at(to)),
+            (-1.0 / length, first.profile.at(from)),
+        ]);
         InputProfile {
             kink: from,
             inputs: mean.after(-0.5 * length, &rates),

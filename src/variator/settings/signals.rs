@@ -71,6 +71,14 @@ impl Inputs {
         self.each_mut().map(|value| *value)
     }
 
+    /// The sum of the inputs, each times its share.
+    #[must_use]
+    pub(crate) fn blend(parts: [(f64, Self); 2]) -> Self {
+        parts
+            .into_iter()
+            .fold(Self::ZERO, |sum, (share, part)| sum.after(share, &part))
+    }
+
     /// The inputs after a time, s, in which they change at `rates`.
     #[must_use]
     pub fn after(mut self, time: f64, rates: &Self) -> Self {
