@@ -2,13 +2,14 @@
 //! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0), `terminalsAndIcons.xml` or
 //! `exports.def`.
 
-use pushbelt::unit::{model_description, model_description3, terminals};
+use pushbelt::fmi::Version;
+use pushbelt::unit::{model_description, terminals};
 
 fn main() -> Result<(), String> {
     let file = std::env::args().nth(1);
     let text = match file.as_deref() {
-        None | Some("modelDescription.xml") => model_description(),
-        Some("modelDescription3.xml") => model_description3(),
+        None | Some("modelDescription.xml") => model_description(Version::Two),
+        Some("modelDescription3.xml") => model_description(Version::Three),
         Some("terminalsAndIcons.xml") => terminals(),
         Some("exports.def") => pushbelt_library::definition(),
         Some(other) => return Err(format!("{other} is not generated")),

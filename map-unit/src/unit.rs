@@ -96,17 +96,13 @@ impl MapUnit {
     /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
         let frame = self.law.frame(&self.state, &self.acting);
-        for j in [Pulley::Primary, Pulley::Secondary] {
-            let (name, given, force) = (j.name(), self.acting.inputs.pulley(j), frame.closing[j]);
-            let is_free = self.law.parameters.pulley(j).axial == Axial::Force;
-            if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
-                self.opened = true;
-                remarks.push(Remark::warning(format!(
-                    "at {} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the \
-                     force on its sheave is {force:.1} N",
-                    self.time, given.pressure, given.clamping_force
-                )));
-            }
+        let opening = self
+            .law
+            .parameters
+            .opening(&self.acting.inputs, frame.closing, self.time);
+        if let Some(text) = opening.filter(|_| !self.opened) {
+            self.opened = true;
+            remarks.push(Remark::warning(text));
         }
         if frame.place.outside && !self.logged {
             self.logged = true;

@@ -36,14 +36,14 @@ pub fn linear_model<R: Rings>(
     }
     let table = table::table::<R>();
     let columns = outputs(&table);
-    let read: Vec<_> = columns
+    let read = columns
         .iter()
-        .map(|(.., get)| |outputs: &Outputs| get(&outputs.clone().into()))
-        .collect();
+        .map(|(.., get)| |outputs: &Outputs| get(&outputs.clone().into()));
+    let read: Vec<_> = read.collect();
     let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|read| read as _).collect();
-    let variator = &mut unit.variator;
-    let time = variator.time();
-    let found = linearise_at(variator, &settings.inputs, frequency, &read).map_err(|error| error.to_string())?;
+    let time = unit.variator.time();
+    let found = linearise_at(&mut unit.variator, &settings.inputs, frequency, &read);
+    let found = found.map_err(|error| error.to_string())?;
     let differs = |text: &String| format!("the linear model is not about the specified point: {text}");
     remarks.extend(found.remarks.iter().map(differs).map(Remark::warning));
     Ok(format!("{:#}", in_words(&found, &table, &columns, frequency, time)))
@@ -52,13 +52,16 @@ pub fn linear_model<R: Rings>(
 /// Real outputs of the interface.
 fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column<'_>> {
     let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
-    let column = outputs.filter_map(|variable| match variable.kind {
-        Kind::Real {
-            access: Access::Reading(get),
+    let column = outputs.filter_map(|variable| {
+        let Kind::Real {
             unit,
+            access: Access::Reading(get),
             ..
-        } => Some((variable.name.as_str(), unit, get)),
-        _ => None,
+        } = variable.kind
+        else {
+            return None;
+        };
+        Some((variable.name.as_str(), unit, get))
     });
     column.collect()
 }
@@ -109,11 +112,7 @@ fn states(poles: &[[f64; 2]]) -> Vec<String> {
             continue;
         }
         number += 1;
-        names.push(if *turn > 0.0 {
-            format!("mode{number}.re")
-        } else {
-            format!("mode{number}")
-        });
+        names.push(format!("mode{number}{}", if *turn > 0.0 { ".re" } else { "" }));
     }
     names
 }

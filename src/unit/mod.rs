@@ -11,4 +11,4 @@ pub use linear::linear_model;
 pub use rings::{REMOVED, Rings, Settings, StandardRings};
 pub use table::{parameter, shared_variables};
 pub use terminals::{TERMINALS, terminals};
-pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};
+pub use variator_unit::{UnitWith, VariatorUnit, model_description};

@@ -19,16 +19,10 @@ pub struct UnitWith<R> {
     rings: PhantomData<R>,
 }
 
-/// The content of `modelDescription.xml` of FMI 2.0.
+/// The content of `modelDescription.xml` of a version of FMI.
 #[must_use]
-pub fn model_description() -> String {
-    crate::fmi::model_description::<VariatorUnit>(Version::Two, None)
-}
-
-/// The content of `modelDescription.xml` of FMI 3.0.
-#[must_use]
-pub fn model_description3() -> String {
-    crate::fmi::model_description::<VariatorUnit>(Version::Three, None)
+pub fn model_description(version: Version) -> String {
+    crate::fmi::model_description::<VariatorUnit>(version, None)
 }
 
 impl<R: Rings> UnitWith<R> {

@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Causality, Kind, Table, Value, Variable};
 use pushbelt::fmi::unit::Experiment;
-use pushbelt::unit::{Settings, VariatorUnit, model_description, model_description3};
+use pushbelt::fmi::{Unit, Version};
+use pushbelt::unit::{Settings, VariatorUnit, model_description};
 use pushbelt::variator::settings::Readings;
 
 type Row = Variable<Settings, Readings>;
@@ -164,7 +164,7 @@ fn with_a_set_point_at_the_secondary_shaft_alone_the_primary_speed_depends_on_lo
 #[test]
 fn both_descriptions_have_the_dependencies() {
     let table = VariatorUnit::table();
-    let (two, three) = (model_description(), model_description3());
+    let (two, three) = (model_description(Version::Two), model_description(Version::Three));
     let (_, structure) = two.split_once("<ModelStructure>").expect("present");
     let (outputs, initial) = structure.split_once("</Outputs>").expect("present");
     let (mut listed, mut count) = (0, 0);

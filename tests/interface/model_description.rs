@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Causality, Kind, Value};
-use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, model_description3, terminals};
+use pushbelt::fmi::{Unit, Version};
+use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, terminals};
 use pushbelt::variator::settings::range_of;
 
 #[test]
 fn the_checked_in_files_are_generated_from_the_table() {
     for (name, generated) in [
-        ("modelDescription.xml", model_description()),
-        ("resources/modelDescription3.xml", model_description3()),
+        ("modelDescription.xml", model_description(Version::Two)),
+        ("resources/modelDescription3.xml", model_description(Version::Three)),
         ("resources/terminalsAndIcons.xml", terminals()),
         ("fmu-build/exports.def", pushbelt_library::definition()),
     ] {

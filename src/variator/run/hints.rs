@@ -1,7 +1,7 @@
 //! Loads and speeds that can hardly be meant. Each is remarked upon once in a run.
 
 use crate::archive::Archive;
-use crate::pulley::Pulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::tuning::{BALANCED, FASTEST, SETTLING};
@@ -98,18 +98,9 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
 /// A cylinder that opens its pulley.
 fn opening(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
-    clamped(parameters).find_map(|pulley| {
-        let given = inputs.pulley(pulley);
-        let push = simulation.system.pulleys().push(pulley, simulation.state.view());
-        let total = given.force(&parameters.pulley(pulley).cylinder) + push;
-        (total <= 0.0 && total < given.clamping_force).then(|| {
-            format!(
-                "at {} s {2}.pressure = {} Pa opens the {} pulley: with clampingForce = {} N, spring and rotating oil the force on its sheave \
-                 is {} N",
-                simulation.time, given.pressure, pulley.name(), given.clamping_force, short(total)
-            )
-        })
-    })
+    let (pulleys, view) = (simulation.system.pulleys(), simulation.state.view());
+    let closing = |j: Pulley| inputs.pulley(j).force(&parameters.pulley(j).cylinder) + pulleys.push(j, view);
+    parameters.opening(&inputs, PerPulley::from_fn(closing), simulation.time)
 }
 
 /// Torques of a steady start that would balance if one of them had the other sign.

@@ -142,6 +142,21 @@ impl Parameters {
         self.closing(inputs, PerPulley { primary, secondary }, speeds)
     }
 
+    /// The pressure that opens a pulley at a time, s, under these [closing](Self::closing) forces, N.
+    #[must_use]
+    pub fn opening(&self, inputs: &Inputs, closing: PerPulley<f64>, time: f64) -> Option<String> {
+        clamped(self).find_map(|pulley| {
+            let (given, total) = (inputs.pulley(pulley), closing[pulley]);
+            let (name, pressure, force, shown) = (pulley.name(), given.pressure, given.clamping_force, short(total));
+            (total <= 0.0 && total < force).then(|| {
+                format!(
+                    "at {time} s {name}.pressure = {pressure} Pa opens the {name} pulley: with clampingForce = {force} N, spring and rotating \
+                     oil the force on its sheave is {shown} N"
+                )
+            })
+        })
+    }
+
     /// Name of the variable of a pulley that has this force.
     pub(crate) fn name_of_closing(&self, pulley: Pulley) -> &'static str {
         let is_plain = self.pulley(pulley).cylinder == Cylinder::default();
