@@ -52,7 +52,13 @@ fn drag_of_a_shaft() {
     assert_near(drag, 0.15 + 3.6e-5 * load + 5.0e-4 * speed, 1.0, 1e-8, "drag");
     assert_eq!(DRAG.at(-speed, [3.0e3, -4.0e3]).torque, -drag);
     assert_eq!(DRAG.at(0.0, [0.0; 2]).torque, 0.0);
-    assert_near(DRAG.at(1.0e4, [0.0; 2]).torque, 5.15, 1.0, 1e-12, "drag of oil and seals");
+    assert_near(
+        DRAG.at(1.0e4, [0.0; 2]).torque,
+        5.15,
+        1.0,
+        1e-12,
+        "drag of oil and seals",
+    );
     assert_eq!(ShaftDrag::default().at(speed, [3.0e3, -4.0e3]).torque, 0.0);
 }
 
