@@ -115,7 +115,7 @@ pub fn flank_force<T: Real>(
     cos_beta: f64,
     motion: &FlankMotion<T>,
 ) -> FlankForce<T> {
-    let [depth, touching] = touch(contact, motion.penetration);
+    let [depth, touching, _] = motion.penetration.soft_plus(contact.roughness);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
@@ -129,13 +129,6 @@ pub fn flank_force<T: Real>(
         along_flank: drag * motion.along_flank,
         depth,
     }
-}
-
-/// ⟨g⟩₊ and H at the penetration g, m.
-#[inline(always)]
-fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
-    let [depth, touching, _] = penetration.soft_plus(contact.roughness);
-    [depth, touching]
 }
 
 /// μ(v) at the square of the sliding speed, m²/s².
@@ -153,17 +146,10 @@ pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: 
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
-/// Elastic energy of a flank per pitch-line length, J/m.
+/// Elastic energy of a flank per pitch-line length, J/m, at the penetration g where ⟨g⟩₊ is `depth`, m.
 #[inline(always)]
 #[must_use]
-pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
-    let [depth, _] = touch(contact, penetration);
-    energy_density_at(contact, cos_beta, penetration, depth)
-}
-
-/// The same from ⟨g⟩₊, m.
-#[inline(always)]
-pub(crate) fn energy_density_at<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {
+pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
     soft_plus_energy_at(penetration, depth, contact.roughness) * stiffness
 }

@@ -79,12 +79,8 @@ impl Assembly for HeldCentres {
         self.free.forget_derivatives();
     }
 
-    fn restore_derivatives(&mut self, acting: InForce<'_>) {
-        self.free.restore_derivatives(acting);
-    }
-
-    fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
-        self.free.serialize_derivatives(archive);
+    fn serialize_derivatives(&mut self, acting: InForce<'_>, archive: &mut Archive<'_>) {
+        self.free.serialize_derivatives(acting, archive);
     }
 
     fn differentiations(&self) -> [u64; 2] {

@@ -103,8 +103,8 @@ impl VariatorSystem {
     fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
-        let loads = self.assembly.residual(InForce { belt, law, friction }, view, out);
+        let belt = &*self.belt;
+        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
         self.pulleys().residual(&self.boundary(time), &loads, view, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
@@ -117,10 +117,10 @@ impl VariatorSystem {
 
     /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
-        let (belt, law) = (&*self.belt, &self.belt.law);
+        let belt = &*self.belt;
         out.resize(belt.mesh.groups.len() * belt.mesh.points, Sample::default());
         let friction = &self.friction();
-        self.assembly.sample(InForce { belt, law, friction }, view, out);
+        self.assembly.sample(InForce { belt, friction }, view, out);
     }
 
     /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
@@ -152,12 +152,9 @@ impl VariatorSystem {
 
     /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.
     pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
-        self.assembly.serialize_derivatives(archive);
-        if archive.is_reading() {
-            let friction = &self.friction();
-            let (belt, law) = (&*self.belt, &self.belt.law);
-            self.assembly.restore_derivatives(InForce { belt, law, friction });
-        }
+        let friction = &self.friction();
+        let belt = &*self.belt;
+        self.assembly.serialize_derivatives(InForce { belt, friction }, archive);
     }
 
     /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
@@ -214,13 +211,13 @@ impl System for VariatorSystem {
         let [before, _] = self.differentiations();
         out.clear();
         let friction = &self.friction();
-        let (belt, law) = (&*self.belt, &self.belt.law);
+        let belt = &*self.belt;
         self.resultants.clear();
         let factors = [alpha, beta];
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
-            .jacobian(InForce { belt, law, friction }, view, factors, of_belt);
+            .jacobian(InForce { belt, friction }, view, factors, of_belt);
         let boundary = self.boundary(time);
         self.pulleys()
             .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);

@@ -142,7 +142,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         scalars: S,
         observe: impl FnMut(&AtStation<'_, S::T>),
     ) -> CellRows<S::T> {
-        let InForce { belt, law, friction } = self.acting;
+        let InForce { belt, friction } = self.acting;
+        let law = &belt.law;
         let of = CellScalars {
             view: self.view,
             at: over.unknowns(),
@@ -154,7 +155,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
         let plane = law.planes[of_mesh.pulley];
-        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps())[of_mesh.pulley as usize];
+        let [layers, spin] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let place = Place {
             // Stations of the mesh have fractions of the segment.
             of_segment: [0.0, 1.0],
@@ -163,8 +164,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             axis: law.axes[of_mesh.pulley],
             plane: [plane.side, plane.middle],
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
-            layer_drag: drags.layers,
-            spin: drags.spin,
+            layer_drag: layers[of_mesh.pulley as usize],
+            spin: spin[of_mesh.pulley as usize],
         };
         let references: [Option<ReferencePoint<S::T>>; CELL_POINTS] = std::array::from_fn(|number| {
             (number <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(number)))

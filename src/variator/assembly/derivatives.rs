@@ -5,7 +5,7 @@ use crate::chain::Transport;
 use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
-use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents};
+use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, sizes};
 use crate::variator::cell::variation::{Direction, Linearised};
 use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
@@ -19,7 +19,7 @@ pub(crate) struct Derivatives {
     left: Vec<Lanes>,
     right: Vec<Lanes>,
     /// S of the block, and the current one.
-    tangents: [OfLaws<Tangents>; 2],
+    tangents: [Vec<Tangents>; 2],
 }
 
 impl Derivatives {
@@ -31,16 +31,18 @@ impl Derivatives {
             block: zeros(K::DEGREES.rows * K::DEGREES.count),
             left: zeros(laws * FORCES * K::DEGREES.rows),
             right: zeros(laws * ARGUMENTS * K::DEGREES.count),
-            tangents: Default::default(),
+            tangents: [0, 1].map(|_| vec![Tangents::default(); laws]),
         }
     }
 
     /// Sets the current tangents; those of the block too unless `update`.
     #[inline(always)]
     pub fn set_tangents(&mut self, tangents: &OfLaws<Tangents>, update: bool) {
-        self.tangents[1] = *tangents;
+        let [then, now] = &mut self.tangents;
+        let laws = now.len();
+        now.copy_from_slice(&tangents[..laws]);
         if !update {
-            self.tangents[0] = *tangents;
+            then.copy_from_slice(now);
         }
     }
 
@@ -102,7 +104,7 @@ pub(crate) struct Columns<'a> {
 impl Columns<'_> {
     /// Records the derivatives of balance, transport quantities and arguments of the laws in a direction: the `value` of each.
     #[inline(always)]
-    pub(super) fn record<K: DegreesOfFreedom, T: Copy>(
+    pub(super) fn record<K: DegreesOfFreedom, T: Copy, const D: usize>(
         &mut self,
         direction: usize,
         (rows, transport, arguments): (&[T; MOST_ROWS], &Transport<T>, &OfLaws<Arguments<T>>),
@@ -118,8 +120,13 @@ impl Columns<'_> {
                 self.transports[cell].each_mut()[figure][direction] = derivative;
             }
         }
-        for (argument, right) in arguments.as_flattened().iter().zip(right.chunks_exact_mut(width)) {
-            right[direction] = value(*argument);
+        let laws = right.len() / (ARGUMENTS * width);
+        for (law, right) in right.chunks_exact_mut(ARGUMENTS * width).enumerate() {
+            // The other arguments are zero, and remain so.
+            let [_, count] = sizes::<D>(law, laws);
+            for (argument, right) in arguments[law][..count].iter().zip(right.chunks_exact_mut(width)) {
+                right[direction] = value(*argument);
+            }
         }
     }
 
@@ -134,7 +141,7 @@ impl Columns<'_> {
         for k in (0..degrees.drift).chain(degrees.sheave..degrees.count) {
             let (b, ring) = linear.vary(Direction::of::<K>(k), &mut arguments);
             let rows = rows::<_, K, D>(&b, &ring);
-            self.record::<K, _>(k, (&rows, &b.transport, &arguments), |value| value);
+            self.record::<K, _, D>(k, (&rows, &b.transport, &arguments), |value| value);
         }
         let left = &mut self.derivatives.left;
         linear.for_each_force(|force, b, ring| {

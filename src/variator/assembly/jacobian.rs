@@ -67,7 +67,7 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
         );
         let rows = rows::<_, K, D>(&b, &ring);
         for (i, k) in directions.enumerate() {
-            columns.record::<K, _>(k, (&rows, &b.transport, &arguments), |of| of.eps[i]);
+            columns.record::<K, _, D>(k, (&rows, &b.transport, &arguments), |of| of.eps[i]);
         }
     }
     b
@@ -85,7 +85,7 @@ pub(crate) struct Frames<C: MeshCurve> {
     plain: C::Frame<Lanes>,
     /// Directions that move the curve, and the frame for each pass over them.
     of_curve: Range<usize>,
-    moving: [Option<C::Frame<Tangent<PASS>>>; COORDINATES],
+    moving: [Option<C::Frame<Tangent<PASS>>>; (1 + COORDINATES).div_ceil(PASS)],
     /// All other directions that are differentiated forward, and the frame for them.
     others: [Range<usize>; 2],
     still: Option<C::Frame<Tangent<PASS>>>,
@@ -106,6 +106,16 @@ impl<C: MeshCurve> Frames<C> {
         } else {
             [0..degrees.drift, degrees.sheave..degrees.count]
         };
+        let mut frames = Self {
+            factors,
+            update,
+            by_hand,
+            plain: frame::<_, K, C>(curve, path.map(Jet::lifted)),
+            of_curve,
+            moving: std::array::from_fn(|_| None),
+            others,
+            still: None,
+        };
         let pass_from = |first: usize| {
             let seed = |k: usize, value, part| seed(&factors, Lanes::from(value), part, degrees.theta + k, first);
             let path = std::array::from_fn(|k| Jet {
@@ -115,16 +125,14 @@ impl<C: MeshCurve> Frames<C> {
             });
             frame::<_, K, C>(curve, path)
         };
-        Self {
-            factors,
-            update,
-            by_hand,
-            plain: frame::<_, K, C>(curve, path.map(Jet::lifted)),
-            moving: std::array::from_fn(|pass| of_curve.clone().step_by(PASS).nth(pass).map(pass_from)),
-            still: (!others[0].is_empty()).then(|| pass_from(degrees.count)),
-            of_curve,
-            others,
+        // Frames are kilobytes, so they are written in place.
+        for (to, first) in frames.moving.iter_mut().zip(frames.of_curve.clone().step_by(PASS)) {
+            *to = Some(pass_from(first));
         }
+        if !frames.others[0].is_empty() {
+            frames.still = Some(pass_from(degrees.count));
+        }
+        frames
     }
 
     /// Directions and frame of each pass.

@@ -97,13 +97,14 @@ pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(curve: &TwoPulle
 /// for the loaded ring.
 #[inline(always)]
 pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D: usize, C: MeshCurve, O>(
-    InForce { law, friction, .. }: InForce<'_>,
+    InForce { belt, friction }: InForce<'_>,
     (kind, pack): (&K, &Pack),
     frame: &C::Frame<T>,
     unknown: impl Fn(Part, usize) -> T,
     observe: impl FnMut(&AtStation<'_, T, D>),
     then: impl FnOnce(&K::Ring<'_, T>, (CellInput<'_, T>, CellState<T>, &CellPoints<T, D>)) -> O,
 ) -> (CellBalance<T>, O) {
+    let law = &belt.law;
     let motion = motion::<T, K>(&unknown);
     let place = pack.place::<T, C>(law, frame);
     let reference = |at: usize| C::point(frame, pack.segment, place.fraction(at));

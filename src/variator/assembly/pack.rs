@@ -60,8 +60,9 @@ impl Pack {
     #[inline(always)]
     pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, law: &CellLaw, frame: &C::Frame<T>) -> Place<'_, T> {
         let arcs = C::arcs(frame);
-        let [of_secondary, of_primary] = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
+        let drags = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
         let on = &self.group.on;
+        let [layer_drag, spin] = drags.map(|[secondary, primary]| secondary * on.secondary + primary * on.primary);
         Place {
             of_segment: self.of_segment,
             face: &self.points.face,
@@ -69,8 +70,8 @@ impl Pack {
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
-            layer_drag: of_secondary.layers * on.secondary + of_primary.layers * on.primary,
-            spin: of_secondary.spin * on.secondary + of_primary.spin * on.primary,
+            layer_drag,
+            spin,
         }
     }
 

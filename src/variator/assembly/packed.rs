@@ -222,18 +222,17 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         self.origin.factors = [f64::NAN; 2];
     }
 
-    fn restore_derivatives(&mut self, acting: InForce<'_>) {
-        let Origin { factors, state } = self.origin.clone();
-        self.forget_derivatives();
-        if !factors[0].is_nan() {
-            self.differentiate(acting, state.view(), factors, None);
-        }
-    }
-
-    fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
+    fn serialize_derivatives(&mut self, acting: InForce<'_>, archive: &mut Archive<'_>) {
         let Origin { factors, state } = &mut self.origin;
         factors.iter_mut().for_each(|factor| archive.any(factor));
         state.serialize(archive);
+        if archive.is_reading() {
+            let Origin { factors, state } = self.origin.clone();
+            self.forget_derivatives();
+            if !factors[0].is_nan() {
+                self.differentiate(acting, state.view(), factors, None);
+            }
+        }
     }
 
     fn differentiations(&self) -> [u64; 2] {

@@ -10,16 +10,13 @@ use crate::solver::arrow::Arrow;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::cell::sample::Sample;
-use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
-/// The belt, and the laws in force.
+/// The belt, and the friction in force.
 #[derive(Clone, Copy, Debug)]
 pub struct InForce<'a> {
     /// The belt.
     pub belt: &'a Belt,
-    /// Constants of its cells.
-    pub law: &'a CellLaw,
     /// Friction in force.
     pub friction: &'a Friction,
 }
@@ -55,11 +52,8 @@ pub trait Assembly: Debug + Send + Sync {
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the cached derivatives in the states that were read from an archive.
-    fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
-
-    /// Writes the states of the cached derivatives to an archive, or reads them from it.
-    fn serialize_derivatives(&mut self, _archive: &mut Archive<'_>) {}
+    /// Writes the states of the cached derivatives to an archive, or reads them from it and evaluates the derivatives.
+    fn serialize_derivatives(&mut self, _acting: InForce<'_>, _archive: &mut Archive<'_>) {}
 
     /// Number of evaluations of all derivatives, and of constitutive tangents alone.
     fn differentiations(&self) -> [u64; 2] {

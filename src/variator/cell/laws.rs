@@ -29,6 +29,16 @@ pub(crate) const ARGUMENTS: usize = 4;
 /// sheave, and of the ring; then of the stack.
 pub type OfLaws<V> = [V; 3 * STATIONS + 1];
 
+/// Numbers of forces and arguments of a law, the last of which is the stack's.
+#[inline(always)]
+pub(crate) fn sizes<const D: usize>(law: usize, laws: usize) -> [usize; 2] {
+    if law % D < D - 1 && law + 1 < laws {
+        [FORCES, ARGUMENTS]
+    } else {
+        [1, 2]
+    }
+}
+
 /// Forces of a law, or their variations.
 pub(crate) type Forces = [Lanes; FORCES];
 /// Arguments of a law, or their variations.

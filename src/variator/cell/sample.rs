@@ -1,11 +1,10 @@
 //! Values at a station for outputs, losses and energies.
 
 use crate::chain::Push;
-use crate::contact::energy_density_at;
+use crate::contact::energy_density;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::{Lanes, Real};
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
-use crate::variator::law::flanks::BothFlanks;
 use crate::variator::rings::ring::RingDensity;
 use nalgebra::Vector2;
 
@@ -155,6 +154,10 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             weight,
         } = self.station;
         let (flanks, approach) = (&forces.flanks, &forces.approach);
+        let flank_energy = |k: usize| {
+            let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge[1]);
+            energy_density(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth)
+        };
         let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
         let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.place.axis), T::zero());
         Sample {
@@ -193,16 +196,8 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             damping_loss: of_ring.viscous + stack_loss + flanks.sum.loads.viscous,
             kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
             ring_elastic: of_ring.elastic,
-            flank_elastic: flank_energy(self.given, flanks) * chain.lambda,
+            flank_elastic: (flank_energy(0) + flank_energy(1)) * chain.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }
     }
-}
-
-/// Elastic energy of both flanks of an element per pitch-line length, J/m.
-#[inline(always)]
-fn flank_energy<T: Real>(given: &CellInput<'_, T>, flanks: &BothFlanks<T>) -> T {
-    let (contact, cos_beta) = (&given.law.contact, given.law.wedge[1]);
-    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth);
-    of(0) + of(1)
 }

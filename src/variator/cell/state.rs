@@ -5,7 +5,7 @@ use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
 use crate::scalar::Real;
-use crate::variator::law::flanks::{Approach, BothFlanks, FlankSum};
+use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
 use crate::variator::law::spin::{spin_drag, throughput};
@@ -248,7 +248,11 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             (point, &v_e),
             chain.lambda,
         );
-        let (at_pitch_line, at_ring_line) = flank_forces::<T, D>(&approach, &flanks.sum);
+        let at_pitch_line = approach.e_t * -flanks.sum.loads.around;
+        let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.sum.loads.radial);
+        if D > 2 {
+            at_ring_line[D - 1] += flanks.sum.lateral;
+        }
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
             let normal = &chain.normals[k];
@@ -295,14 +299,4 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             + self.tangential * chain.lead
             + self.spin_drag
     }
-}
-
-/// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
-#[inline(always)]
-fn flank_forces<T: Real, const D: usize>(approach: &Approach<T>, flanks: &FlankSum<T>) -> (Vector2<T>, SVector<T, D>) {
-    let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.loads.radial);
-    if D > 2 {
-        at_ring_line[D - 1] += flanks.lateral;
-    }
-    (approach.e_t * -flanks.loads.around, at_ring_line)
 }

@@ -40,16 +40,13 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub by: &'a RingVariation<Lanes, D>,
     pub chain: &'a ChainVariation<Lanes>,
     pub flank: &'a FlankVariation,
-    /// Variation of the ring's own load, and of T, N.
-    pub load: LineLoad<Lanes, D>,
+    /// Variation of T, N.
     pub tension: Lanes,
     /// Variation of inertia and drag of the elements along the belt, and of inertia and push force across it, N/m.
     pub along: Lanes,
     pub inward: [Lanes; 2],
     /// Variation of the drag of the ring's layers, N/m.
     pub drag: Lanes,
-    /// Variations of the forces of flanks and ring, N/m.
-    pub forces: [Forces; 3],
 }
 
 /// Variation of a cell's stack; density ν, push force Q and gradient of V with their variations.
@@ -239,6 +236,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         &self,
         given: &CellInput<'_, Lanes>,
         change: &StationVariation<'_, D>,
+        forces: &[Forces; 3],
         load: &mut LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
     ) -> [Lanes; 2] {
@@ -246,7 +244,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let StationVariation { by, flank, .. } = *change;
         let vary = |k: usize| {
             let force = &self.forces.flanks.forces[k];
-            vary_loads(given.law, (at, chain.lambda, force), flank, change.forces[k])
+            vary_loads(given.law, (at, chain.lambda, force), flank, forces[k])
         };
         let flanks = if D == 2 {
             FlankSum::alike(&vary(0))

@@ -12,7 +12,7 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::laws::{Arguments, FORCES, OfLaws, Tangents, of_two};
+use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
 use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
@@ -160,14 +160,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 by,
                 chain,
                 flank: &flank,
-                load,
                 tension,
                 along,
                 inward,
                 drag,
-                forces: station.vary_forces(laws),
             };
-            self.add_loads::<MOVES>((i, station), change, &mut out, &mut sum);
+            let loads = (load, station.vary_forces(laws));
+            self.add_loads::<MOVES>((i, station), &change, loads, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, own, beta))
     }
@@ -251,30 +250,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     pub fn for_each_force(&self, mut record: impl FnMut(usize, CellBalance<Lanes>, RingForces<Lanes, D>)) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);
-        let none = (
-            &RingVariation::none(),
-            &ChainVariation::default(),
-            &FlankVariation::default(),
-        );
-        let still = |inward| StationVariation {
-            by: none.0,
-            chain: none.1,
-            flank: none.2,
-            load: LineLoad::zero(),
-            tension: zero,
-            along: zero,
-            inward,
-            drag: zero,
-            forces: [[zero; FORCES]; 3],
-        };
-        let stations = || self.stations.iter().flatten().enumerate();
-        for (i, station) in stations() {
+        for (i, station) in self.stations.iter().flatten().enumerate() {
             for law in 0..D {
                 for force in 0..if law < D - 1 { FORCES } else { 1 } {
-                    let mut change = still([zero; 2]);
-                    change.forces[law][force] = one;
+                    let is_unit = |k: usize, of: usize| if (k, of) == (law, force) { one } else { zero };
+                    let unit = std::array::from_fn(|k| std::array::from_fn(|of| is_unit(k, of)));
                     let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-                    self.add_loads::<false>((i, station), change, &mut out, &mut sum);
+                    self.add_unit((i, station), (unit, [zero; 2]), &mut out, &mut sum);
                     let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
                     record((i * D + law) * FORCES + force, out, ring);
                 }
@@ -282,28 +264,52 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
         let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
         out.speed = [one, -one];
-        for at in stations() {
-            self.add_loads::<false>(at, still(at.1.chain.curvature), &mut out, &mut sum);
+        for (i, station) in self.stations.iter().flatten().enumerate() {
+            let pushed = ([[zero; FORCES]; 3], station.chain.curvature);
+            self.add_unit((i, station), pushed, &mut out, &mut sum);
         }
         let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
-        record(stations().count() * D * FORCES, out, ring);
+        record(self.given.place.stations.len() * D * FORCES, out, ring);
     }
 
-    /// Adds the variation of the loads at station `i`.
+    /// Adds the loads at station `i` of forces of its laws and of a force across the belt, where nothing moves.
+    #[inline(always)]
+    fn add_unit(
+        &self,
+        at: (usize, &LinearisedStation<'_, D>),
+        (forces, inward): ([Forces; 3], [Lanes; 2]),
+        out: &mut CellBalance<Lanes>,
+        sum: &mut R::Sum,
+    ) {
+        let zero = Lanes::zero();
+        let change = StationVariation {
+            by: &RingVariation::none(),
+            chain: &ChainVariation::default(),
+            flank: &FlankVariation::default(),
+            tension: zero,
+            along: zero,
+            inward,
+            drag: zero,
+        };
+        self.add_loads::<false>(at, &change, (LineLoad::zero(), forces), out, sum);
+    }
+
+    /// Adds the variation of the loads at station `i`, with that of the ring's own load and of the forces of flanks and ring.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
-        change: StationVariation<'_, D>,
+        change: &StationVariation<'_, D>,
+        (mut load, forces): (LineLoad<Lanes, D>, [Forces; 3]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
         let (ring, weight) = (station.ring, station.weight);
-        let StationVariation { by, mut load, .. } = change;
+        let by = change.by;
         let ring_along = load.position.dot(&ring.t);
-        let [mut along, tangential] = station.add_flank_forces::<MOVES>(&self.given, &change, &mut load, out);
+        let [mut along, tangential] = station.add_flank_forces::<MOVES>(&self.given, change, &forces, &mut load, out);
 
-        let d_friction = change.forces[D - 1][0];
+        let d_friction = forces[D - 1][0];
         let d_along_ring = d_friction + change.drag;
         let across = load.position.dot(&ring.n);
         load.position += ring.t * d_along_ring;

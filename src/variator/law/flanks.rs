@@ -164,7 +164,7 @@ impl<T: Real> Approach<T> {
     pub fn both_flanks<const D: usize>(
         &self,
         (law, friction): (&CellLaw, &Friction),
-        plane: [T::Constant; 2],
+        [side, middle]: [T::Constant; 2],
         pulley: &PulleyMotion<T>,
         (point, v_e): (&RingPoint<T, D>, &SVector<T, D>),
         lambda: T,
@@ -173,47 +173,29 @@ impl<T: Real> Approach<T> {
             let force = flank_force(&law.contact, friction, law.wedge[1], flank);
             (self.loads(law, lambda, flank, &force), force)
         };
-        let (offset, motions) = self.flanks(law, plane, pulley, point, v_e);
-        let (movable, force) = one(&motions[0]);
         if D == 2 {
+            let (loads, force) = one(&self.flank);
             return BothFlanks {
-                motions,
+                motions: [self.flank; 2],
                 forces: [force; 2],
-                sum: FlankSum::alike(&movable),
-                offset,
+                sum: FlankSum::alike(&loads),
+                offset: T::zero(),
             };
-        }
-        let (fixed, other_force) = one(&motions[1]);
-        BothFlanks {
-            motions,
-            forces: [force, other_force],
-            sum: FlankSum::of(&movable, &fixed, plane[0]),
-            offset,
-        }
-    }
-
-    /// Distance of an element from the middle towards the movable sheave, m, and the motion of its flanks on that
-    /// sheave and on the fixed one.
-    #[inline(always)]
-    pub fn flanks<const D: usize>(
-        &self,
-        law: &CellLaw,
-        [side, middle]: [T::Constant; 2],
-        pulley: &PulleyMotion<T>,
-        point: &RingPoint<T, D>,
-        v_e: &SVector<T, D>,
-    ) -> (T, [FlankMotion<T>; 2]) {
-        if D == 2 {
-            return (T::zero(), [self.flank; 2]);
         }
         let offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
         let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
         let sin_beta = law.wedge[0];
-        let flanks = [
+        let motions = [
             self.flank.shifted(offset, speed, sin_beta),
             self.flank.shifted(-offset, -speed, sin_beta),
         ];
-        (offset, flanks)
+        let [(movable, force), (fixed, other_force)] = motions.each_ref().map(one);
+        BothFlanks {
+            motions,
+            forces: [force, other_force],
+            sum: FlankSum::of(&movable, &fixed, side),
+            offset,
+        }
     }
 
     /// Loads of a flank with this motion and this `force`.

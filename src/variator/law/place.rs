@@ -58,31 +58,18 @@ impl CellLaw {
         self.joints.is_some()
     }
 
-    /// What a pulley adds to the [`Place`] of its cells, secondary first: the drag of the ring's layers, or of a chain's joints, and that of
-    /// elements that start and stop turning. `radii` and `wraps` are those of the ring's arcs, m and rad.
+    /// [`Place::layer_drag`] and [`Place::spin`] on the arc of each pulley, the secondary first. `radii` and `wraps` are those of the
+    /// ring's arcs, m and rad.
     #[inline(always)]
     #[must_use]
-    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [ArcDrags<T>; 2] {
+    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [[T; 2]; 2] {
         let radii = radii.map(|radius| radius - self.chain.pitch_offset);
         let layers = match self.joints {
             Some(joints) => joints.drag_shares(radii, wraps),
             None => self.layers.drag_shares(radii),
         };
-        let spin = spin_shares(&self.chain, radii, wraps);
-        std::array::from_fn(|k| ArcDrags {
-            layers: layers[k],
-            spin: spin[k],
-        })
+        [layers, spin_shares(&self.chain, radii, wraps)]
     }
-}
-
-/// Factors of the drags on an arc.
-#[derive(Clone, Copy, Debug)]
-pub struct ArcDrags<T> {
-    /// [`Place::layer_drag`].
-    pub layers: T,
-    /// [`Place::spin`], kg/m.
-    pub spin: T,
 }
 
 impl SheavePlane {

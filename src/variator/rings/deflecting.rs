@@ -44,19 +44,24 @@ impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
             sum: ElementLoad::zero(),
         }
     }
+
+    #[inline(always)]
+    fn forces_of(&self, sum: &ElementLoad<T, D>) -> RingForces<T, D> {
+        let (nodes, theta) = sum.nodes(&self.element);
+        RingForces {
+            nodes,
+            tension: T::zero(),
+            drift: sum.s,
+            theta,
+            centres: [T::zero(); COORDINATES - 1],
+        }
+    }
 }
 
 impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn forces(&self) -> RingForces<T, D> {
-        let (nodes, theta) = self.sum.nodes(&self.element);
-        RingForces {
-            nodes,
-            tension: T::zero(),
-            drift: self.sum.s,
-            theta,
-            centres: [T::zero(); COORDINATES - 1],
-        }
+        self.forces_of(&self.sum)
     }
 }
 
@@ -135,17 +140,11 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
 
     #[inline(always)]
     fn varied_forces(&self, sum: &ElementLoad<T, D>, own: Option<usize>, beta: f64) -> RingForces<T, D> {
-        let (nodes, mut theta) = sum.nodes(&self.element);
+        let mut forces = self.forces_of(sum);
         if let Some((node, k, true)) = own.map(node_direction::<D>) {
-            theta += self.sum.slope_varied(node, k, beta, &self.element);
+            forces.theta += self.sum.slope_varied(node, k, beta, &self.element);
         }
-        RingForces {
-            nodes,
-            tension: T::zero(),
-            drift: sum.s,
-            theta,
-            centres: [T::zero(); COORDINATES - 1],
-        }
+        forces
     }
 }
 

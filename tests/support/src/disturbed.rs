@@ -114,11 +114,11 @@ pub type Equations = fn(&Belt, bool) -> Box<dyn Assembly>;
 
 /// Derivatives of the `equations` in a state, column by column: rows of the matrix, then resultants of the contact forces.
 fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand: bool) -> Vec<Vec<f64>> {
-    let (belt, law, friction) = (&*system.belt, &system.belt.law, &system.friction());
+    let (belt, friction) = (&*system.belt, &system.friction());
     let n = state.y.len();
     let (mut matrix, mut resultants) = (Arrow::new(system.shape()), ResultantDerivatives::new(n));
     equations(belt, by_hand).jacobian(
-        InForce { belt, law, friction },
+        InForce { belt, friction },
         state.view(),
         [1.0e4, 1.0e-4],
         (&mut matrix, &mut resultants),
