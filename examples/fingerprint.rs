@@ -1,6 +1,6 @@
 //! A hash of every output bit of the manoeuvre, for each ring: a change that only moves code does not change the hash.
 //!
-//! `cargo run --release --example fingerprint` prints a line per run: the case, the hash (64-bit FNV-1a over the bits of all
+//! `cargo run --release --example fingerprint` prints a line per run: the case, the hash (over the bits of all
 //! outputs after every step, and the profile at the end), and its work. Builds with the same arithmetic agree in every bit on
 //! one kind of processor.
 //!

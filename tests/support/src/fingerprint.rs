@@ -1,37 +1,39 @@
 //! A hash of every output bit of a run, for programs that compare two builds bit by bit.
 
 use std::error::Error;
+use std::hash::{DefaultHasher, Hasher};
 
+use pushbelt::fmi::table::{Table, Value};
+use pushbelt::fmi::unit::Unit;
+use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Inputs, Outputs, Profile};
+use pushbelt::variator::settings::{Inputs, Outputs, Profile, Readings};
 
 /// Communication step, s.
 pub const STEP: f64 = 1e-3;
 
 /// Outputs of a run, one row per step.
-#[derive(Default)]
-struct Figures(Vec<Vec<f64>>);
+struct Figures {
+    table: Table<Settings, Readings>,
+    rows: Vec<Vec<f64>>,
+}
 
 impl Figures {
-    /// 64-bit FNV-1a over all bits.
+    /// A hash of all bits.
     fn hash(&self) -> u64 {
-        let bytes = self.0.iter().flatten().flat_map(|value| value.to_bits().to_le_bytes());
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
-    }
-
-    fn add(&mut self, value: f64) {
-        if let Some(row) = self.0.last_mut() {
-            row.push(value);
-        }
+        let mut hasher = DefaultHasher::new();
+        self.rows
+            .iter()
+            .flatten()
+            .for_each(|value| hasher.write_u64(value.to_bits()));
+        hasher.finish()
     }
 
     /// Largest difference from the outputs of another build, as a share of the range of the output in this run.
     fn difference(&self, other: &[Vec<f64>]) -> f64 {
-        let columns = self.0.first().map_or(0, Vec::len);
+        let columns = self.rows.first().map_or(0, Vec::len);
         let of_column = |k: usize| {
-            let values = || self.0.iter().filter_map(move |row| row.get(k));
+            let values = || self.rows.iter().filter_map(move |row| row.get(k));
             let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(*x), high.max(*x))
             });
@@ -45,62 +47,22 @@ impl Figures {
         (0..columns).map(of_column).fold(0.0, f64::max)
     }
 
-    fn add_outputs(&mut self, o: &Outputs) {
-        self.0.push(Vec::new());
-        for pulley in [&o.primary, &o.secondary] {
-            for value in [
-                pulley.speed,
-                pulley.radius,
-                pulley.position,
-                pulley.axial_force,
-                pulley.shaft_torque,
-                pulley.external_torque,
-                pulley.power,
-                pulley.spiral,
-                pulley.tilt,
-            ] {
-                self.add(value);
+    /// The FMU's numbers, without those of the work and of the profile.
+    fn add_outputs(&mut self, outputs: &Outputs) {
+        let (settings, readings) = (Settings::default(), Readings::from(outputs.clone()));
+        let row = self.table.variables().iter().filter_map(|variable| {
+            let is_left_out = variable.causality.is_setting()
+                || ["solver.", "profile."].iter().any(|of| variable.name.starts_with(of));
+            match variable.value(&settings, Some(&readings)) {
+                Some(Value::Real(value)) if !is_left_out => Some(value),
+                _ => None,
             }
-        }
-        for value in [
-            o.thrust_ratio,
-            o.belt_speed,
-            o.ring_speed,
-            o.ratio_speed,
-            o.ratio_geometric,
-            o.reference_theta,
-            o.slip,
-            o.losses.sheaves,
-            o.losses.ring,
-            o.losses.other,
-            o.efficiency,
-            o.torque_utilisation,
-            f64::from(u8::from(o.macro_slip)),
-            o.push_force_max,
-            o.ring_tension_max,
-            o.ring_tension_min,
-            o.misalignment,
-            o.lateral_max,
-            o.skew,
-            o.stored_energy,
-            o.energy_residual,
-            o.belt_efficiency,
-            o.losses.layers,
-            o.losses.shafts,
-            o.losses.spin,
-            o.ring_stress.max,
-            o.ring_stress.amplitude.primary,
-            o.ring_stress.amplitude.secondary,
-            o.ring_stress.mean.primary,
-            o.ring_stress.mean.secondary,
-        ] {
-            self.add(value);
-        }
+        });
+        self.rows.push(row.collect());
     }
 
     fn add_profile(&mut self, p: &Profile) {
-        self.0.push(Vec::new());
-        for field in [
+        let fields = [
             &p.push_force,
             &p.ring_tension,
             &p.normal_force,
@@ -108,9 +70,8 @@ impl Figures {
             &p.sliding_speed,
             &p.lateral_deflection,
             &p.ring_stress,
-        ] {
-            field.iter().for_each(|&value| self.add(value));
-        }
+        ];
+        self.rows.push(fields.into_iter().flatten().copied().collect());
     }
 }
 
@@ -164,7 +125,10 @@ impl Report {
         trace: &[Inputs],
         steps: usize,
     ) -> Result<(), Box<dyn Error>> {
-        let mut figures = Figures::default();
+        let mut figures = Figures {
+            table: VariatorUnit::table(),
+            rows: Vec::new(),
+        };
         variator.initialise(0.0, &trace[0])?;
         figures.add_outputs(variator.outputs());
         for (k, inputs) in trace.iter().take(steps).enumerate() {
@@ -180,7 +144,7 @@ impl Report {
         });
         figures.add_profile(variator.profile());
         println!("{name:<34} {:016x}  {:?}{off}", figures.hash(), variator.counts());
-        self.kept.push((name.to_string(), figures.0));
+        self.kept.push((name.to_string(), figures.rows));
         Ok(())
     }
 }
