@@ -10,7 +10,6 @@ pub const NO_AVX2: &CStr =
 
 /// Whether the processor has what the code is compiled for.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
-#[must_use]
 pub fn suffices() -> bool {
     // With AVX2 enabled in the compiler, the standard library does not check the processor for it. It does check processor and
     // operating system for FMA and BMI2, and every processor with these two has AVX2.
@@ -19,7 +18,6 @@ pub fn suffices() -> bool {
 
 /// Always true: the code needs no instructions beyond the architecture's baseline.
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
-#[must_use]
 pub fn suffices() -> bool {
     true
 }

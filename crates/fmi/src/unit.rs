@@ -42,7 +42,6 @@ pub struct Identity {
 
 impl Identity {
     /// A model without author and licence, with an experiment of 1 s in steps of 1 ms.
-    #[must_use]
     pub const fn new(name: &'static str, description: &'static str) -> Self {
         Self {
             name,
@@ -70,7 +69,6 @@ pub struct Remark {
 
 impl Remark {
     /// A remark on which the user should act.
-    #[must_use]
     pub fn warning(text: String) -> Self {
         Self { warning: true, text }
     }
@@ -93,6 +91,8 @@ pub struct Moment<R> {
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
 /// [`finish`](Unit::finish). A model without internal steps goes to the end in one call of `advance`. A step that fails leaves the unit in
 /// the state before `begin`, as FMI 3.0 requires and FMI 2.0 permits: a shorter one, or one with other inputs, may be possible.
+///
+/// An error is the reason, as a sentence, if possible with variable, value and allowed range.
 pub trait Unit: Clone + Sized {
     /// Parameters and inputs. The default holds the start values.
     type Settings: Clone + Default;
@@ -112,9 +112,6 @@ pub trait Unit: Clone + Sized {
     fn table() -> Table<Self::Settings, Self::Readings>;
 
     /// The settings of a new instance, with data of the model from the folder of its resources; no folder if the importer names none.
-    ///
-    /// # Errors
-    /// The data are missing or damaged; the reason, as a sentence. There is no instance then.
     fn load(_resources: Option<&Path>) -> Result<Self::Settings, String> {
         Ok(Self::Settings::default())
     }
@@ -125,17 +122,11 @@ pub trait Unit: Clone + Sized {
     }
 
     /// Checks the settings as a whole, when a tunable parameter changes during a run.
-    ///
-    /// # Errors
-    /// The reason, as a sentence with variable, value and allowed range.
     fn check(_settings: &Self::Settings) -> Result<(), String> {
         Ok(())
     }
 
     /// Builds the model and finds its state at the start, the unit's time 0.
-    ///
-    /// # Errors
-    /// The reason, as a sentence.
     fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
 
     /// The present time since the start, s.
@@ -147,9 +138,6 @@ pub trait Unit: Clone + Sized {
 
     /// Begins a communication step from the present time to the time `to`, s, with these settings. `rates` has the time derivatives of the
     /// real inputs in the inputs' fields; none if all are held.
-    ///
-    /// # Errors
-    /// A setting is out of its range: the reason, as a sentence. Nothing has changed.
     fn begin(
         &mut self,
         to: f64,
@@ -159,10 +147,6 @@ pub trait Unit: Clone + Sized {
 
     /// Advances by one internal step, at most to the end of the communication step at the time `to`, s. Inputs that differ from those of the
     /// previous call take effect here.
-    ///
-    /// # Errors
-    /// The step is not possible: the reason, as a sentence. The communication step has ended, and the unit is in the state before
-    /// [`Unit::begin`].
     fn advance(
         &mut self,
         to: f64,
@@ -193,9 +177,6 @@ pub trait Unit: Clone + Sized {
     }
 
     /// A model into which [`Unit::serialize`] can read a state.
-    ///
-    /// # Errors
-    /// The reason, as a sentence.
     fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String> {
         Self::start(settings, experiment, &mut Vec::new())
     }

@@ -132,10 +132,7 @@ fn choose(hash: &str) -> Option<Library> {
     found.ok()
 }
 
-/// Opens the variant. Its file and the switch are not checked again if it `is_open`.
-///
-/// # Errors
-/// Why this library runs by itself.
+/// Opens the variant, or says why this library runs by itself. Its file and the switch are not checked again if it `is_open`.
 fn open(hash: &str, is_open: bool) -> Result<Library, String> {
     if !has_avx2() {
         return Err("the processor has no AVX2".to_owned());

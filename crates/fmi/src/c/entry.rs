@@ -118,10 +118,7 @@ pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallErr
 /// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as many.
 const LONGEST_TEXT: usize = 1 << 20;
 
-/// A string argument, with what is not UTF-8 replaced; `None` if it is null.
-///
-/// # Errors
-/// It is too long.
+/// A string argument, if it is not too long, with what is not UTF-8 replaced; `None` if it is null.
 ///
 /// # Safety
 /// `pointer` is null or points to a string that ends with a zero.

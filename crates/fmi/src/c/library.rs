@@ -15,9 +15,6 @@ pub struct Library(libloading::Library);
 impl Library {
     /// Loads a library, whose own libraries must be those of the system.
     ///
-    /// # Errors
-    /// The reason of the operating system.
-    ///
     /// # Safety
     /// The initialisation of the library is sound.
     pub unsafe fn open(path: &Path) -> Result<Self, String> {

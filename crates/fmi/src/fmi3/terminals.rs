@@ -28,7 +28,6 @@ const HALF_TERMINAL: f64 = 10.0;
 const SCALE: f64 = 0.1;
 
 /// The content of the file.
-#[must_use]
 pub fn terminals_and_icons(terminals: &[Terminal]) -> String {
     let system = extent("CoordinateSystem", [0.0, 0.0], HALF_SIZE).with("suggestedScalingFactorTo_mm", Number(SCALE));
     let drawn = [system, extent("Icon", [0.0, 0.0], HALF_SIZE)];

@@ -18,10 +18,7 @@ fn head(guid: &str) -> Vec<u8> {
     [&b"FMUstate"[..], &VERSION.to_le_bytes(), &guid.to_le_bytes()].concat()
 }
 
-/// The content as a stored state of the FMU with this GUID.
-///
-/// # Errors
-/// There is no content, or no memory for a copy.
+/// The content as a stored state of the FMU with this GUID, if there is content, and memory for a copy.
 pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
     let (mut bytes, head) = (Vec::new(), head(guid));
     if content.is_empty() || bytes.try_reserve_exact(head.len() + content.len() + 16).is_err() {
@@ -34,9 +31,6 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
 }
 
 /// The content, if the bytes are complete and a state of this FMU.
-///
-/// # Errors
-/// The reason, as a sentence.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let Some(rest) = bytes.strip_prefix(&*head(guid)) else {
         return Err(format!(

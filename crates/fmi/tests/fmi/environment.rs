@@ -4,64 +4,49 @@
 
 use std::arch::asm;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Environment {
-    pub mxcsr: u32,
-    pub x87: u16,
-    pub flags: u16,
-}
-
-impl Environment {
-    const fn of(mxcsr: u32, x87: u16, flags: u16) -> Self {
-        Self { mxcsr, x87, flags }
-    }
-}
+/// `MXCSR`, control word, flags.
+pub type Environment = (u32, u16, u16);
 
 /// Without traps, flushing, or flags; rounding to nearest.
-pub const DEFAULT: Environment = Environment::of(0x1f80, 0x037f, 0);
+pub const DEFAULT: Environment = (0x1f80, 0x037f, 0);
 
 /// Of hosts that trap invalid operations, divisions by zero and overflows; that take subnormal numbers as zero; that round upward, on the x87
 /// in double precision; that have flags of earlier operations.
 pub const HOSTS: [Environment; 4] = [
-    Environment::of(0x1900, 0x0372, 0),
-    Environment::of(0x9fc0, 0x037f, 0),
-    Environment::of(0x5f80, 0x0a7f, 0),
-    Environment::of(0x1fa1, 0x037f, 0x21),
+    (0x1900, 0x0372, 0),
+    (0x9fc0, 0x037f, 0),
+    (0x5f80, 0x0a7f, 0),
+    (0x1fa1, 0x037f, 0x21),
 ];
 
 #[must_use]
 pub fn present() -> Environment {
-    let mut found = Environment::of(0, 0, 0);
-    // SAFETY: the instructions write to `found`.
+    let (mut mxcsr, mut control, mut status) = (0, 0, 0);
+    // SAFETY: the instructions write to the three variables.
     unsafe {
         asm!(
             "stmxcsr [{}]", "fnstcw [{}]", "fnstsw [{}]",
-            in(reg) &raw mut found.mxcsr, in(reg) &raw mut found.x87, in(reg) &raw mut found.flags,
-            options(nostack, preserves_flags)
+            in(reg) &raw mut mxcsr, in(reg) &raw mut control, in(reg) &raw mut status, options(nostack, preserves_flags)
         );
     }
-    found.flags &= 0xff;
-    found
+    (mxcsr, control, status & 0xff)
 }
 
 /// The present environment is the default one, but for flags of calculations.
 pub fn assert_default() {
-    let found = present();
-    assert_eq!(
-        (found.mxcsr & !0x3f, found.x87, found.flags),
-        (DEFAULT.mxcsr, DEFAULT.x87, 0)
-    );
+    let (mxcsr, control, flags) = present();
+    assert_eq!((mxcsr & !0x3f, control, flags), DEFAULT);
 }
 
-pub fn set(environment: Environment) {
+pub fn set((mxcsr, control, flags): Environment) {
     let mut x87 = [0_u32; 7];
     // SAFETY: the instructions read and write what is given. What runs until the former environment is set again are calls of C functions.
     unsafe {
         asm!("fnstenv [{}]", in(reg) &raw mut x87, options(nostack, preserves_flags));
-        (x87[0], x87[1]) = (environment.x87.into(), environment.flags.into());
+        (x87[0], x87[1]) = (control.into(), flags.into());
         asm!(
             "ldmxcsr [{}]", "fldenv [{}]",
-            in(reg) &raw const environment.mxcsr, in(reg) &raw const x87, options(nostack, preserves_flags)
+            in(reg) &raw const mxcsr, in(reg) &raw const x87, options(nostack, preserves_flags)
         );
     }
 }

@@ -440,16 +440,6 @@ impl<U: Unit> Importer<U> {
         call! { self, fmi2FreeFMUstate(state), fmi3FreeFMUState(state) }
     }
 
-    fn size(&self, state: Stored) -> usize {
-        let mut size = 0;
-        let status = call! {
-            self, fmi2SerializedFMUstateSize(state, &raw mut size),
-            fmi3SerializedFMUStateSize(state, &raw mut size)
-        };
-        assert_eq!(status, Done, "{}", self.last());
-        size
-    }
-
     pub fn write_bytes(&self, state: Stored, bytes: &mut [u8]) -> Status {
         let (pointer, size) = (bytes.as_mut_ptr(), bytes.len());
         call! {
@@ -459,8 +449,13 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn bytes(&self) -> Vec<u8> {
-        let state = self.stored();
-        let mut bytes = vec![0; self.size(state)];
+        let (state, mut size) = (self.stored(), 0);
+        let status = call! {
+            self, fmi2SerializedFMUstateSize(state, &raw mut size),
+            fmi3SerializedFMUStateSize(state, &raw mut size)
+        };
+        assert_eq!(status, Done, "{}", self.last());
+        let mut bytes = vec![0; size];
         assert_eq!(self.write_bytes(state, &mut bytes), Done, "{}", self.last());
         bytes
     }

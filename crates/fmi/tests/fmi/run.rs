@@ -142,6 +142,13 @@ fn times_are_compared_with_tolerance() {
             assert_eq!(importer.step(1.1, wrong).status, Error, "{wrong}");
         }
         assert_eq!(importer.step(1.1, 0.1).status, Ok, "refused steps change nothing");
+        let [late, latest] = [1e6, 1e11].map(|start| {
+            let importer = Importer::new(version);
+            importer.start_at(start);
+            importer
+        });
+        let steps = [1e6, 1e6, 1e6 + 1e-3].map(|from| late.step(from, 1e-3).status);
+        assert_eq!((steps, latest.step(1e11, 1.0).status), ([Ok, Error, Ok], Error));
     }
 }
 

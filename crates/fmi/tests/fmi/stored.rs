@@ -73,17 +73,15 @@ fn a_state_of_event_mode_fits_every_instance() {
 
 #[test]
 fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
-    let stopping = |version, stop| {
-        let importer = Importer::new(version);
-        assert_eq!(importer.enter(experiment(0.0, Some(stop))), Ok);
-        importer
-    };
     for version in BOTH {
-        let importer = stopping(version, 1.0);
+        let [importer, other] = [1.0, 2.0].map(|stop| {
+            let importer = Importer::new(version);
+            assert_eq!(importer.enter(experiment(0.0, Some(stop))), Ok);
+            importer
+        });
         assert_eq!(importer.exit(), Ok);
         assert_eq!(importer.step(0.0, 1.0).status, Ok);
         let bytes = importer.bytes();
-        let other = stopping(version, 2.0);
         assert_eq!(other.continue_from(&bytes), Ok);
         assert_eq!(other.step(1.0, 1.0).status, Ok);
         other.assert(other.step(2.0, 1.0).status, Error, "stop time 2 s");

@@ -16,15 +16,6 @@ fn running_from(version: Version, start: f64) -> Importer {
     importer
 }
 
-#[test]
-fn a_late_step_that_has_been_done_is_refused() {
-    let importer = running_from(Two, 1e6);
-    assert_eq!(importer.step(1e6, 1e-3).status, Ok);
-    assert_eq!(importer.step(1e6, 1e-3).status, Error, "this step has been done");
-    assert_eq!(importer.step(1e6 + 1e-3, 1e-3).status, Ok);
-    assert_eq!(running_from(Two, 1e11).step(1e11, 1.0).status, Error, "too late");
-}
-
 /// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the point at which the next one begins.
 #[test]
 fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
