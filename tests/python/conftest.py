@@ -27,7 +27,7 @@ from pushbelt.fmu.unit import Archive  # noqa: E402
 from pushbelt.variator import Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
-SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "wheel"}
+SLOW_FIXTURES = {"coupling", "lag", "paper_fmu", "place", "wheel"}
 """Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {"ring.model": RingModel.ALE0, **dict.fromkeys(("mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"), 4), "initial.steady": False}

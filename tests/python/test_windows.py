@@ -28,8 +28,14 @@ OF_LINUX = "binaries/linux64/PushbeltVariator.so"
 ASKED = "PUSHBELT_ZIG" in os.environ
 """Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine."""
 
-Build = tuple[Path, bool]  # A library, and whether it may open its variant for AVX2
-Host = Callable[[Build, "Path | None", str], tuple[np.ndarray, Path]]
+BUILDS = {
+    "windows": (OF_WINDOWS, False), "linux, AVX2": (OF_LINUX, True), "windows, AVX2": (OF_WINDOWS, True), "linux": (OF_LINUX, False),
+    "this machine": (os.environ.get("PUSHBELT_LIBRARY", ""), False),
+}  # fmt: skip
+"""Libraries, and whether they may open their variant for AVX2. Each differs in system or in the width of its packs from the one before, and the
+first one from the last."""
+NAMES = tuple(BUILDS)
+Host = Callable[[str, "Path | None", str], tuple[np.ndarray, Path]]
 """Runs the program: build, stored state to start from, name → readings at both stops, and the state stored at the first."""
 
 
@@ -92,8 +98,8 @@ def host(place: Path, description) -> Host:
     # Neither .NET nor a browser is installed into the fresh folder.
     wine_only = {"WINEPREFIX": str(place / "wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree=;mshtml="}
 
-    def run(build: Build, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
-        library, avx2 = build
+    def run(build: str, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
+        library, avx2 = place / BUILDS[build][0], BUILDS[build][1]
         stored, readings = place / f"{name}.state", place / f"{name}.txt"
         windows = library.suffix == ".dll"
         program = [wine(), place / "host.exe"] if windows else [place / "host"]
@@ -108,21 +114,9 @@ def host(place: Path, description) -> Host:
 
 
 @pytest.fixture(scope="module")
-def libraries(place: Path) -> dict[str, Build]:
-    """The five builds of one version."""
-    return {
-        "windows": (place / OF_WINDOWS, False),
-        "windows, AVX2": (place / OF_WINDOWS, True),
-        "linux": (place / OF_LINUX, False),
-        "linux, AVX2": (place / OF_LINUX, True),
-        "this machine": (Path(os.environ["PUSHBELT_LIBRARY"]), False),
-    }
-
-
-@pytest.fixture(scope="module")
-def first(host: Host, libraries: dict[str, Build]) -> dict[str, tuple[np.ndarray, Path]]:
+def first(host: Host) -> dict[str, tuple[np.ndarray, Path]]:
     """The run of each library, and its stored state."""
-    return {name: host(library, None, name) for name, library in libraries.items()}
+    return {build: host(build, None, build) for build in BUILDS}
 
 
 @pytest.fixture(scope="module")
@@ -130,8 +124,6 @@ def sizes(description) -> np.ndarray:
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
-BUILDS = ("windows", "linux, AVX2", "windows, AVX2", "linux", "this machine")
-"""Each differs in system or in the width of its packs from the one before, and the first one from the last."""
 SAME = 1e-10
 """Systems have different implementations of the sine; the portable builds agree in everything else. The effect is 2e-11."""
 ROUNDING = 1e-9
@@ -164,11 +156,9 @@ def test_the_variant_for_avx2_runs_where_it_may(first, system: str) -> None:
     assert not np.array_equal(first[f"{system}, AVX2"][0], first[system][0])
 
 
-@pytest.mark.parametrize(("writer", "reader"), [(BUILDS[other], one) for k, one in enumerate(BUILDS) for other in (k, k - 1)])
-def test_each_build_continues_from_its_own_state_and_from_that_of_another(
-    host: Host, libraries: dict[str, Build], first, sizes: np.ndarray, writer: str, reader: str
-) -> None:
-    found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
+@pytest.mark.parametrize(("writer", "reader"), [(NAMES[other], one) for k, one in enumerate(NAMES) for other in (k, k - 1)])
+def test_each_build_continues_from_its_own_state_and_from_that_of_another(host: Host, first, sizes: np.ndarray, writer: str, reader: str) -> None:
+    found, again = host(reader, first[writer][1], f"{reader} after {writer}")
     expected = first[reader][0]
     assert np.max(np.abs(found - expected) / sizes) < (ROUNDING if lanes(reader) == lanes(writer) else OTHER_LANES)
     if reader == writer:
