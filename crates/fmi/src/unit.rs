@@ -112,6 +112,9 @@ pub trait Unit: Clone + Sized {
     fn table() -> Table<Self::Settings, Self::Readings>;
 
     /// The settings of a new instance, with data of the model from the folder of its resources; no folder if the importer names none.
+    ///
+    /// # Errors
+    /// The data are missing or damaged. There is no instance then.
     fn load(_resources: Option<&Path>) -> Result<Self::Settings, String> {
         Ok(Self::Settings::default())
     }
@@ -138,6 +141,9 @@ pub trait Unit: Clone + Sized {
 
     /// Begins a communication step from the present time to the time `to`, s, with these settings. `rates` has the time derivatives of the
     /// real inputs in the inputs' fields; none if all are held.
+    ///
+    /// # Errors
+    /// A setting is out of its range. Nothing has changed.
     fn begin(
         &mut self,
         to: f64,
@@ -147,6 +153,9 @@ pub trait Unit: Clone + Sized {
 
     /// Advances by one internal step, at most to the end of the communication step at the time `to`, s. Inputs that differ from those of the
     /// previous call take effect here.
+    ///
+    /// # Errors
+    /// The step is not possible. The communication step has ended, and the unit is in the state before [`Unit::begin`].
     fn advance(
         &mut self,
         to: f64,
