@@ -15,7 +15,8 @@
     /** Legends whose sample has not the colour, width, dash and opacity of a line of its name. */
     legends: () => [...document.querySelectorAll('.keys button')].filter((key) => key.querySelector('path.line')).flatMap((key) => {
         const sample = key.querySelector('path.line'), name = key.childNodes[1].textContent;
-        const look = (path, opacity) => [...['stroke', 'strokeWidth', 'strokeDasharray'].map((one) => getComputedStyle(path)[one]), Number(opacity)].join(' ');
+        const look = (path, opacity) =>
+            [...['stroke', 'strokeWidth', 'strokeDasharray'].map((one) => getComputedStyle(path)[one]), Number(opacity)].join(' ');
         const shown = look(sample, sample.closest('svg').getAttribute('opacity'));
         const drawn = [...key.closest('.chart').querySelectorAll('.plot')].flatMap((plot) =>
             [...plot.querySelectorAll('.scatterlayer .trace')].filter((trace) => trace.__data__[0].trace.name === name)
@@ -28,8 +29,8 @@
         const outer = plot.getBoundingClientRect();
         const seen = (selector) => [...plot.querySelectorAll(selector)].map((one) => ({ text: one.textContent, box: one.getBoundingClientRect() }))
             .filter(({ text, box }) => text.trim() && box.width > 0);
-        const complaints = [...plot.querySelectorAll('text')].filter((one) => one.textContent.trim() && parseFloat(getComputedStyle(one).fontSize) < 11.9)
-            .map((one) => `small: ${one.textContent}`);
+        const small = (one) => one.textContent.trim() && parseFloat(getComputedStyle(one).fontSize) < 11.9;
+        const complaints = [...plot.querySelectorAll('text')].filter(small).map((one) => `small: ${one.textContent}`);
         for (const { text, box } of [...seen('.xtick text, .ytick text'), ...seen('.xtitle, .ytitle')]) {
             if (box.left < outer.left - 1 || box.right > outer.right + 1 || box.top < outer.top - 1 || box.bottom > outer.bottom + 1) {
                 complaints.push(`cut off: ${text}`);
@@ -41,8 +42,8 @@
             ticks.slice(1).filter((tick, k) => tick.box[from] < ticks[k].box[to] - slack).forEach(({ text }) => complaints.push(`overlap: ${text}`));
         }
         const labels = seen('.annotation-text').sort((a, b) => a.box.left - b.box.left);
-        labels.slice(1).filter(({ box }, k) => box.left < labels[k].box.right - 1 && box.top < labels[k].box.bottom - 3 && labels[k].box.top < box.bottom - 3)
-            .forEach(({ text }) => complaints.push(`overlap: ${text}`));
+        const overlap = (one, other) => one.left < other.right - 1 && one.top < other.bottom - 3 && other.top < one.bottom - 3;
+        labels.slice(1).filter(({ box }, k) => overlap(box, labels[k].box)).forEach(({ text }) => complaints.push(`overlap: ${text}`));
         return complaints;
     }),
 
