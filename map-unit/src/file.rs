@@ -94,17 +94,18 @@ impl Tables {
             file.risen(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES)
         });
         let traction = file.rising("traction", [1, share.len()], UTILISATION)?;
-        let [[back, ahead], [back_slip, ahead_slip]] = [
-            file.pair("capacity", CAPACITY)?,
-            file.pair("capacitySlip", CAPACITY_SLIP)?,
-        ];
+        let (capacity, slip) = (
+            file.pairs("capacity", CAPACITY)?,
+            file.pairs("capacitySlip", CAPACITY_SLIP)?,
+        );
+        let limits = capacity.chunks(2).zip(slip.chunks(2));
         Ok(Self {
             parameters: parameters_of(&document)?,
             hash: hash::of_bytes(bytes),
             belt: Sheet::of(along, [thrust_ratio, torque_loss, bearing_load]),
             traction: file.risen(&traction, &share, SHARES),
             shift_rates: shift_rates.collect(),
-            limits: Sheet::of(Even::between(0.0, 0.0, 1), [back, ahead, back_slip, ahead_slip]),
+            limits: limits.map(|(of, at)| [of[0], of[1], at[0], at[1]]).collect(),
             forces,
             speeds: speeds.iter().map(|speed| speed * speed).collect(),
             ratios: file.even_ratios(),
@@ -149,12 +150,12 @@ impl File<'_> {
     }
 
     /// The values against and along the direction of running, whose signs are those of the direction; refined along the ratio.
-    fn pair(&self, name: &str, [least, most]: Range) -> Result<[Vec<f64>; 2], String> {
+    fn pairs(&self, name: &str, [least, most]: Range) -> Result<Vec<f64>, String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
         within(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
         within(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
-        Ok([of(0), of(1)].map(|values| self.along_ratio(&values, 1)))
+        Ok(self.along_ratio(&values, 2))
     }
 
     /// Checks the number of values before memory is taken, from the lengths of the last axes and the number of tables of shift rates.

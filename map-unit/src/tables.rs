@@ -100,7 +100,7 @@ pub struct Tables {
     /// Shift rates at each utilisation.
     pub(crate) shift_rates: Vec<Sheet<1>>,
     /// Utilisations and slips at capacity, without another axis.
-    pub(crate) limits: Sheet<4>,
+    pub(crate) limits: Vec<[f64; 4]>,
 }
 
 impl Tables {
@@ -108,20 +108,19 @@ impl Tables {
     #[must_use]
     pub fn place(&self, force: f64, speed: f64, log_ratio: f64) -> Place {
         let square = speed * speed;
-        let counts = [self.forces.len(), self.speeds.len(), self.ratios.count];
-        let found = [
-            interval(&self.forces, force),
-            interval(&self.speeds, square),
-            self.ratios.find(log_ratio),
-        ];
+        // Both ends of the interval on an axis, with their weights.
+        let ends = |(k, share): (usize, f64), count: usize| [(k, 1.0 - share), ((k + 1).min(count - 1), share)];
+        let (speeds, ratios) = (self.speeds.len(), self.ratios.count);
+        let force_ends = ends(interval(&self.forces, force), self.forces.len());
+        let speed_ends = ends(interval(&self.speeds, square), speeds);
+        let ratio_ends = ends(self.ratios.find(log_ratio), ratios);
         let lines = std::array::from_fn(|corner| {
-            let (mut line, mut weight) = (0, 1.0);
-            for (n, (k, share)) in found.into_iter().enumerate() {
-                let is_next = corner >> (2 - n) & 1 == 1;
-                line = line * counts[n] + if is_next { (k + 1).min(counts[n] - 1) } else { k };
-                weight *= if is_next { share } else { 1.0 - share };
-            }
-            (line, weight)
+            let ((f, a), (s, b), (r, c)) = (
+                force_ends[corner >> 2],
+                speed_ends[corner >> 1 & 1],
+                ratio_ends[corner & 1],
+            );
+            ((f * speeds + s) * ratios + r, a * b * c)
         });
         let beyond = |axis: &[f64], value: f64| axis.last().is_some_and(|last| value > *last);
         // Rounding of a ratio at the border is no reason for a remark.
@@ -134,7 +133,13 @@ impl Tables {
     /// Utilisations and slips at capacity: of each, where the secondary and where the primary pulley drives.
     #[must_use]
     pub fn limits(&self, place: &Place) -> [f64; 4] {
-        self.limits.at(place, 0.0).0
+        let mut mean = [0.0; 4];
+        for (line, weight) in place.lines {
+            for (mean, value) in mean.iter_mut().zip(self.limits[line]) {
+                *mean += weight * value;
+            }
+        }
+        mean
     }
 
     /// −d(ln i)/dt / ω_P at an excess ln(F_P/(κ F_S)), 1/rad, and its slope over the excess.

@@ -96,11 +96,12 @@ impl MapUnit {
     /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
         let frame = self.law.frame(&self.state, &self.acting);
-        let opening = self
-            .law
-            .parameters
-            .opening(&self.acting.inputs, frame.closing, self.time);
-        if let Some(text) = opening.filter(|_| !self.opened) {
+        let opening = || {
+            self.law
+                .parameters
+                .opening(&self.acting.inputs, frame.closing, self.time)
+        };
+        if let Some(text) = (!self.opened).then(opening).flatten() {
             self.opened = true;
             remarks.push(Remark::warning(text));
         }

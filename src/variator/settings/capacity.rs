@@ -122,6 +122,7 @@ impl std::fmt::Display for Demand {
 
 impl Parameters {
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
+    #[inline]
     #[must_use]
     pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
         PerPulley::from_fn(|j| {
@@ -145,16 +146,14 @@ impl Parameters {
     /// The pressure that opens a pulley at a time, s, under these [closing](Self::closing) forces, N.
     #[must_use]
     pub fn opening(&self, inputs: &Inputs, closing: PerPulley<f64>, time: f64) -> Option<String> {
-        clamped(self).find_map(|pulley| {
-            let (given, total) = (inputs.pulley(pulley), closing[pulley]);
-            let (name, pressure, force, shown) = (pulley.name(), given.pressure, given.clamping_force, short(total));
-            (total <= 0.0 && total < force).then(|| {
-                format!(
-                    "at {time} s {name}.pressure = {pressure} Pa opens the {name} pulley: with clampingForce = {force} N, spring and rotating \
-                     oil the force on its sheave is {shown} N"
-                )
-            })
-        })
+        let opens = |j: &Pulley| closing[*j] <= 0.0 && closing[*j] < inputs.pulley(*j).clamping_force;
+        let pulley = clamped(self).find(opens)?;
+        let (name, given, total) = (pulley.name(), inputs.pulley(pulley), short(closing[pulley]));
+        Some(format!(
+            "at {time} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the force on \
+             its sheave is {total} N",
+            given.pressure, given.clamping_force
+        ))
     }
 
     /// Name of the variable of a pulley that has this force.
