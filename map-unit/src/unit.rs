@@ -271,15 +271,13 @@ impl MapUnit {
     fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
         let frame = self.frame();
         for j in [Pulley::Primary, Pulley::Secondary] {
-            let (name, given, force) = (j.name(), self.acting.pulley(j), frame.closing[j]);
             let is_free = self.parameters().pulley(j).axial == Axial::Force;
-            if !self.opened && is_free && force <= 0.0 && force < given.clamping_force {
+            if !self.opened
+                && is_free
+                && let Some(text) = self.acting.pulley(j).opening(j, self.time, frame.closing[j])
+            {
                 self.opened = true;
-                remarks.push(Remark::warning(format!(
-                    "at {} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the \
-                     force on its sheave is {force:.1} N",
-                    self.time, given.pressure, given.clamping_force
-                )));
+                remarks.push(Remark::warning(text));
             }
         }
         if frame.place.outside && !self.logged {

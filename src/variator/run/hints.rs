@@ -102,13 +102,7 @@ fn opening(simulation: &Simulation) -> Option<String> {
         let given = inputs.pulley(pulley);
         let push = simulation.system.pulleys().push(pulley, simulation.state.view());
         let total = given.force(&parameters.pulley(pulley).cylinder) + push;
-        (total <= 0.0 && total < given.clamping_force).then(|| {
-            format!(
-                "at {} s {2}.pressure = {} Pa opens the {} pulley: with clampingForce = {} N, spring and rotating oil the force on its sheave \
-                 is {} N",
-                simulation.time, given.pressure, pulley.name(), given.clamping_force, short(total)
-            )
-        })
+        given.opening(pulley, simulation.time, total)
     })
 }
 
@@ -116,14 +110,8 @@ fn opening(simulation: &Simulation) -> Option<String> {
 fn same_sign(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
-    let steady = parameters.initial.steady
-        && simulation
-            .system
-            .belt
-            .shaft_speeds(simulation.state.view())
-            .primary
-            .abs()
-            > 1.0;
+    let speed = simulation.system.belt.shaft_speeds(simulation.state.view()).primary;
+    let steady = parameters.initial.steady && speed.abs() > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
     let balancing = parameters.initial.ratio * primary;
     let found =

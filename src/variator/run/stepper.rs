@@ -17,7 +17,7 @@ use crate::variator::settings::signals::Work;
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
     sdirk: Sdirk,
-    real_time: Option<RealTime>,
+    pub(super) real_time: Option<RealTime>,
     /// Time over which loads change alike, in steps; none before the first of them.
     span: Option<Span>,
     /// How many times more steps a tolerance tighter than the default takes.

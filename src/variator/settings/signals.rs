@@ -2,6 +2,7 @@
 
 use crate::cylinder::Cylinder;
 use crate::pulley::{PerPulley, Pulley};
+use crate::variator::settings::capacity::short;
 pub use crate::variator::settings::choices::StartState;
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
@@ -25,6 +26,19 @@ impl PulleyInputs {
     #[must_use]
     pub fn force(&self, cylinder: &Cylinder) -> f64 {
         self.clamping_force + cylinder.area * self.pressure
+    }
+
+    /// A remark on a pressure that opens the pulley at a time, s, where the force on its sheave is `total`, N; none where it closes.
+    #[must_use]
+    pub fn opening(&self, pulley: Pulley, time: f64, total: f64) -> Option<String> {
+        let (name, pressure, clamping) = (pulley.name(), self.pressure, self.clamping_force);
+        (total <= 0.0 && total < clamping).then(|| {
+            format!(
+                "at {time} s {name}.pressure = {pressure} Pa opens the {name} pulley: with clampingForce = {clamping} N, spring and rotating oil \
+                 the force on its sheave is {} N",
+                short(total)
+            )
+        })
     }
 }
 
