@@ -1,8 +1,7 @@
 //! The linear model against the variator itself: small steps of each load.
 
 use nalgebra::DMatrix;
-use pushbelt::pulley::Pulley;
-use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, linearise_at, modes};
+use pushbelt::variator::linear::{LinearError, LinearModel, linearise, linearise_at, modes};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters, RingModel};
 use pushbelt_support::run::started;
@@ -66,14 +65,10 @@ fn the_linear_model_follows_small_steps_of_each_load() {
     let times = [0.01, 0.02, 0.05, 0.1, 0.2];
     assert_eq!(model.loads.len(), 4);
     for (l, load) in model.loads.iter().enumerate() {
-        let size = match load {
-            Load::ClampingForce(_) => 5.0,
-            Load::Torque(_) => 0.01,
-            Load::Pressure(_) | Load::SpeedSetpoint(_) => unreachable!("torque drive, no cylinder"),
-        };
+        let size = if load.unit() == "N" { 5.0 } else { 0.01 };
         let [less, more] = [-size, size].map(|by| {
             let mut inputs = model.inputs;
-            *load.field(&mut inputs) += by;
+            load.add(by, &mut inputs);
             run(&inputs, &start, &times)
         });
         let linear: Vec<Vec<f64>> = times.iter().map(|time| response(&model, l, *time)).collect();
@@ -112,8 +107,11 @@ fn the_gain_is_that_of_a_run() {
         let model = linearise(&parameters, &inputs, 100.0, &[RATIO]).expect("a linear model");
         assert!(model.a.len() < 40, "{} states up to 100 Hz", model.a.len());
         let start = started(parameters, &inputs);
-        let force = Load::ClampingForce(Pulley::Primary);
-        let force = model.loads.iter().position(|load| *load == force).expect("a load");
+        let force = model
+            .loads
+            .iter()
+            .position(|load| load.name() == "primary.clampingForce");
+        let force = force.expect("a load");
         let size = 20.0;
         let [less, more] = [-size, size].map(|step| {
             let mut inputs = model.inputs;

@@ -46,7 +46,7 @@ pub fn linear_model<R: Rings>(
     let found = found.map_err(|error| error.to_string())?;
     let differs = |text: &String| format!("the linear model is not about the specified point: {text}");
     remarks.extend(found.remarks.iter().map(differs).map(Remark::warning));
-    Ok(format!("{:#}", in_words(&found, &table, &columns, frequency, time)))
+    Ok(format!("{:#}", in_words(&found, &columns, frequency, time)))
 }
 
 /// Real outputs of the interface.
@@ -66,22 +66,10 @@ fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column<'_>> {
     column.collect()
 }
 
-fn in_words<R: Rings>(
-    model: &LinearModel,
-    table: &Table<Settings<R>, Readings>,
-    columns: &[Column<'_>],
-    frequency: f64,
-    time: f64,
-) -> Value {
-    let unit_of = |name: &str| match table.by_name(name).map(|variable| &variable.kind) {
-        Some(Kind::Real { unit, .. }) => *unit,
-        _ => "1",
-    };
-    let (mut given, mut held) = (model.given, model.inputs);
-    let mut load = |load: &Load| {
-        let name = load.name();
-        let (given, held) = (*load.field(&mut given), *load.field(&mut held));
-        json!({"name": name, "unit": unit_of(name), "given": given, "held": held})
+fn in_words(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f64) -> Value {
+    let load = |load: &Load| {
+        let (given, held) = (load.of(&model.given), load.of(&model.inputs));
+        json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
     let at: Readings = (*model.outputs).clone().into();
     let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&at)});
@@ -89,7 +77,7 @@ fn in_words<R: Rings>(
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},
         "time": {"unit": "s", "value": time},
-        "inputs": model.loads.iter().map(&mut load).collect::<Vec<_>>(),
+        "inputs": model.loads.iter().map(load).collect::<Vec<_>>(),
         "outputs": columns.iter().map(output).collect::<Vec<_>>(),
         "states": states(&model.poles),
         "poles": model.poles,

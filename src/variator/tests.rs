@@ -10,8 +10,6 @@ use crate::solver::System;
 use crate::solver::newton::Newton;
 use pushbelt_support::noise;
 
-/// Time of the residual, s: the loads are constant.
-const TIME: f64 = 0.0;
 /// Clamping forces, N.
 const CLAMPING: PerPulley<f64> = PerPulley {
     secondary: 1.0e4,
@@ -51,8 +49,8 @@ fn mirrored_in_the_plane() {
         }
     }
     let (mut rows, mut reflected) = (vec![0.0; size.len()], vec![0.0; size.len()]);
-    system.residual(TIME, state.view(), &mut rows);
-    other.residual(TIME, mirrored.view(), &mut reflected);
+    system.residual(0.0, state.view(), &mut rows);
+    other.residual(0.0, mirrored.view(), &mut reflected);
     for &i in &places {
         reflected[i] = -reflected[i];
     }

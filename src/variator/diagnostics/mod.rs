@@ -10,8 +10,6 @@ pub mod observe;
 
 /// Rim speed below which slip and the ratio of the speeds are 0, m/s.
 const NO_SPEED: f64 = 1.0e-3;
-/// Shaft power below which an efficiency is 0, W.
-const NO_POWER: f64 = 1.0e-3;
 /// Normal force per flank and length up to which a profile shows no sliding, N/m: a hundredth of that of an arc under 1 kN.
 const UNLOADED: f64 = 100.0;
 /// Mean sliding speed from which a pulley slips through, as shares of the regularisation velocity and of the rim speed: micro-slip of a belt
@@ -19,9 +17,8 @@ const UNLOADED: f64 = 100.0;
 const SLIPPING: [f64; 2] = [10.0, 0.02];
 /// Least share of the load that slides one way then.
 const ONE_WAY: f64 = 0.99;
-/// The same two to stay in macro-slip: a share of the mean sliding speed, and of the load.
+/// Share of the mean sliding speed from which it still slips through then.
 const STILL_SLIPPING: f64 = 0.5;
-const STILL_ONE_WAY: f64 = 0.9;
 /// Share of the difference between the strands by which the push force changes at the end of the idle arc.
 const IDLE_CHANGE: f64 = 0.1;
 /// Difference between the push forces of the strands below which the whole wrap is idle, N.

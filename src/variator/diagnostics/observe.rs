@@ -9,7 +9,7 @@ use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sliding};
 use crate::variator::diagnostics::idle_arc::idle_arcs;
-use crate::variator::diagnostics::{NO_POWER, NO_SPEED, ONE_WAY, SLIPPING, STILL_ONE_WAY, STILL_SLIPPING, UNLOADED};
+use crate::variator::diagnostics::{NO_SPEED, ONE_WAY, SLIPPING, STILL_SLIPPING, UNLOADED};
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
 use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs};
 use crate::variator::system::VariatorSystem;
@@ -202,7 +202,7 @@ impl Outputs {
 /// belt at each side, W.
 fn efficiency([primary, secondary]: [f64; 2]) -> f64 {
     let (driving, driven) = (primary.max(secondary), -primary.min(secondary));
-    if driving < NO_POWER {
+    if driving < NO_FORCE * NO_SPEED {
         return 0.0;
     }
     // Avoids −0 where the driven shaft stands still.
@@ -295,13 +295,9 @@ pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSum
         } = sums.sliding[j];
         let omega = view.y[system.belt.layout.shaft_speed(j)];
         let limit = SLIPPING[0] * system.friction_velocity + SLIPPING[1] * (omega * radii[j]).abs();
-        let (share, speed) = if before {
-            (STILL_ONE_WAY, STILL_SLIPPING * limit)
-        } else {
-            (ONE_WAY, limit)
-        };
-        let one_way = (forward / load).max(1.0 - forward / load);
-        load >= NO_FORCE && one_way > share && (weighted / load).abs() > speed
+        let mean = (weighted / load).abs();
+        let one_way = (forward / load).max(1.0 - forward / load) > ONE_WAY;
+        load >= NO_FORCE && (one_way && mean > limit || before && mean > STILL_SLIPPING * limit)
     })
 }
 

@@ -56,14 +56,15 @@ impl Descriptor {
         }
     }
 
-    /// A direction of the state from one of x and its rate.
-    pub fn direction(&self, x: &[f64], rate: &[f64]) -> State {
-        let n = x.len() - self.positions.len();
+    /// A direction of the state from a column of x and of its rates.
+    pub fn direction(&self, x: &Mat<f64>, rates: &Mat<f64>, column: usize) -> State {
+        let n = x.nrows() - self.positions.len();
         let mut direction = State::zero(n);
-        direction.y.copy_from_slice(&x[..n]);
-        direction.y_dot.copy_from_slice(&rate[..n]);
-        for (&i, q) in self.positions.iter().zip(&x[n..]) {
-            direction.q[i] = *q;
+        for i in 0..n {
+            (direction.y[i], direction.y_dot[i]) = (x[(i, column)], rates[(i, column)]);
+        }
+        for (k, &i) in self.positions.iter().enumerate() {
+            direction.q[i] = x[(n + k, column)];
         }
         direction
     }

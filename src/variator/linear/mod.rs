@@ -20,11 +20,9 @@ pub use modes::modes;
 pub use working_point::LinearError;
 
 /// Fraction of the cut-off that is the shift: eigenvalues near the shift have the least rounding errors, and the slowest ones are the closest
-/// to each other. A tenth of it: up to 7e-7 of the poles, and D to its own error by differences, 6e-4.
-const SHIFT: f64 = 0.01;
-/// Fraction of the cut-off at which the static gain is evaluated. It is not 0, because of the neutral modes. Ten times as much: up to a tenth
-/// of D, which then has no longer the static gain.
-const NEARLY_STATIC: f64 = 1.0e-3;
+/// to each other. The static gain is evaluated there too, not at 0, because of the neutral modes. Ten times as much: up to 7e-7 of the poles, but
+/// a tenth of D, which then has no longer the static gain.
+const SHIFT: f64 = 1.0e-3;
 /// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay. The slowest mode that loads
 /// excite crosses zero between working points and is then some 1e-3. Half or double: nothing.
 const NEUTRAL: f64 = 1.0e-5;
@@ -32,6 +30,3 @@ const NEUTRAL: f64 = 1.0e-5;
 const STEADY: f64 = 1.0e-4;
 /// Largest relative difference between a specified load and the required one that causes no remark.
 const SAME: f64 = 0.01;
-/// Least sizes of loads in this comparison, N and N·m: drag alone changes a torque of zero.
-const FORCE_SCALE: f64 = 5.0e3;
-const TORQUE_SCALE: f64 = 50.0;

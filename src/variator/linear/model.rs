@@ -1,12 +1,12 @@
 //! The linear model: slow modes as its states, faster ones as its direct part.
 
-use faer::Mat;
 use faer::linalg::solvers::Solve;
+use faer::{Mat, Scale};
 
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::diagnostics::observe::Observer;
-use crate::variator::linear::NEARLY_STATIC;
+use crate::variator::linear::SHIFT;
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
 use crate::variator::linear::modes::slow_modes;
@@ -40,49 +40,6 @@ pub struct LinearModel {
     pub poles: Vec<[f64; 2]>,
     /// Differences from the specified working point: the belt slips through, or other loads hold it. One sentence each.
     pub remarks: Vec<String>,
-}
-
-/// The descriptor system projected on its slow modes.
-struct SlowSystem {
-    /// Right modes, a column each, and their rates.
-    right: Mat<f64>,
-    rates: Mat<f64>,
-    a: Mat<f64>,
-    b: Mat<f64>,
-    poles: Vec<[f64; 2]>,
-}
-
-impl SlowSystem {
-    /// Oblique projection on the modes slower than `cut_off`, 1/s; none if there are none.
-    fn new(descriptor: &Descriptor, b: &Mat<f64>, cut_off: f64) -> Result<Option<Self>, LinearError> {
-        let (right, left, poles) = slow_modes(descriptor, cut_off)?;
-        if right.ncols() == 0 {
-            return Ok(None);
-        }
-        let factor = (&left * &descriptor.e * &right).partial_piv_lu();
-        let a = factor.solve(&left * &descriptor.a * &right);
-        let b = factor.solve(&left * b);
-        Ok(Some(Self {
-            rates: &right * &a,
-            right,
-            a,
-            b,
-            poles,
-        }))
-    }
-
-    /// Columns of x for each load, and their rates, that the slow modes leave of the whole system's response at the
-    /// nearly static frequency `sigma`, 1/s.
-    fn remainder(&self, descriptor: &Descriptor, b: &Mat<f64>, sigma: f64) -> Vec<[Vec<f64>; 2]> {
-        let whole = descriptor.factors(sigma).solve(b);
-        let modes = self.a.nrows();
-        let slow = (Mat::<f64>::identity(modes, modes) * faer::Scale(sigma) - &self.a)
-            .partial_piv_lu()
-            .solve(&self.b);
-        let x = &whole - &self.right * &slow;
-        let rate = whole * faer::Scale(sigma) - &self.rates * &slow;
-        (0..b.ncols()).map(|l| [column(&x, l), column(&rate, l)]).collect()
-    }
 }
 
 /// The linear model about the steady state at the initial ratio and speed: modes below `frequency`, Hz, and the outputs
@@ -123,20 +80,31 @@ fn about(
     let descriptor = Descriptor::new(&mut point.system, &point.state);
     let b = load_columns(&mut point, &loads, descriptor.a.nrows());
     let cut_off = std::f64::consts::TAU * frequency;
-    let slow = SlowSystem::new(&descriptor, &b, cut_off)?.ok_or(LinearError::NoMode(frequency))?;
-    let mut differentiate = |load: Option<Load>, column: &[f64], rate: &[f64]| {
-        derivatives_along(&mut point, load, &descriptor.direction(column, rate), read)
+    let shift = SHIFT * cut_off;
+    let factors = descriptor.factors(shift);
+    let (right, left, poles) = slow_modes(&descriptor, &factors, cut_off)?;
+    if right.ncols() == 0 {
+        return Err(LinearError::NoMode(frequency));
+    }
+    // Oblique projection on the slow modes.
+    let projection = (&left * &descriptor.e * &right).partial_piv_lu();
+    let slow_a = projection.solve(&left * &descriptor.a * &right);
+    let slow_b = projection.solve(&left * &b);
+    let rates = &right * &slow_a;
+    // What the slow modes leave of the response of the whole system to each load: that of the slow modes is large here, and sliding depends on it
+    // nonlinearly.
+    let whole = factors.solve(&b);
+    let identity = Mat::<f64>::identity(poles.len(), poles.len());
+    let slow = (identity * Scale(shift) - &slow_a).partial_piv_lu().solve(&slow_b);
+    let (rest, rest_rates) = (&whole - &right * &slow, &whole * Scale(shift) - &rates * &slow);
+    let mut differentiate = |load: Option<Load>, x: &Mat<f64>, rates: &Mat<f64>, k: usize| {
+        derivatives_along(&mut point, load, &descriptor.direction(x, rates, k), read)
     };
-    let c: Vec<Vec<f64>> = (0..slow.right.ncols())
-        .map(|k| differentiate(None, &column(&slow.right, k), &column(&slow.rates, k)))
-        .collect();
-    // The response of the slow modes is subtracted before outputs are differentiated: it is large here, and sliding depends
-    // on it nonlinearly.
-    let d: Vec<Vec<f64>> = slow
-        .remainder(&descriptor, &b, NEARLY_STATIC * cut_off)
-        .iter()
-        .zip(&loads)
-        .map(|([x, rate], load)| differentiate(Some(*load), x, rate))
+    let c = (0..poles.len()).map(|k| differentiate(None, &right, &rates, k));
+    let c: Vec<Vec<f64>> = c.collect();
+    let d = loads.iter().enumerate();
+    let d: Vec<Vec<f64>> = d
+        .map(|(l, load)| differentiate(Some(*load), &rest, &rest_rates, l))
         .collect();
     Ok(LinearModel {
         remarks: departures(&loads, &point),
@@ -144,17 +112,12 @@ fn about(
         inputs: point.inputs,
         outputs: point.outputs,
         loads,
-        a: rows(&slow.a),
-        b: rows(&slow.b),
+        a: rows(&slow_a),
+        b: rows(&slow_b),
         c: transposed(&c, read.len()),
         d: transposed(&d, read.len()),
-        poles: slow.poles,
+        poles,
     })
-}
-
-/// Column `k` of a matrix.
-fn column(matrix: &Mat<f64>, k: usize) -> Vec<f64> {
-    matrix.col(k).iter().copied().collect()
 }
 
 /// The rows of a matrix.
@@ -194,9 +157,10 @@ fn derivatives_along(
     }
     let step = 1.0 / largest;
     // A clamping force is not negative, so none lies below that of a pulley that is closed by pressure alone.
-    let offset = match load {
-        Some(Load::ClampingForce(_)) => step,
-        _ => 0.0,
+    let offset = if load.is_some_and(|load| load.unit() == "N") {
+        step
+    } else {
+        0.0
     };
     let mut beside = |step: f64| {
         let mut state = state.clone();
@@ -207,7 +171,7 @@ fn derivatives_along(
         }
         let mut inputs = *inputs;
         if let Some(load) = load {
-            *load.field(&mut inputs) += offset + step;
+            load.add(offset + step, &mut inputs);
         }
         system.loads = Loads::held(&inputs);
         let diagnostics = BeltDiagnostics::of(system, state.view());

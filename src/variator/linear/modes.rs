@@ -1,6 +1,6 @@
 //! Slow modes of the descriptor system.
 
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::{Mat, c64};
 use nalgebra::DMatrix;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
@@ -56,10 +56,13 @@ fn unshifted(sigma: f64, value: c64) -> c64 {
 /// positive imaginary part comes first.
 pub(super) type SlowModes = (Mat<f64>, Mat<f64>, Vec<[f64; 2]>);
 
-/// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
-pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowModes, LinearError> {
+/// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E. `factors` are those of σE − A.
+pub(super) fn slow_modes(
+    descriptor: &Descriptor,
+    factors: &PartialPivLu<f64>,
+    cut_off: f64,
+) -> Result<SlowModes, LinearError> {
     let shift = SHIFT * cut_off;
-    let factors = descriptor.factors(shift);
     let (inverted, scale) = balanced(&factors.solve(&descriptor.e))?;
     // One of each pair of conjugates.
     let pairs = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {

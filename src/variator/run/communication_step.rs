@@ -156,6 +156,6 @@ impl CommunicationStep {
         let simulated = variator.time() - variator.stepper.from();
         let (work, unknowns) = (variator.stepper.work(), variator.state().y.len());
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
-        remark.into_iter().for_each(|text| variator.log(true, text));
+        remark.into_iter().for_each(|text| variator.simulation.log(true, text));
     }
 }

@@ -107,14 +107,8 @@ fn opening(simulation: &Simulation) -> Option<String> {
 fn same_sign(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
-    let steady = parameters.initial.steady
-        && simulation
-            .system
-            .belt
-            .shaft_speeds(simulation.state.view())
-            .primary
-            .abs()
-            > 1.0;
+    let speed = simulation.system.belt.shaft_speeds(simulation.state.view()).primary;
+    let steady = parameters.initial.steady && speed.abs() > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
     let balancing = parameters.initial.ratio * primary;
     let found =

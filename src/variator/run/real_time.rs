@@ -164,7 +164,9 @@ fn line(profile: &InputProfile, [from, to]: [f64; 2]) -> InputProfile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::variator::Variator;
     use crate::variator::pulleys::loads::tests::torque;
+    use crate::variator::settings::parameters::{Mode, Parameters};
 
     /// A ramp to 50 N·m over a quarter of the first millisecond, and one on to -50 N·m: the impulse of the steps is that of both.
     #[test]
@@ -189,5 +191,27 @@ mod tests {
         let expected = (50e-3 - 6.25e-3) - 50e-3 + 12.5e-3;
         assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
         assert_eq!(joined(&first, 1e-3, 1e-3, &second, 2e-3), second);
+    }
+
+    /// Far too little work for a torque that flips: time is left out, and an open step moves with its inputs.
+    #[test]
+    fn an_open_step_moves_with_its_inputs() {
+        let mut parameters = Parameters::default();
+        let solver = &mut parameters.solver;
+        (solver.mode, solver.effort, solver.input_ramp) = (Mode::RealTime, 1, -1.0);
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let mut inputs = Inputs::default();
+        variator.initialise(0.0, &inputs).expect("a start");
+        let mut moved = 0;
+        for k in 1..=150 {
+            inputs.primary.torque = if k % 2 == 0 { 60.0 } else { -60.0 };
+            variator.advance(1e-3 * f64::from(k), &inputs).expect("a step");
+            let run = variator.stepper.real_time.as_ref().expect("real time");
+            if run.open.is_some() {
+                assert!((run.inputs.kink - run.reached).abs() < 1e-12, "{k}");
+                moved += i32::from(run.behind(variator.time()) > REAL_TIME.behind - 1e-9);
+            }
+        }
+        assert!(moved > 0, "no time was left out");
     }
 }

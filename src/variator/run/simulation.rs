@@ -10,6 +10,7 @@ use crate::variator::diagnostics::energy_balance::{EnergyBalance, Problem};
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
+use crate::variator::run::outcome::Message;
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
@@ -25,8 +26,11 @@ pub(super) struct Simulation {
     /// s.
     pub time: f64,
     pub soft_start: SoftStart,
-    /// Work of the search for the state to start from.
+    /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,
+    pub given: Inputs,
+    /// Messages that were not yet taken.
+    pub messages: Vec<Message>,
 }
 
 impl Simulation {
@@ -40,7 +44,13 @@ impl Simulation {
             time: 0.0,
             soft_start: SoftStart::NONE,
             start_work: Counts::default(),
+            given: Inputs::ZERO,
+            messages: Vec::new(),
         }
+    }
+
+    pub fn log(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
     }
 
     /// Writes to an archive, or reads from it, all values that change in a run.

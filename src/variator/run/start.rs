@@ -4,55 +4,40 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::run::outcome::{InitialisationError, Message, StepError};
+use crate::variator::diagnostics::belt::NO_FORCE;
+use crate::variator::pulleys::loads::InputProfile;
+use crate::variator::run::outcome::{InitialisationError, StepError};
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::soft_start::SoftStart;
-use crate::variator::run::steady_start::{NoSteadyState, StartSearch};
-use crate::variator::run::tuning::{CREEP_SPEED, CREEP_VELOCITY, RAMP, STANDSTILL};
-use crate::variator::settings::parameters::{Drive, Mode};
+use crate::variator::run::steady_start::NoSteadyState;
+use crate::variator::run::stepper::Stepper;
+use crate::variator::run::tuning::{
+    COLD_STEP, CREEP_SPEED, CREEP_VELOCITY, RAMP, RAMP_PARTS, SETTLING, SETTLING_TOLERANCE, STANDSTILL,
+};
+use crate::variator::settings::parameters::{Axial, Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 use std::sync::Arc;
 
-/// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
-/// gives it and the reason. Returns what it is.
-pub(super) fn find_start(
-    simulation: &mut Simulation,
-    messages: &mut Vec<Message>,
-    time: f64,
-    inputs: &Inputs,
-) -> Result<StartState, InitialisationError> {
-    simulation.start_work = Counts::default();
-    simulation.time = time;
-    let mut search = StartSearch {
-        simulation,
-        messages,
-        inputs,
-    };
-    search.clamp_initial_ratio();
-    let start = search.start_point();
-    let found = search.find_state(&start)?;
-    search.warn_of_held_sheaves(found);
-    if simulation.system.parameters.solver.mode == Mode::RealTime && simulation.soft_start.from == time {
-        // A ring without tension is a mechanism, too rough for steps of bounded work.
-        if let Err(why) = simulation.clamp_softly(inputs) {
-            messages.push(no_clamping(&why));
+impl Simulation {
+    /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
+    /// gives it and the reason. Returns what it is.
+    pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
+        (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
+        self.clamp_initial_ratio();
+        let start = self.start_point();
+        let found = self.find_state(&start)?;
+        self.warn_of_held_sheaves(found);
+        if self.system.parameters.solver.mode == Mode::RealTime && self.soft_start.from == time {
+            // A ring without tension is a mechanism, too rough for steps of bounded work.
+            self.clamp(RAMP);
         }
+        Ok(found)
     }
-    Ok(found)
-}
 
-fn no_clamping(why: &StepError) -> Message {
-    Message {
-        warning: true,
-        text: format!("the belt was not clamped before the start: {why}"),
-    }
-}
-
-impl StartSearch<'_> {
     /// Moves an initial ratio beyond an end stop to the stop.
     fn clamp_initial_ratio(&mut self) {
-        let parameters = &mut self.simulation.system.parameters;
+        let parameters = &mut self.system.parameters;
         let (lowest, highest) = parameters.ratio_range();
         let given = parameters.initial.ratio;
         let ratio = given.clamp(lowest, highest);
@@ -67,7 +52,7 @@ impl StartSearch<'_> {
 
     /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
-        let (parameters, inputs) = (&self.simulation.system.parameters, self.inputs);
+        let (parameters, inputs) = (&self.system.parameters, &self.given);
         let (ratio, given) = (parameters.initial.ratio, parameters.initial.primary_speed);
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
@@ -91,7 +76,7 @@ impl StartSearch<'_> {
 
     /// Warns where both sheaves are held: clamping forces have no effect in the run.
     fn warn_of_held_sheaves(&mut self, found: StartState) {
-        if !self.simulation.system.parameters.holds_both_sheaves() {
+        if !self.system.parameters.holds_both_sheaves() {
             return;
         }
         let text = if matches!(
@@ -109,11 +94,11 @@ impl StartSearch<'_> {
 
     /// Sets the state that a run starts from.
     fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
-        self.simulation.end_soft_start();
-        if let Some(ring) = self.simulation.system.belt.ring.starts_on() {
+        self.end_soft_start();
+        if let Some(ring) = self.system.belt.ring.starts_on() {
             return self.start_on(ring, start);
         }
-        if !self.simulation.system.parameters.initial.steady {
+        if !self.system.parameters.initial.steady {
             return self.start_slack(start);
         }
         if start.primary_speed.abs() <= STANDSTILL {
@@ -121,8 +106,8 @@ impl StartSearch<'_> {
         }
         self.start_cold(start)?;
         self.solve_steady().or_else(|why| match why {
-            NoSteadyState::Beyond(_) | NoSteadyState::TooFast(_) => Err(InitialisationError::NoState(why.to_string())),
-            why => {
+            NoSteadyState::Hopeless(_) => Err(InitialisationError::NoState(why.to_string())),
+            NoSteadyState::NotFound(why) => {
                 self.log(
                     true,
                     format!("{why}: the run starts unloaded, with soft friction that sharpens over {RAMP} s"),
@@ -140,27 +125,26 @@ impl StartSearch<'_> {
         {
             return Ok(found);
         }
-        self.start_unloaded(start)?;
-        match self.simulation.clamp_at_rest(self.inputs) {
-            Ok(true) => Ok(StartState::Clamped),
-            Ok(false) => self.start_slack(start),
-            Err(why) => {
-                self.messages.push(no_clamping(&why));
-                self.start_unloaded(start)?;
-                Ok(StartState::Unloaded)
-            }
+        if self.system.parameters.holds_both_sheaves() || !self.is_clamped() {
+            return self.start_slack(start);
         }
+        self.start_unloaded(start)?;
+        if self.clamp(SETTLING) {
+            return Ok(StartState::Clamped);
+        }
+        self.start_unloaded(start)?;
+        Ok(StartState::Unloaded)
     }
 
     /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
     /// is held or the torques drive the belt.
     fn may_creep(&self, start: &Start) -> bool {
-        let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
+        let (p, inputs) = (&self.system.parameters, self.given);
         let stands = p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
         let free = p.primary.drive == Drive::Torque && p.secondary.drive == Drive::Torque;
         let torque = inputs.primary.torque + inputs.secondary.torque / start.ratio;
         let driven = free && torque * creep_speed(start) > 0.0;
-        stands && self.simulation.is_clamped(inputs) && (p.holds_a_sheave() || driven)
+        stands && self.is_clamped() && (p.holds_a_sheave() || driven)
     }
 
     /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
@@ -168,29 +152,24 @@ impl StartSearch<'_> {
     /// under force and friction holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         let primary_speed = creep_speed(start);
-        let mut creeping = self.simulation.clone();
+        let mut creeping = self.clone();
         creeping.state = self.kinematic_state(&Start {
             primary_speed,
             ..*start
         })?;
         creeping.system.parameters.friction.velocity = CREEP_VELOCITY;
         let before = self.messages.len();
-        let mut search = StartSearch {
-            simulation: &mut creeping,
-            messages: self.messages,
-            inputs: self.inputs,
-        };
-        let found = search.solve_steady();
+        let found = creeping.solve_steady();
         let of_belt = creeping.sums().shaft_torque.primary;
-        self.simulation.take_start(creeping);
-        let holds = (self.inputs.primary.torque + of_belt) * primary_speed <= 0.0;
-        if found.is_ok() && holds && !self.simulation.system.parameters.holds_a_sheave() {
+        self.take_start(creeping);
+        let holds = (self.given.primary.torque + of_belt) * primary_speed <= 0.0;
+        if found.is_ok() && holds && !self.system.parameters.holds_a_sheave() {
             self.messages.truncate(before);
             return Ok(None);
         }
         let stopped = found.and_then(|found| {
-            self.simulation.bring_to_rest(self.inputs)?;
-            Ok(found)
+            let rests = self.bring_to_rest().map(|()| found);
+            rests.map_err(|why| NoSteadyState::NotFound(format!("the belt was not brought to rest: {why}")))
         });
         Ok(match stopped {
             Ok(StartState::Steady) => Some(StartState::Clamped),
@@ -206,15 +185,15 @@ impl StartSearch<'_> {
     }
 
     fn kinematic_state(&self, start: &Start) -> Result<State, InitialisationError> {
-        kinematic_state(&self.simulation.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+        kinematic_state(&self.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
     }
 
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
     fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
-        self.simulation.state = self.kinematic_state(start)?;
-        if self.simulation.system.parameters.secondary.drive == Drive::Speed {
-            let i = self.simulation.system.belt.layout.shaft_speed(Pulley::Secondary);
-            self.simulation.state.y[i] = self.inputs.secondary.speed_setpoint;
+        self.state = self.kinematic_state(start)?;
+        if self.system.parameters.secondary.drive == Drive::Speed {
+            let i = self.system.belt.layout.shaft_speed(Pulley::Secondary);
+            self.state.y[i] = self.given.secondary.speed_setpoint;
         }
         Ok(())
     }
@@ -223,38 +202,114 @@ impl StartSearch<'_> {
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
         self.start_cold(&Start { clamping, ..*start })?;
-        self.simulation.soft_start = SoftStart {
-            from: self.simulation.time,
-        };
+        self.soft_start = SoftStart { from: self.time };
         Ok(())
     }
 
-    /// Starts unloaded; at a standstill the belt has come to hang.
+    /// Starts unloaded. At a standstill the belt has come to hang: from the kinematic state, whose elements all touch, the film between them
+    /// makes the first millisecond of a run take as many steps as seconds do.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
-        if start.primary_speed.abs() <= STANDSTILL && self.simulation.let_hang().is_err() {
-            self.start_unloaded(start)?;
+        if start.primary_speed.abs() <= STANDSTILL {
+            let hangs = self.settle(RAMP, &Inputs::ZERO, |_| ());
+            self.soft_start = SoftStart { from: self.time };
+            if hangs.is_err() {
+                self.start_unloaded(start)?;
+            }
         }
         Ok(StartState::Unloaded)
     }
 
     /// Starts in the state of another ring.
     fn start_on(&mut self, ring: Arc<dyn BeltRing>, start: &Start) -> Result<StartState, InitialisationError> {
-        let parameters = &self.simulation.system.parameters;
+        let parameters = &self.system.parameters;
         ring.check(parameters)?;
         let mut other = Simulation::new(parameters, ring);
-        other.time = self.simulation.time;
-        let mut search = StartSearch {
-            simulation: &mut other,
-            messages: self.messages,
-            inputs: self.inputs,
-        };
-        let found = search.find_state(start)?;
-        self.simulation.soft_start = other.soft_start;
-        self.simulation.start_work = other.start_work;
-        let belt = &self.simulation.system.belt;
-        self.simulation.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
+        (other.time, other.given) = (self.time, self.given);
+        let found = other.find_state(start);
+        self.messages.append(&mut other.messages);
+        let found = found?;
+        self.soft_start = other.soft_start;
+        self.start_work = other.start_work;
+        let belt = &self.system.belt;
+        self.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
         Ok(found)
+    }
+
+    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with the run. Whether that is possible; else it
+    /// warns, and the belt is clamped in part.
+    fn clamp(&mut self, span: f64) -> bool {
+        let mut quiet = self.given;
+        (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
+        let clamped = self.settle(span, &quiet, |_| ());
+        if let Err(why) = &clamped {
+            self.log(true, format!("the belt was not clamped before the start: {why}"));
+        }
+        clamped.is_ok()
+    }
+
+    /// Whether each sheave is held or closed by a force at the initial ratio.
+    fn is_clamped(&self) -> bool {
+        let parameters = &self.system.parameters;
+        let closing = parameters.closing_forces(&self.given, [parameters.initial.ratio, 0.0]);
+        let held = |pulley: Pulley| parameters.pulley(pulley).axial == Axial::Held;
+        Pulley::BOTH
+            .into_iter()
+            .all(|pulley| held(pulley) || closing[pulley] >= NO_FORCE)
+    }
+
+    /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act. Places and the distribution of the
+    /// elements remain, and so do ring tension and push force. Friction depends on the sliding speed: it returns within microseconds.
+    /// Where both sheaves are under force, the clamping force replaces the one that held the ratio. Between held sheaves the belt loses
+    /// tension, 6 % in 10 ms, so it stands for a part of the ramp only.
+    fn bring_to_rest(&mut self) -> Result<(), StepError> {
+        let belt = &self.system.belt;
+        let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));
+        let elements = belt.cells_at.iter().map(|cell| cell.speed);
+        let places = (0..belt.layout.len()).filter(|&i| belt.has_position[i]);
+        for i in places.chain(elements).chain(shafts) {
+            self.state.y[i] = 0.0;
+        }
+        self.state.y_dot.fill(0.0);
+        let mut still = self.given;
+        (still.primary.speed_setpoint, still.secondary.speed_setpoint) = (0.0, 0.0);
+        let holds = self.system.parameters.holds_a_sheave();
+        self.settle(if holds { RAMP / RAMP_PARTS } else { RAMP }, &still, |before| {
+            before.soft_start = SoftStart::NONE;
+            let p = &mut before.system.parameters;
+            (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
+        })
+    }
+
+    /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes over its state, where possible.
+    /// Friction comes in softly.
+    fn settle(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
+        let mut before = self.clone();
+        before.time -= span;
+        before.soft_start = SoftStart { from: before.time };
+        let solver = &mut before.system.parameters.solver;
+        solver.tolerance = solver.tolerance.max(SETTLING_TOLERANCE);
+        change(&mut before);
+        let mut stepper = Stepper::accurate(&before, COLD_STEP);
+        let profile = InputProfile::constant(inputs);
+        let outcome = loop {
+            match stepper.step(&mut before, &profile, self.time) {
+                Ok(false) => {}
+                Ok(true) => break Ok(()),
+                Err(error) => break Err(error),
+            }
+        };
+        before.start_work += stepper.counts();
+        self.take_start(before);
+        outcome
+    }
+
+    /// Takes over the state that another simulation of the same belt has found, with its work.
+    fn take_start(&mut self, found: Self) {
+        self.state = found.state;
+        self.start_work = found.start_work;
+        self.messages = found.messages;
+        self.end_soft_start();
     }
 }
 

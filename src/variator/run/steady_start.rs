@@ -6,66 +6,42 @@ use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::outcome::{Message, StepError};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, JACOBIAN, NEXT_SHARE, STEP_RESIDUALS_PER_SECOND};
+use crate::variator::run::tuning::{CLOSE_SHARE, NEXT_SHARE, REAL_TIME, STEP_RESIDUALS_PER_SECOND};
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
-use crate::variator::settings::signals::{Inputs, StartState};
+use crate::variator::settings::signals::StartState;
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
-
-/// The search for the state that a run starts from.
-pub(super) struct StartSearch<'a> {
-    pub simulation: &'a mut Simulation,
-    pub messages: &'a mut Vec<Message>,
-    pub inputs: &'a Inputs,
-}
 
 /// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NoSteadyState {
-    /// The force on a pulley, with the name of its variable, N, does not clamp the belt.
-    #[error("no steady state without a clamping force ({}.{} = {} N)", .0.name(), .1, .2)]
-    Unclamped(Pulley, &'static str, f64),
-    /// A small share of the torques is beyond capacity.
+    /// Nor can the inputs be meant.
     #[error("no steady state: {0}")]
-    Beyond(Demand),
-    /// No belt bears the speed, for this reason.
-    #[error("no steady state: {0}")]
-    TooFast(String),
-    /// The search has ended without a result.
-    #[error(
-        "no steady state was found (pseudo-time step {:.1e} s after {} solves){}",
-        .0.step, .0.solves, .1.map(|demand| format!(": {demand}")).unwrap_or_default()
-    )]
-    NotFound(Settled, Option<Demand>),
-    /// The belt was not brought to rest.
-    #[error("the belt was not brought to rest: {0}")]
-    NotStopped(#[from] StepError),
+    Hopeless(String),
+    /// For this reason.
+    #[error("{0}")]
+    NotFound(String),
 }
 
-impl StartSearch<'_> {
-    pub fn log(&mut self, warning: bool, text: String) {
-        self.messages.push(Message { warning, text });
-    }
-
+impl Simulation {
     /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
-        let mut newton = Newton::new(&self.simulation.system);
+        let mut newton = Newton::new(&self.system);
         newton.bound = WorkBound {
             left: STEP_RESIDUALS_PER_SECOND,
-            jacobian: [JACOBIAN, 0.0],
+            jacobian: REAL_TIME.jacobian,
             overdraft: f64::INFINITY,
             ..WorkBound::NONE
         };
         let found = self.solve_within(&mut newton);
-        self.simulation.start_work += newton.counts;
+        self.start_work += newton.counts;
         found
     }
 
-    /// [`StartSearch::solve_steady`] within the work of `newton`.
+    /// [`Simulation::solve_steady`] within the work of `newton`.
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
-        let parameters = &self.simulation.system.parameters;
+        let parameters = &self.system.parameters;
         let at = [parameters.initial.ratio, self.primary_speed()];
         let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
         let holds_primary = secondary == Axial::Held && primary == Axial::Force;
@@ -74,17 +50,21 @@ impl StartSearch<'_> {
         } else {
             Pulley::Secondary
         };
-        let force = parameters.closing_forces(self.inputs, at)[clamped];
+        let force = parameters.closing_forces(&self.given, at)[clamped];
         if force < NO_FORCE {
             let name = parameters.name_of_closing(clamped);
-            return Err(NoSteadyState::Unclamped(clamped, name, force));
+            let text = format!(
+                "no steady state without a clamping force ({}.{name} = {force} N)",
+                clamped.name()
+            );
+            return Err(NoSteadyState::NotFound(text));
         }
-        if let Some(why) = excessive_speed(parameters, self.inputs, at) {
-            return Err(NoSteadyState::TooFast(why));
+        if let Some(why) = excessive_speed(parameters, &self.given, at) {
+            return Err(NoSteadyState::Hopeless(why));
         }
         let free = [primary, secondary] == [Axial::Force; 2];
         let balance = free && parameters.initial.equilibrium;
-        let demand = Demand::new(parameters, self.inputs, clamped, at);
+        let demand = Demand::new(parameters, &self.given, clamped, at);
         let whole = self.steady_task(clamped.other(), 1.0);
         let share = self.carry(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
@@ -101,7 +81,7 @@ impl StartSearch<'_> {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let axial = self.simulation.sums().axial.primary;
+            let axial = self.sums().axial.primary;
             let text = format!(
                 "steady start: primary clamping force less axial belt force is {:.1} N",
                 whole.clamping.primary + self.primary_push() - axial
@@ -113,19 +93,19 @@ impl StartSearch<'_> {
 
     /// Force of spring and rotating oil on the primary sheave, N.
     fn primary_push(&self) -> f64 {
-        let Simulation { system, state, .. } = &*self.simulation;
+        let Simulation { system, state, .. } = self;
         system.pulleys().push(Pulley::Primary, state.view())
     }
 
     /// Speed of the primary pulley in the present state, rad/s.
     fn primary_speed(&self) -> f64 {
-        let Simulation { system, state, .. } = &*self.simulation;
+        let Simulation { system, state, .. } = self;
         system.belt.shaft_speeds(state.view()).primary
     }
 
     /// The steady state with a share of the torques.
     fn steady_task(&self, reaction: Pulley, share: f64) -> SteadyTask {
-        let (p, inputs) = (&self.simulation.system.parameters, self.inputs);
+        let (p, inputs) = (&self.system.parameters, self.given);
         let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| share * pulley.torque);
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
             (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
@@ -148,22 +128,26 @@ impl StartSearch<'_> {
     /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
     /// beyond capacity has none, and isn't tried. The share.
     fn carry(&mut self, newton: &mut Newton, reaction: Pulley, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
-        let cold = self.simulation.state.clone();
+        let cold = self.state.clone();
         let is_beyond = |share| demand.filter(|demand| demand.is_beyond(share));
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(reaction, share);
             let is_least = share <= CLOSE_SHARE;
             match is_beyond(share) {
-                Some(demand) if is_least => return Err(NoSteadyState::Beyond(demand)),
+                Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}
                 None => match self.solve(newton, &task) {
                     // Beyond capacity a pulley that slips for ever may be steady too.
-                    Ok(_) if share == 1.0 || is_least || !self.slips() => break,
+                    Ok(_) if share == 1.0 || is_least || !self.slips_by_state() => break,
                     Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
-                        return Err(NoSteadyState::NotFound(report, demand));
+                        let why = demand.map(|demand| format!(": {demand}")).unwrap_or_default();
+                        let Settled { step, solves } = report;
+                        return Err(NoSteadyState::NotFound(format!(
+                            "no steady state was found (pseudo-time step {step:.1e} s after {solves} solves){why}"
+                        )));
                     }
-                    _ => self.simulation.state.clone_from(&cold),
+                    _ => self.state.clone_from(&cold),
                 },
             }
             (beyond, share) = (share, NEXT_SHARE * share);
@@ -174,13 +158,13 @@ impl StartSearch<'_> {
                 warm: true,
                 ..self.steady_task(reaction, middle)
             };
-            let carried = self.simulation.state.clone();
+            let carried = self.state.clone();
             let found = is_beyond(middle).is_none() && self.solve(newton, &task).is_ok();
-            if found && !self.slips() {
+            if found && !self.slips_by_state() {
                 share = middle;
             } else {
                 beyond = middle;
-                self.simulation.state = carried;
+                self.state = carried;
             }
         }
         Ok(share)
@@ -188,23 +172,18 @@ impl StartSearch<'_> {
 
     /// Solves a task from the present state, in place.
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<Settled, Settled> {
-        let Simulation { system, state, .. } = &mut *self.simulation;
+        let Simulation { system, state, .. } = self;
         SteadySolver { system, newton }.solve(state, task)
     }
 
     /// Whether the belt slips through, from the state alone.
-    fn slips(&self) -> bool {
-        macro_slip(
-            &self.simulation.system,
-            self.simulation.state.view(),
-            &self.simulation.sums(),
-            false,
-        )
+    fn slips_by_state(&self) -> bool {
+        macro_slip(&self.system, self.state.view(), &self.sums(), false)
     }
 
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
     fn balance_forces(&mut self, newton: &mut Newton, task: &SteadyTask, found: StartState) -> StartState {
-        let Simulation { system, state, .. } = &mut *self.simulation;
+        let Simulation { system, state, .. } = self;
         let range = system.parameters.ratio_range();
         let at_ratio = state.clone();
         let outcome = SteadySolver { system, newton }.balance(state, task, range);

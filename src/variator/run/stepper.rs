@@ -17,7 +17,7 @@ use crate::variator::settings::signals::Work;
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
     sdirk: Sdirk,
-    real_time: Option<RealTime>,
+    pub(super) real_time: Option<RealTime>,
     /// End of the time over which loads change alike, s; none before the first step of it.
     end: Option<f64>,
     /// How many times more steps a tolerance tighter than the default takes.

@@ -3,7 +3,8 @@
 //! standstill, or over forty steady ones at random. Up to 2 % is noise. A number without them bounds, measures or reports, and changes no counts.
 
 /// First step of a run, s: from a steady state, and from another one. Half: +1, 0 and 0, 0; twice: -1, -1 and 0, 0. With a step between them for
-/// both, short runs take more Jacobians, and a chain that sticks three times as many in its first milliseconds.
+/// both, short runs take more Jacobians, and a chain that sticks three times as many in its first milliseconds. The shorter one is also half the
+/// distance in time over which outputs are differentiated: the loads of the flanks are linear over it, and it leaves nine digits of a difference.
 pub const FIRST_STEP: f64 = 1.0e-4;
 pub const COLD_STEP: f64 = 1.0e-6;
 
@@ -22,10 +23,6 @@ pub const NEWTON_LIMITS: [f64; 2] = [0.05, 100.0];
 pub const STEP_RESIDUALS: f64 = 1.0e4;
 pub const STEP_RESIDUALS_PER_SECOND: f64 = 5.0e5;
 
-/// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
-/// it leaves nine digits of a difference.
-pub const MOMENT: f64 = COLD_STEP;
-
 /// What real time is tuned with. Work is in units of a residual with its correction.
 pub struct RealTimeTuning {
     /// Work of a millisecond for each `solver.effort`, units: as much as a Jacobian and eight residuals took in earlier versions.
@@ -35,7 +32,7 @@ pub struct RealTimeTuning {
     /// iteration that has begun may take beyond the bound: the next millisecond has less. Half: +2, 0; twice: +2, 0.
     pub spare: f64,
     /// Work of a Jacobian with its factors, units: with reused geometry (measured 5.3 to 5.7), and what all geometry takes beside
-    /// (11 with `ALE`, 17 with `ALE0`).
+    /// (11 with `ALE`, 17 with `ALE0`). The latter is also that of a Jacobian under rough loads in the mean, 12 to 17.
     pub jacobian: [f64; 2],
     /// Length of steps, s. Longer ones take more Jacobians under flips and hunting; with 0.125 ms smooth loads take half as much work again.
     /// Half: -13, +38; twice: +5, -21.
@@ -55,7 +52,7 @@ pub struct RealTimeTuning {
 pub const REAL_TIME: RealTimeTuning = RealTimeTuning {
     effort: 15.5,
     spare: 12.0,
-    jacobian: [6.0, JACOBIAN],
+    jacobian: [6.0, 14.0],
     step: 0.2e-3,
     shortest: 1.0 / 32.0,
     tolerance: 10.0,
@@ -87,9 +84,6 @@ pub const SETTLING_TOLERANCE: f64 = 1.0e-2;
 /// there is none that is carried. Half: +15, +12; +1, +1. Twice: -10, -8; with 0.85: +11, +11.
 pub const CLOSE_SHARE: f64 = 0.05;
 pub const NEXT_SHARE: f64 = 0.7;
-/// Residuals that take as long as a Jacobian with its factors: 12 to 17 under the ten rough loads, since most are updates of
-/// the constitutive tangents.
-pub const JACOBIAN: f64 = 14.0;
 
 /// Simulated time over which the work of a run is judged, and time without net compression in a strand after which it is logged again, s. And
 /// the time for a residual and the correction from it, for each unknown, s: with ten loads on three meshes of two rings it was 33 to 38 ns on one

@@ -12,9 +12,8 @@ use crate::variator::run::hints::Hints;
 use crate::variator::run::outcome::{Event, InitialisationError, Message};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::start::find_start;
 use crate::variator::run::stepper::Stepper;
-use crate::variator::run::tuning::{COLD_STEP, FIRST_STEP, JUDGED, MOMENT, SETTLING};
+use crate::variator::run::tuning::{COLD_STEP, FIRST_STEP, JUDGED, SETTLING};
 use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
@@ -53,7 +52,6 @@ pub struct Variator {
     readings: Box<Readings>,
     pub(super) stale: bool,
     profile_stale: bool,
-    messages: Vec<Message>,
 }
 
 /// The stepper that the parameters choose, for the state and time of a simulation.
@@ -106,7 +104,6 @@ impl Variator {
             readings: Box::default(),
             stale: true,
             profile_stale: true,
-            messages: Vec::new(),
         })
     }
 
@@ -119,7 +116,7 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        self.start_state = find_start(&mut self.simulation, &mut self.messages, time, inputs)?;
+        self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
         self.stepper = stepper(simulation, self.start_state);
@@ -136,10 +133,6 @@ impl Variator {
         Ok(())
     }
 
-    pub(super) fn log(&mut self, warning: bool, text: String) {
-        self.messages.push(Message { warning, text });
-    }
-
     /// Warns of stiffness and mass of a ring with other layers.
     fn warn_of_layers(&mut self) {
         let parameters = &self.simulation.system.parameters;
@@ -149,14 +142,14 @@ impl Variator {
                  ring.layerThickness and ring.layerWidth: steel of {:.0} GPa and {density:.0} kg/m3; set them together",
                 1e-9 * modulus
             );
-            self.log(true, text);
+            self.simulation.log(true, text);
         }
     }
 
     /// Warns of loads and speeds that can hardly be meant. `starts`: in the state that the run starts from.
     pub(super) fn warn_of_loads(&mut self, starts: bool) {
         for hint in self.hints.new_at(&self.simulation, starts) {
-            self.log(true, hint);
+            self.simulation.log(true, hint);
         }
     }
 
@@ -174,7 +167,7 @@ impl Variator {
             speeds.secondary,
             geometric_ratio(system, state.view())
         );
-        self.log(true, text);
+        self.simulation.log(true, text);
     }
 
     /// Logs when the belt begins to slip through, and when it grips again.
@@ -186,7 +179,8 @@ impl Variator {
         }
         self.macro_slip = slips;
         if to - self.slipped > SETTLING {
-            self.log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
+            self.simulation
+                .log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
         self.slipped = to;
     }
@@ -207,7 +201,7 @@ impl Variator {
             let text = format!(
                 "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {JUDGED} s without)"
             );
-            self.log(true, text);
+            self.simulation.log(true, text);
         }
         self.buckled = to;
     }
@@ -219,7 +213,7 @@ impl Variator {
         let Simulation {
             system, energy, time, ..
         } = &self.simulation;
-        let outputs = [-MOMENT, MOMENT].map(|after| {
+        let outputs = [-COLD_STEP, COLD_STEP].map(|after| {
             let mut state = self.simulation.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
@@ -234,7 +228,7 @@ impl Variator {
             outputs
         });
         self.stale = true;
-        (outputs, 2.0 * MOMENT)
+        (outputs, 2.0 * COLD_STEP)
     }
 
     /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
@@ -409,6 +403,6 @@ impl Variator {
 
     /// Returns the messages since the last call, and removes them.
     pub fn take_messages(&mut self) -> Vec<Message> {
-        std::mem::take(&mut self.messages)
+        std::mem::take(&mut self.simulation.messages)
     }
 }
