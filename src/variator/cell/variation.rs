@@ -11,10 +11,9 @@ use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::degrees::DegreesOfFreedom;
-use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
 use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
+use crate::variator::cell::station_variation::{FlankVariation, LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::law::spin::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -106,22 +105,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of balance and ring forces with an unknown. Writes that of the `arguments` of the laws.
+    /// Variation of balance and ring forces with an unknown that moves the ring (`MOVES`), or elements or pulley alone. Writes that of
+    /// the `arguments` of the laws.
     #[inline(always)]
-    pub fn vary(
-        &self,
-        direction: Direction,
-        arguments: &mut OfLaws<Arguments<Lanes>>,
-    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        match direction {
-            Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
-            _ => self.column::<false>(direction, arguments),
-        }
-    }
-
-    /// Variation with an unknown that moves the ring (`MOVES`), or elements or pulley alone.
-    #[inline(always)]
-    fn column<const MOVES: bool>(
+    pub fn vary<const MOVES: bool>(
         &self,
         direction: Direction,
         arguments: &mut OfLaws<Arguments<Lanes>>,
