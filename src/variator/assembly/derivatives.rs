@@ -155,11 +155,13 @@ impl Columns<'_> {
     }
 }
 
+/// A force with changed tangents, and its (S_new − S) R.
+type Change = (usize, [Lanes; MOST]);
+
 /// Working memory of [`Derivatives::current`].
 #[derive(Clone, Debug)]
 pub(crate) struct UpdateWork {
-    /// Forces with changed tangents, and (S_new − S) R of each.
-    changes: Box<OfLaws<[(usize, [Lanes; MOST]); FORCES]>>,
+    changes: Box<OfLaws<[Change; FORCES]>>,
     out: Vec<Lanes>,
 }
 

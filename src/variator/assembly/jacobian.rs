@@ -52,8 +52,8 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
             }
         },
     );
+    let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
     for (directions, frame) in frames.passes() {
-        let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
         let seeded =
             |part: Part, k: usize| seed(&frames.factors, unknowns[part as usize][k], part, k, directions.start);
         let (b, ring) = pack_balance::<Tangent<PASS>, K, D, C, _>(

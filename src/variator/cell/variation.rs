@@ -65,6 +65,9 @@ impl Direction {
     }
 }
 
+/// Forces at the stations of a cell.
+type ForcesOfCell<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
+
 /// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
 type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
 
@@ -76,11 +79,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         ring: &'a R,
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
-        (points, forces, tangents): (
-            &'a CellPoints<Lanes, D>,
-            &'a [Option<StationForces<Lanes, D>>; STATIONS],
-            &'a OfLaws<Tangents>,
-        ),
+        (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
         factors: [f64; 2],
     ) -> Self {
         let face = points.face();
