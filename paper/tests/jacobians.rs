@@ -10,7 +10,7 @@ use pushbelt_paper::belts::{Even, Rotated};
 use pushbelt_paper::reference_curve::{TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 use pushbelt_support::disturbed::{
-    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
+    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed_with, small,
 };
 
 /// The small variator in the plane.
@@ -49,7 +49,7 @@ fn analytic_derivatives_on_an_even_mesh_match_forward_differentiation() {
 #[test]
 fn updated_tangents_on_an_even_mesh_yield_the_current_jacobian() {
     for (parameters, ring) in even() {
-        assert_update_of_slopes(&parameters, &ring);
+        assert_update_of_tangents(&parameters, &ring);
     }
 }
 

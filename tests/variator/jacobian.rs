@@ -9,7 +9,7 @@ use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, g
 use pushbelt::variator::settings::{BeltKind, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
-    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product, small,
+    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed, product, small,
 };
 
 const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
@@ -34,7 +34,7 @@ fn hand_written_derivatives_are_exact() {
     for kind in KINDS {
         for (parameters, (ring, equations)) in variators(kind).iter().zip(&rings) {
             assert_derivatives_by_hand(parameters, ring, *equations);
-            assert_update_of_slopes(parameters, ring);
+            assert_update_of_tangents(parameters, ring);
         }
     }
 }

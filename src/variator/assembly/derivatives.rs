@@ -3,7 +3,7 @@
 
 use crate::chain::Transport;
 use crate::scalar::{Lanes, along};
-use crate::variator::assembly::unknowns::rows;
+use crate::variator::assembly::kinds::rows;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, sizes};
 use crate::variator::cell::variation::{Direction, Linearised};
@@ -139,7 +139,11 @@ impl Columns<'_> {
         let degrees = K::DEGREES;
         let mut arguments = OfLaws::<Arguments<Lanes>>::default();
         for k in (0..degrees.drift).chain(degrees.sheave..degrees.count) {
-            let (b, ring) = linear.vary(Direction::of::<K>(k), &mut arguments);
+            let direction = Direction::of::<K>(k);
+            let (b, ring) = match direction {
+                Direction::Ring(_) if R::MOVES => linear.vary::<true>(direction, &mut arguments),
+                _ => linear.vary::<false>(direction, &mut arguments),
+            };
             let rows = rows::<_, K, D>(&b, &ring);
             self.record::<K, _, D>(k, (&rows, &b.transport, &arguments), |value| value);
         }
@@ -151,11 +155,13 @@ impl Columns<'_> {
     }
 }
 
+/// A force with changed tangents, and its (S_new − S) R.
+type Change = (usize, [Lanes; MOST]);
+
 /// Working memory of [`Derivatives::current`].
 #[derive(Clone, Debug)]
 pub(crate) struct UpdateWork {
-    /// Forces with changed tangents, and (S_new − S) R of each.
-    changes: Box<OfLaws<[(usize, [Lanes; MOST]); FORCES]>>,
+    changes: Box<OfLaws<[Change; FORCES]>>,
     out: Vec<Lanes>,
 }
 

@@ -3,9 +3,8 @@
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::derivatives::Columns;
-use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
+use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, rows};
 use crate::variator::assembly::pack::{Pack, Unknowns};
-use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, OfLaws, Tangents, record_arguments, record_tangents};
@@ -53,8 +52,8 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
             }
         },
     );
+    let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
     for (directions, frame) in frames.passes() {
-        let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
         let seeded =
             |part: Part, k: usize| seed(&frames.factors, unknowns[part as usize][k], part, k, directions.start);
         let (b, ring) = pack_balance::<Tangent<PASS>, K, D, C, _>(

@@ -1,20 +1,21 @@
-//! Kinds of ring as types, chosen once at the start, and the balance of a pack of cells with them, generic over the scalar.
+//! Kinds of ring as types, chosen once at the start: the motion of a cell with them from its unknowns, its balance and the rows of
+//! the balance, generic over the scalar.
 
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::ring::Ring;
-use crate::ring::kinematics::ReferenceMotion;
+use crate::ring::kinematics::{Motion, Node, ReferenceMotion};
 use crate::scalar::{Lanes, Real};
 use crate::variator::assembly::pack::Pack;
-use crate::variator::assembly::unknowns::{motion, nodes};
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing};
+use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing, MOST_ROWS};
 use crate::variator::cell::sample::AtStation;
 use crate::variator::cell::state::{CellInput, CellPoints, CellState};
-use crate::variator::law::place::{CellBalance, Part, Place};
+use crate::variator::law::place::{CellBalance, CellMotion, Part, Place};
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
-use crate::variator::rings::ring::{EulerianRing, VaryingRing};
+use crate::variator::rings::ring::{EulerianRing, RingForces, VaryingRing};
+use nalgebra::SVector;
 
 /// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of the ring beyond those of
 /// the beam.
@@ -119,4 +120,65 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D
     let mut points = CellPoints::empty();
     let (b, cell) = balance(&given, &mut ring, reference, &mut points, observe);
     (b, then(&ring, (given, cell, &points)))
+}
+
+/// Motion of the nodes (`ALE`), from the `unknown` of a part and a direction.
+#[inline(always)]
+pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(Part, usize) -> T) -> [Motion<Node<T, D>>; 2] {
+    [0, 2 * D].map(|first| {
+        let node = |part: Part| Node {
+            a: SVector::from_fn(|k, _| unknown(part, first + 2 * k)),
+            b: SVector::from_fn(|k, _| unknown(part, first + 2 * k + 1)),
+        };
+        Motion {
+            value: node(Part::Position),
+            rate: node(Part::Value),
+            acceleration: node(Part::Rate),
+        }
+    })
+}
+
+/// Motion of a cell, from the `unknown` of a part and a direction.
+#[inline(always)]
+pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(unknown: impl Fn(Part, usize) -> T) -> CellMotion<T> {
+    let degrees = K::DEGREES;
+    let mut motion = CellMotion::of_unknowns([degrees.nodes, degrees.drift, degrees.sheave], unknown);
+    if degrees.coordinates > 1 {
+        // The curve holds derivatives along the motion, so time replaces Θ.
+        (motion.reference.theta.rate, motion.reference.theta.acceleration) = (T::one(), T::zero());
+    }
+    motion
+}
+
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the content is
+/// zero; its balance is that of the fluxes.
+#[inline(always)]
+pub(crate) fn rows<T: Real, K: DegreesOfFreedom, const D: usize>(
+    b: &CellBalance<T>,
+    ring: &RingForces<T, D>,
+) -> [T; MOST_ROWS] {
+    let degrees = K::DEGREES;
+    let mut rows = [T::zero(); MOST_ROWS];
+    for (node, rows) in ring.nodes.iter().zip(rows[..degrees.nodes].chunks_exact_mut(2 * D)) {
+        for k in 0..D {
+            [rows[2 * k], rows[2 * k + 1]] = [node.a[k], node.b[k]];
+        }
+    }
+    rows[degrees.nodes..][..2].copy_from_slice(&b.speed);
+    if degrees.tensions > 0 {
+        rows[degrees.content + 1] = ring.tension;
+    }
+    rows[degrees.drift] = ring.drift;
+    rows[degrees.theta] = ring.theta;
+    let centres = degrees.coordinates - 1;
+    rows[degrees.theta + 1..][..centres].copy_from_slice(&ring.centres[..centres]);
+    let of_pulley = [
+        b.pulley.axial,
+        -b.pulley.tilting[0],
+        -b.pulley.tilting[1],
+        -b.pulley.torque,
+    ];
+    rows[degrees.sheave..degrees.count].copy_from_slice(&of_pulley);
+    rows[degrees.count..degrees.rows].copy_from_slice(&b.pulley.resultant);
+    rows
 }

@@ -6,4 +6,3 @@ pub(crate) mod kinds;
 mod pack;
 pub(crate) mod packed;
 pub(crate) mod transports;
-pub(crate) mod unknowns;

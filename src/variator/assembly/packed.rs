@@ -9,14 +9,13 @@ use crate::solver::arrow::Arrow;
 use crate::solver::{State, View};
 use crate::variator::assembly::derivatives::{Columns, Derivatives, UpdateWork};
 use crate::variator::assembly::jacobian::{Frames, differentiate};
-use crate::variator::assembly::kinds::{RingKind, frame, pack_balance};
-use crate::variator::assembly::pack::{FluxEntries, Pack, Unknowns, flux_entries, packs};
+use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, rows};
+use crate::variator::assembly::pack::{FluxEntries, Pack, flux_entries, packs};
 use crate::variator::assembly::transports::{RELAXATION_RATE, Transports};
-use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CellUnknowns, THETA_PER_METRE};
-use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing, MOST};
+use crate::variator::cell::degrees::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::sample::{AtStation, Sample};
 use crate::variator::law::place::{CellBalance, Part};
 use crate::variator::rings::ring::{EulerianRing, RingForces};
@@ -66,7 +65,6 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     d_transports: Vec<Transport<[f64; MOST]>>,
     flux_entries: Vec<FluxEntries>,
     /// Working memory.
-    unknowns: Box<Unknowns>,
     work: UpdateWork,
     kind: K,
     by_hand: bool,
@@ -90,7 +88,6 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             transports: Transports::new(cells),
             d_transports: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
-            unknowns: Box::new([[Lanes::zero(); MOST]; 3]),
             work: UpdateWork::new::<K>(),
             kind,
             by_hand,
@@ -120,15 +117,16 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             self.origin.set(view, factors);
         }
         let frames = Frames::<C>::new::<K>(&belt.curve, belt.path(view), factors, [update, self.by_hand]);
+        let mut unknowns = [[Lanes::zero(); MOST]; 3];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, derivatives) in self.packs.iter().zip(&mut self.derivatives) {
-            pack.gather::<K>(view, &mut self.unknowns);
+            pack.gather::<K>(view, &mut unknowns);
             let columns = Columns {
                 cells: pack.cells(),
                 derivatives: &mut *derivatives,
                 transports: &mut self.d_transports,
             };
-            let b = differentiate(acting, (&self.kind, pack), &frames, &self.unknowns, columns);
+            let b = differentiate(acting, (&self.kind, pack), &frames, &unknowns, columns);
             if let Some((matrix, resultants)) = &mut out {
                 let block = derivatives.current::<K>(&mut self.work);
                 pack.add_derivatives(block, K::DEGREES.count, matrix);
@@ -173,22 +171,19 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
-        let frame = plain_frame::<K, C>(belt, view);
         let shared = K::DEGREES.drift..K::DEGREES.sheave;
         let mut sums = [Lanes::zero(); 1 + COORDINATES];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
-        for pack in &self.packs {
-            pack.gather::<K>(view, &mut self.unknowns);
-            let of_pack = (&self.kind, pack);
-            let (b, ring) = plain_balance::<K, D, C>(acting, of_pack, &frame, &self.unknowns, |_| ());
-            let rows = rows::<_, K, D>(&b, &ring);
+        let add = |pack: &Pack, b: &CellBalance<Lanes>, ring: &RingForces<Lanes, D>| {
+            let rows = rows::<_, K, D>(b, ring);
             pack.scatter::<K, D>(&rows, out);
             for (sum, row) in sums.iter_mut().zip(&rows[shared.clone()]) {
                 *sum += *row * pack.group.in_use();
             }
-            add_loads(&mut loads, pack, &b);
+            add_loads(&mut loads, pack, b);
             self.transports.set_pack(pack.group.cells[0], &b.transport);
-        }
+        };
+        evaluate::<K, D, C>(acting, (&self.kind, &self.packs), view, |_| (), add);
         for (at, sum) in self.packs[0].at[shared].iter().zip(sums) {
             out[at[0]] += sum.sum();
         }
@@ -209,13 +204,9 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
     }
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
-        let frame = plain_frame::<K, C>(acting.belt, view);
-        let (mut places, mut unknowns) = (out.iter_mut(), [[Lanes::zero(); MOST]; 3]);
-        for pack in &self.packs {
-            pack.gather::<K>(view, &mut unknowns);
-            let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a place for each station") = at.sample();
-            plain_balance::<K, D, C>(acting, (&self.kind, pack), &frame, &unknowns, record);
-        }
+        let mut places = out.iter_mut();
+        let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a place for each station") = at.sample();
+        evaluate::<K, D, C>(acting, (&self.kind, &self.packs), view, record, |_, _, _| ());
     }
 
     fn forget_derivatives(&mut self) {
@@ -280,23 +271,27 @@ fn is_near(belt: &Belt, then: &[f64], now: &[f64]) -> bool {
         && !(0..layout.elements).any(rotated)
 }
 
-/// The frame of the curve in a state, the same in all lanes.
+/// Evaluates all packs without derivatives: calls `observe` at every station, and `take` with the balance of each pack and the forces
+/// on its ring.
 #[inline(always)]
-fn plain_frame<K: DegreesOfFreedom, C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
-    frame::<_, K, C>(&belt.curve, belt.path(view).map(Jet::lifted))
-}
-
-/// The balance of a pack without derivatives, and the forces on its ring.
-#[inline(always)]
-fn plain_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
+fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    of_pack: (&K, &Pack),
-    frame: &C::Frame<Lanes>,
-    unknowns: &Unknowns,
-    observe: impl FnMut(&AtStation<'_, Lanes, D>),
-) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-    let unknown = |part: Part, k: usize| unknowns[part as usize][k];
-    pack_balance::<Lanes, K, D, C, _>(acting, of_pack, frame, unknown, observe, |ring, _| ring.forces())
+    (kind, packs): (&K, &[Pack]),
+    view: View<'_>,
+    mut observe: impl FnMut(&AtStation<'_, Lanes, D>),
+    mut take: impl FnMut(&Pack, &CellBalance<Lanes>, &RingForces<Lanes, D>),
+) {
+    let frame = frame::<_, K, C>(&acting.belt.curve, acting.belt.path(view).map(Jet::lifted));
+    let mut unknowns = [[Lanes::zero(); MOST]; 3];
+    for pack in packs {
+        pack.gather::<K>(view, &mut unknowns);
+        let unknown = |part: Part, k: usize| unknowns[part as usize][k];
+        let (b, ring) =
+            pack_balance::<_, K, D, C, _>(acting, (kind, pack), &frame, unknown, &mut observe, |ring, _| {
+                ring.forces()
+            });
+        take(pack, &b, &ring);
+    }
 }
 
 /// Adds the loads of a pack on the pulleys.

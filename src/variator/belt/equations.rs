@@ -31,7 +31,7 @@ pub trait Assembly: Debug + Send + Sync {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
-    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are
+    /// resultants of the contact forces to theirs; returns the loads on the pulleys. Derivatives of an earlier call are
     /// reused where they are valid for a simplified Newton method.
     fn jacobian(
         &mut self,

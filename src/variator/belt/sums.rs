@@ -18,8 +18,8 @@ impl ResultantDerivatives {
     /// Sets all to zero.
     pub fn clear(&mut self) {
         for of in self.0.each_mut() {
-            for slopes in of {
-                slopes.fill(0.0);
+            for derivatives in of {
+                derivatives.fill(0.0);
             }
         }
     }

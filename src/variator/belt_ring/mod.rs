@@ -16,10 +16,9 @@ mod standard;
 
 pub use crate::chain::Transport;
 pub use crate::reference_curve::MeshCurve;
-pub use crate::variator::assembly::kinds::RingKind;
+pub use crate::variator::assembly::kinds::{RingKind, nodes};
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
-pub use crate::variator::assembly::unknowns::nodes;
 pub use crate::variator::belt::equations::{Assembly, InForce};
 pub use crate::variator::belt::ring::BeltRing;
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};

@@ -2,7 +2,6 @@
 
 pub(crate) mod balance;
 pub(crate) mod degrees;
-pub(crate) mod flank_variation;
 pub(crate) mod laws;
 pub mod sample;
 pub(crate) mod state;

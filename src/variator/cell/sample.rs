@@ -29,8 +29,6 @@ pub struct Sample<L = f64> {
     pub lambda: L,
     /// Density ν of the cell.
     pub density: L,
-    /// Material rate of the density Dν/Dt, 1/s.
-    pub density_rate: L,
     /// Push force Q, N.
     pub push: L,
     /// Ring tension T, N.
@@ -45,12 +43,6 @@ pub struct Sample<L = f64> {
     pub resultant: [L; 2],
     /// Tangential sliding speed, m/s.
     pub sliding: L,
-    /// Sliding speed along the flank, m/s.
-    pub flank_sliding: L,
-    /// Sliding speed of the ring on the elements, m/s.
-    pub ring_sliding: L,
-    /// Penetration g of a flank in the middle of the pulley, m.
-    pub penetration: L,
     /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
     pub offset: L,
     /// Deflection w along z, m, and its slope w'.
@@ -83,8 +75,8 @@ pub struct Sample<L = f64> {
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
-            xi, curvature[0], curvature[1], ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, density_rate, push, tension, normal, axial, torque, resultant[0], resultant[1],
-            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, spin_loss, damping_loss,
+            xi, curvature[0], curvature[1], ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
+            sliding, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, spin_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }
     };
@@ -170,7 +162,6 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             face_radius: from_axis.dot(&from_axis).sqrt() - self.given.law.chain.pitch_offset,
             lambda: chain.lambda,
             density: cell.density,
-            density_rate: cell.stack_arguments()[1],
             push: push.force,
             tension: forces.tension,
             normal: flanks.sum.loads.normal * 0.5,
@@ -178,9 +169,6 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             torque: flanks.sum.loads.torque,
             resultant: (approach.e_r * flanks.sum.loads.radial + approach.e_t * flanks.sum.loads.around).into(),
             sliding: approach.flank.tangential,
-            flank_sliding: approach.flank.along_flank,
-            ring_sliding: forces.sliding,
-            penetration: approach.flank.penetration,
             offset: flanks.offset,
             lateral: if D == 2 {
                 [T::zero(); 2]

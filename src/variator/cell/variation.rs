@@ -11,10 +11,9 @@ use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::degrees::DegreesOfFreedom;
-use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
 use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{LinearisedStation, StackVariation, StationVariation};
+use crate::variator::cell::station_variation::{FlankVariation, LinearisedStation, StackVariation, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::law::spin::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -66,6 +65,9 @@ impl Direction {
     }
 }
 
+/// Forces at the stations of a cell.
+type ForcesOfCell<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
+
 /// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
 type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
 
@@ -77,11 +79,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         ring: &'a R,
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
-        (points, forces, tangents): (
-            &'a CellPoints<Lanes, D>,
-            &'a [Option<StationForces<Lanes, D>>; STATIONS],
-            &'a OfLaws<Tangents>,
-        ),
+        (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
         factors: [f64; 2],
     ) -> Self {
         let face = points.face();
@@ -106,22 +104,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of balance and ring forces with an unknown. Writes that of the `arguments` of the laws.
+    /// Variation of balance and ring forces with an unknown that moves the ring (`MOVES`), or elements or pulley alone. Writes that of
+    /// the `arguments` of the laws.
     #[inline(always)]
-    pub fn vary(
-        &self,
-        direction: Direction,
-        arguments: &mut OfLaws<Arguments<Lanes>>,
-    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        match direction {
-            Direction::Ring(_) if R::MOVES => self.column::<true>(direction, arguments),
-            _ => self.column::<false>(direction, arguments),
-        }
-    }
-
-    /// Variation with an unknown that moves the ring (`MOVES`), or elements or pulley alone.
-    #[inline(always)]
-    fn column<const MOVES: bool>(
+    pub fn vary<const MOVES: bool>(
         &self,
         direction: Direction,
         arguments: &mut OfLaws<Arguments<Lanes>>,

@@ -99,11 +99,11 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     const MOVES: bool = true;
 
     #[inline(always)]
-    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D> {
         let shape = &self.place.point(at).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];
-        RingVariation::of_node(point, shape, &self.element, self.motion, which, slopes)
+        RingVariation::of_node(point, shape, &self.element, self.motion, which, factors)
     }
 
     #[inline(always)]

@@ -179,7 +179,7 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
     const MOVES: bool = false;
 
     #[inline(always)]
-    fn vary(&self, _at: usize, _point: &RingPoint<T>, _own: usize, _slopes: [f64; 2]) -> RingVariation<T> {
+    fn vary(&self, _at: usize, _point: &RingPoint<T>, _own: usize, _factors: [f64; 2]) -> RingVariation<T> {
         RingVariation::none()
     }
 

@@ -63,8 +63,8 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Whether the ring moves with its own unknowns.
     const MOVES: bool;
 
-    /// Variation of the ring at a point with its own unknown `own`; `slopes` are the factors of acceleration and position.
-    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
+    /// Variation of the ring at a point with its own unknown `own`; `factors` are those of acceleration and position.
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D>;
 
     /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the ring's unknown that
     /// varies, if any.

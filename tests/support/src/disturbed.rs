@@ -188,7 +188,7 @@ fn assert_updated(
 /// An update of the constitutive tangents alone gives the current Jacobian: where laws have other tangents and the same forces,
 /// and close to the state at which the geometry was evaluated.
 #[track_caller]
-pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>) {
+pub fn assert_update_of_tangents(parameters: &Parameters, ring: &Arc<dyn BeltRing>) {
     let (mut system, mut state) = disturbed_with(parameters, Arc::clone(ring), 200.0);
     // A difference of a tenth of a roughness and of a friction velocity.
     let mut further = state.clone();
