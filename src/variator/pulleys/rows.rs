@@ -324,19 +324,16 @@ impl<'a> Pulleys<'a> {
         [alpha, beta]: [f64; 2],
         out: &mut Arrow,
     ) {
-        use num_dual::Dual64;
         let of = self.parameters.pulley(pulley);
         let z = self.layout().sheave(pulley);
         match mode {
             SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
-                let (q, y) = (Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0));
-                let stop = self.travel(pulley).stop_force(q, y).force.eps;
                 let speed = self.layout().shaft_speed(pulley);
                 let [q, y, omega] = [(view.q[z], 0, beta), (view.y[z], 0, 1.0), (view.y[speed], 1, 1.0)]
                     .map(|(value, direction, slope)| Tangent::<2, f64>::seed(value, direction, slope));
                 let cylinder = of.cylinder.push(q, omega) - of.cylinder.drag(y, self.parameters.friction.velocity);
-                let [by_sheave, by_speed] = cylinder.eps;
-                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - (stop + by_sheave));
+                let [by_sheave, by_speed] = (self.travel(pulley).stop_force(q, y).force + cylinder).eps;
+                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - by_sheave);
                 out.add(z, speed, -by_speed);
                 if let SheaveMode::Ratio { .. } = mode {
                     let theta = self.layout().theta();
