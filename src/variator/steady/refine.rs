@@ -8,11 +8,9 @@ use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
 use crate::variator::belt::Belt;
-use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use crate::variator::steady::FEWEST;
-use crate::variator::system::VariatorSystem;
 use nalgebra::Vector3;
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
@@ -32,10 +30,10 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
     })
 }
 
-/// Writes the fields of `from`, a state of `coarse`, into `state`, a state of `system` whose sum of element contents is kept.
-pub(super) fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State) {
-    let (fine, belt) = (&*system.belt, &*coarse.belt);
-    let content = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
+/// Writes the fields of `from`, a state of the coarse `belt` found from its `kinematic` one, into `state`, a kinematic state of the `fine` belt,
+/// whose sum of element contents is kept.
+pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, state: &mut State) {
+    let content: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
     let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
     state.y_dot.fill(0.0);
     for (to, of) in globals(fine).zip(globals(belt)) {
@@ -51,8 +49,17 @@ pub(super) fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSy
             state.y[layout.tension(cell)] = between(coarse.tension(of), coarse.tension(of + 1));
         }
     }
-    if !fine.law.is_chain() {
-        prolong_contents(coarse, from, system, state, content);
+    if fine.law.is_chain() {
+        return;
+    }
+    // Cells of an element share its length in the kinematic state, so contents are in proportion to its.
+    for (cell, at) in fine.cells_at.iter().enumerate() {
+        let of = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
+        state.y[at.content] *= from.y[of] / kinematic.y[of];
+    }
+    let sum: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
+    for at in &fine.cells_at {
+        state.y[at.content] *= content / sum;
     }
 }
 
@@ -122,38 +129,4 @@ fn write_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, to: &mut [f64], node: us
             to[belt.layout.node(node, 2 * k + slope)] = x[k];
         }
     }
-}
-
-/// Contents of the cells from the densities of the coarse ones, with the sum `total`. The rest of `state` is already set.
-fn prolong_contents(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State, total: f64) {
-    let fine = &*system.belt;
-    let known = per_cell(coarse, from, |_, density| density);
-    let lengths = per_cell(system, state, |length, _| length);
-    let density = |i| known[find_cell(&coarse.belt.mesh, &fine.mesh, i, 0.5).0];
-    let contents = lengths.iter().enumerate().map(|(i, length)| density(i) * length);
-    // The error of the sum is distributed over the gaps or, where there are none, over all cells.
-    let off = total - contents.clone().sum::<f64>();
-    let mut gaps: Vec<f64> = contents
-        .clone()
-        .zip(&lengths)
-        .map(|(content, length)| (length - content).max(0.0))
-        .collect();
-    if gaps.iter().all(|gap| *gap == 0.0) {
-        gaps.clone_from(&lengths);
-    }
-    let share = off / gaps.iter().sum::<f64>();
-    for (i, (content, gap)) in contents.zip(&gaps).enumerate() {
-        state.y[fine.layout.content(i)] = content + share * gap;
-    }
-}
-
-/// A value for each cell from its pitch length, m, and its density.
-fn per_cell(system: &VariatorSystem, state: &State, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let (mesh, diagnostics) = (&system.belt.mesh, BeltDiagnostics::of(system, state.view()));
-    let of = |cell| {
-        let sample = |station| diagnostics.sample(mesh, cell, station);
-        let length = (0..mesh.points).map(sample).map(|s| s.lambda * s.weight).sum();
-        value(length, sample(0).density)
-    };
-    mesh.cells.iter().map(of).collect()
 }
