@@ -10,7 +10,7 @@ use crate::variator::run::pace::INPUTS;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 
-/// An input of the linear model, by its place among [`INPUTS`].
+/// An input of the linear model, by its place among the values of `Inputs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Load(usize);
 

@@ -24,7 +24,7 @@ pub struct CommunicationStep {
 
 /// Whole communication steps.
 impl Variator {
-    /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
+    /// Advances to time `to` with inputs that are held, after the ramp of `inputs.ramp`.
     ///
     /// # Errors
     /// Inputs out of range, or a step that can't be done. The variator is then in the state of before.

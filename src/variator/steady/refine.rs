@@ -8,11 +8,9 @@ use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
 use crate::variator::belt::Belt;
-use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use crate::variator::steady::FEWEST;
-use crate::variator::system::VariatorSystem;
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
 pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
@@ -31,10 +29,10 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
     })
 }
 
-/// Writes the fields of `from`, a state of `coarse`, into `state`, a state of `system` whose sum of element contents is kept.
-pub(super) fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State) {
-    let (fine, belt) = (&*system.belt, &*coarse.belt);
-    let content = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
+/// Writes the fields of `from`, a state of the coarse `belt` found from its `kinematic` one, into `state`, a kinematic state of the `fine` belt,
+/// whose sum of element contents is kept.
+pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, state: &mut State) {
+    let content: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
     let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
     state.y_dot.fill(0.0);
     for (to, of) in globals(fine).zip(globals(belt)) {
@@ -50,8 +48,17 @@ pub(super) fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSy
             state.y[layout.tension(cell)] = between(coarse.tension(of), coarse.tension(of + 1));
         }
     }
-    if !fine.law.is_chain() {
-        prolong_contents(coarse, from, system, state, content);
+    if fine.law.is_chain() {
+        return;
+    }
+    // Cells of an element share its length in the kinematic state, so contents are in proportion to its.
+    for (cell, at) in fine.cells_at.iter().enumerate() {
+        let of = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
+        state.y[at.content] *= from.y[of] / kinematic.y[of];
+    }
+    let sum: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
+    for at in &fine.cells_at {
+        state.y[at.content] *= content / sum;
     }
 }
 
@@ -92,119 +99,6 @@ fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
                 let along = |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
                 to[fine.layout.node(node, 2 * k)] = along(&shape.n);
                 to[fine.layout.node(node, 2 * k + 1)] = along(&shape.dn) * 2.0 / length;
-            }
-        }
-    }
-}
-
-/// Contents of the cells from the densities of the coarse ones, with the sum `total`. The rest of `state` is already set.
-fn prolong_contents(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State, total: f64) {
-    let fine = &*system.belt;
-    let known = per_cell(coarse, from, |_, density| density);
-    let lengths = per_cell(system, state, |length, _| length);
-    let density = |i| known[find_cell(&coarse.belt.mesh, &fine.mesh, i, 0.5).0];
-    let contents = lengths.iter().enumerate().map(|(i, length)| density(i) * length);
-    // The error of the sum is distributed over the gaps or, where there are none, over all cells.
-    let off = total - contents.clone().sum::<f64>();
-    let mut gaps: Vec<f64> = contents
-        .clone()
-        .zip(&lengths)
-        .map(|(content, length)| (length - content).max(0.0))
-        .collect();
-    if gaps.iter().all(|gap| *gap == 0.0) {
-        gaps.clone_from(&lengths);
-    }
-    let share = off / gaps.iter().sum::<f64>();
-    for (i, (content, gap)) in contents.zip(&gaps).enumerate() {
-        state.y[fine.layout.content(i)] = content + share * gap;
-    }
-}
-
-/// A value for each cell from its pitch length, m, and its density.
-fn per_cell(system: &VariatorSystem, state: &State, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let (mesh, diagnostics) = (&system.belt.mesh, BeltDiagnostics::of(system, state.view()));
-    let of = |cell| {
-        let sample = |station| diagnostics.sample(mesh, cell, station);
-        let length = (0..mesh.points).map(sample).map(|s| s.lambda * s.weight).sum();
-        value(length, sample(0).density)
-    };
-    mesh.cells.iter().map(of).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pulley::PerPulley;
-    use crate::variator::settings::parameters::RingModel;
-    use crate::variator::steady::start::{Start, kinematic_state};
-
-    /// A system in the kinematic state.
-    fn started(parameters: &Parameters) -> (VariatorSystem, State) {
-        let system = VariatorSystem::new(parameters);
-        let start = Start {
-            ratio: 1.3,
-            primary_speed: 200.0,
-            clamping: PerPulley::from_fn(|_| 1.0e4),
-        };
-        let state = kinematic_state(&system.belt, &start).expect("a ratio in range");
-        (system, state)
-    }
-
-    /// A kinematic state with other deflections, contents and speeds.
-    fn deflected(parameters: &Parameters) -> (VariatorSystem, State) {
-        let (system, mut state) = started(parameters);
-        let (layout, noise) = (&system.belt.layout, |i: usize| (2.3 * i as f64).sin());
-        for i in 0..layout.components * 2 * layout.elements {
-            let per_node = 2 * layout.components;
-            state.q[layout.node(i / per_node, i % per_node)] += 1.0e-5 * noise(i);
-        }
-        for (i, at) in system.belt.cells_at.iter().enumerate() {
-            state.y[at.content] *= 1.0 + 1.0e-4 * noise(i);
-            state.y[at.speed] *= 1.0 + 1.0e-3 * noise(i + 1);
-        }
-        (system, state)
-    }
-
-    fn of(ring_model: RingModel, spatial: bool) -> Parameters {
-        Parameters {
-            ring_model,
-            spatial,
-            ..Parameters::default()
-        }
-    }
-
-    #[test]
-    fn the_same_mesh_gets_the_same_state() {
-        for (ring, spatial) in [
-            (RingModel::Ale, false),
-            (RingModel::Ale, true),
-            (RingModel::Ale0, false),
-        ] {
-            let (system, state) = deflected(&of(ring, spatial));
-            let mut found = state.clone();
-            found.q.fill(0.0);
-            prolong(&system, &state, &system, &mut found);
-            for (a, b) in state.q.iter().zip(&found.q).chain(state.y.iter().zip(&found.y)) {
-                assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{a} {b}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_finer_mesh_keeps_its_sum_of_elements_and_the_shared_nodes() {
-        for ring in [RingModel::Ale, RingModel::Ale0] {
-            let (coarse, state) = deflected(&coarser(&of(ring, false)).expect("a coarse mesh"));
-            let (fine, mut found) = started(&of(ring, false));
-            let sum = |state: &State| fine.belt.cells_at.iter().map(|at| state.y[at.content]).sum::<f64>();
-            let wanted = sum(&found);
-            prolong(&coarse, &state, &fine, &mut found);
-            assert!((sum(&found) / wanted - 1.0).abs() < 1e-13);
-            // Every other node is one of the coarse mesh.
-            let [layout, of_fine] = [&coarse.belt.layout, &fine.belt.layout];
-            let per_node = 2 * layout.components;
-            for (node, k) in (0..layout.elements).flat_map(|node| (0..per_node).map(move |k| (node, k))) {
-                let (a, b) = (state.q[layout.node(node, k)], found.q[of_fine.node(2 * node, k)]);
-                assert!((a - b).abs() < 1e-15, "{node} {k}: {a} {b}");
             }
         }
     }

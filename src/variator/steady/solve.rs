@@ -98,10 +98,10 @@ impl SteadySolver<'_> {
             return false;
         };
         let mut coarse = VariatorSystem::with_ring(&parameters, system.belt.ring.clone());
-        let Ok(mut found) = cold_start(&coarse, task, system.belt.shaft_speeds(state.view())) else {
+        let Ok(kinematic) = cold_start(&coarse, task, system.belt.shaft_speeds(state.view())) else {
             return false;
         };
-        let mut of_coarse = Newton::new(&coarse);
+        let (mut found, mut of_coarse) = (kinematic.clone(), Newton::new(&coarse));
         of_coarse.bound = newton.bound;
         let mut solver = SteadySolver {
             system: &mut coarse,
@@ -111,7 +111,7 @@ impl SteadySolver<'_> {
         newton.counts += of_coarse.counts;
         newton.bound = of_coarse.bound;
         if is_found {
-            prolong(&coarse, &found, system, state);
+            prolong(&coarse.belt, [&kinematic, &found], &system.belt, state);
         }
         is_found
     }
