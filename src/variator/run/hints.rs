@@ -4,7 +4,7 @@ use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{BALANCED, FASTEST, SETTLING};
+use crate::variator::run::tuning::{BALANCED, FASTEST, LASTING};
 use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
 use std::f64::consts::PI;
@@ -66,7 +66,7 @@ fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     } else {
         f64::MAX
     };
-    let lasting = found.filter(|_| simulation.time - *since >= SETTLING);
+    let lasting = found.filter(|_| simulation.time - *since >= LASTING);
     lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 

@@ -7,7 +7,7 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, NEXT_SHARE, REAL_TIME, STEP_RESIDUALS_PER_SECOND};
+use crate::variator::run::tuning::{CLOSE_SHARE, LEAST_SHARE, NEXT_SHARE, REAL_TIME, STEADY_WORK};
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::StartState;
@@ -29,7 +29,7 @@ impl Simulation {
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.system);
         newton.bound = WorkBound {
-            left: STEP_RESIDUALS_PER_SECOND,
+            left: STEADY_WORK,
             jacobian: REAL_TIME.jacobian,
             overdraft: f64::INFINITY,
             ..WorkBound::NONE
@@ -133,7 +133,7 @@ impl Simulation {
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(reaction, share);
-            let is_least = share <= CLOSE_SHARE;
+            let is_least = share <= LEAST_SHARE;
             match is_beyond(share) {
                 Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}
@@ -152,7 +152,7 @@ impl Simulation {
             }
             (beyond, share) = (share, NEXT_SHARE * share);
         }
-        while beyond > (1.0 + CLOSE_SHARE) * share {
+        while beyond > CLOSE_SHARE * share {
             let middle = (share * beyond).sqrt();
             let task = SteadyTask {
                 warm: true,

@@ -3,10 +3,12 @@
 //! standstill, or over forty steady ones at random. Up to 2 % is noise. A number without them bounds, measures or reports, and changes no counts.
 
 /// First step of a run, s: from a steady state, and from another one. Half: +1, 0 and 0, 0; twice: -1, -1 and 0, 0. With a step between them for
-/// both, short runs take more Jacobians, and a chain that sticks three times as many in its first milliseconds. The shorter one is also half the
-/// distance in time over which outputs are differentiated: the loads of the flanks are linear over it, and it leaves nine digits of a difference.
+/// both, short runs take more Jacobians, and a chain that sticks three times as many in its first milliseconds.
 pub const FIRST_STEP: f64 = 1.0e-4;
 pub const COLD_STEP: f64 = 1.0e-6;
+/// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and it leaves nine digits
+/// of a difference.
+pub const MOMENT: f64 = 1.0e-6;
 
 /// Newton's tolerance at the default solver tolerance, in units of the Newton scale: tenfold changes no output of the
 /// manoeuvre in the fourth digit. Half: 0, +5; twice: -2, -7.
@@ -18,10 +20,12 @@ pub const NEWTON_WIDENING: f64 = 60.0;
 pub const NEWTON_LIMITS: [f64; 2] = [0.05, 100.0];
 
 /// Residuals that an accurate communication step, or a belt that settles before a start, may take, and more for each second of it: twenty times
-/// what loads that jump take. Also the work of the search for a steady state, which took at most 77 000 in some 220 starts, two thirds of
-/// them at random.
+/// what loads that jump take.
 pub const STEP_RESIDUALS: f64 = 1.0e4;
 pub const STEP_RESIDUALS_PER_SECOND: f64 = 5.0e5;
+/// Most work of the search for a steady state, in residuals. Of some 220 starts, two thirds of them at random with both rings and chains,
+/// a steady state took at most 49 000, one at reduced torque 77 000.
+pub const STEADY_WORK: f64 = 2.5e5;
 
 /// What real time is tuned with. Work is in units of a residual with its correction.
 pub struct RealTimeTuning {
@@ -75,21 +79,26 @@ pub const CREEP_SPEED: f64 = 20.0;
 pub const CREEP_VELOCITY: f64 = 5.0e-5;
 
 /// Time in which a belt that is clamped at a standstill settles, s, and the tolerance of the steps, of which only the end counts.
-/// Half: -2, -4; +8, +5. Twice: +1, +6; +2, +2. Also the time for which a load seems to be in another unit before that is said: a force that comes
-/// in passes small values; and after which a change between gripping and slipping through is logged again.
+/// Half: -2, -4; +8, +5. Twice: +1, +6; +2, +2.
 pub const SETTLING: f64 = 0.2;
 pub const SETTLING_TOLERANCE: f64 = 1.0e-2;
 
-/// Share of the torques below which no smaller one is tried, and to which the largest is found; factor from one share to the next while
-/// there is none that is carried. Half: +15, +12; +1, +1. Twice: -10, -8; with 0.85: +11, +11.
-pub const CLOSE_SHARE: f64 = 0.05;
+/// Share of the torques below which no smaller one is tried, factor to which the largest is found, and factor from one share to the next while
+/// there is none that is carried. Half (0.025, 1.02, 0.5): 0, 0; +15, +12; +1, +1. Twice (0.1, 1.1, 0.85): 0, 0; -10, -8; +11, +11.
+pub const LEAST_SHARE: f64 = 0.05;
+pub const CLOSE_SHARE: f64 = 1.05;
 pub const NEXT_SHARE: f64 = 0.7;
 
-/// Simulated time over which the work of a run is judged, and time without net compression in a strand after which it is logged again, s. And
-/// the time for a residual and the correction from it, for each unknown, s: with ten loads on three meshes of two rings it was 33 to 38 ns on one
-/// core of an AMD EPYC with AVX2.
+/// Simulated time over which the work of a run is judged, s, and the time for a residual and the correction from it, for each unknown, s: with
+/// ten loads on three meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
 pub const JUDGED: f64 = 1.0;
 pub const RESIDUAL: f64 = 36.0e-9;
+/// Time without net compression in a strand after which it is logged again, and the same for a change between gripping and slipping through,
+/// s: a strand at the limit does not fill the log.
+pub const QUIET: f64 = 1.0;
+pub const CHATTER: f64 = 0.1;
+/// Time for which a load seems to be in another unit before that is said, s: a force that comes in passes small values.
+pub const LASTING: f64 = 0.2;
 /// Belt speed above which no belt of a car runs, m/s: they run at up to about 50 m/s.
 pub const FASTEST: f64 = 60.0;
 /// Deviation from balance up to which one torque seems to have the wrong sign, as a share.

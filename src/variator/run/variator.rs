@@ -13,7 +13,7 @@ use crate::variator::run::outcome::{Event, InitialisationError, Message};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
-use crate::variator::run::tuning::{COLD_STEP, FIRST_STEP, JUDGED, SETTLING};
+use crate::variator::run::tuning::{CHATTER, COLD_STEP, FIRST_STEP, MOMENT, QUIET};
 use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
@@ -178,7 +178,7 @@ impl Variator {
             return;
         }
         self.macro_slip = slips;
-        if to - self.slipped > SETTLING {
+        if to - self.slipped > CHATTER {
             self.simulation
                 .log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
@@ -192,14 +192,14 @@ impl Variator {
         if force >= 0.0 {
             return;
         }
-        if to - self.buckled > JUDGED {
+        if to - self.buckled > QUIET {
             let real = if self.simulation.system.belt.law.is_chain() {
                 "chain would be slack"
             } else {
                 "push strand would buckle"
             };
             let text = format!(
-                "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {JUDGED} s without)"
+                "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {QUIET} s without)"
             );
             self.simulation.log(true, text);
         }
@@ -213,7 +213,7 @@ impl Variator {
         let Simulation {
             system, energy, time, ..
         } = &self.simulation;
-        let outputs = [-COLD_STEP, COLD_STEP].map(|after| {
+        let outputs = [-MOMENT, MOMENT].map(|after| {
             let mut state = self.simulation.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
@@ -228,7 +228,7 @@ impl Variator {
             outputs
         });
         self.stale = true;
-        (outputs, 2.0 * COLD_STEP)
+        (outputs, 2.0 * MOMENT)
     }
 
     /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
