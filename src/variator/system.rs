@@ -181,8 +181,13 @@ impl VariatorSystem {
 
 /// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of chain strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
 const PLACE: f64 = 1.0e-9;
+/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without, some loose belts have no steady state.
+const RING_SPEED: f64 = 1.0e-3;
 /// Sliding speed, as a share of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
+/// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; that of an element's length, a tenth, loses steady
+/// states.
+const PER_METRE: f64 = 1.0e3;
 /// Tension as an unknown of its own, N. Half and twice: +1, -1 %.
 const TENSION: f64 = 0.1;
 
@@ -230,7 +235,7 @@ impl System for VariatorSystem {
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let layout = &self.belt.layout;
-        let velocity = PLACE / beta;
+        let velocity = (PLACE / beta).min(RING_SPEED);
         let slip = SLIP * self.friction().velocity;
         // The pitch radius at ratio 1 turns lengths into angles, and into Θ.
         let radius = self.belt.law.r0;
@@ -240,10 +245,8 @@ impl System for VariatorSystem {
             }
         }
         let of_ring = self.belt.ring.speed_error(velocity, slip);
-        // A slope is a deflection over the length of an element.
-        let per_metre = layout.elements as f64 / self.belt.curve.length();
         for (i, is_length) in layout.node_unknowns() {
-            out[i] = of_ring * if is_length { 1.0 } else { per_metre };
+            out[i] = of_ring * if is_length { 1.0 } else { PER_METRE };
         }
         out[layout.free()].fill(1.0);
         if !layout.has_tension() {
