@@ -1,8 +1,7 @@
 //! Starts without load. Sharp friction on a slack belt at a standstill makes one cell after the other stick and slide by
 //! turns: half of the Jacobians of a launch went there. So the friction velocity v₀ is large at first and falls.
 
-use crate::variator::run::tuning::{RAMP, RAMP_PARTS};
-use crate::variator::steady::SOFT_VELOCITY;
+use crate::variator::run::tuning::{RAMP, RAMP_PARTS, RAMP_VELOCITY};
 
 /// Time at which a run started without load, if it did.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +29,7 @@ impl SoftStart {
     pub fn friction_velocity(self, time: f64, own: f64) -> f64 {
         let left = 1.0 - (time - self.from + 0.5 * self.piece(time)) / RAMP;
         if left > 0.0 {
-            own * (own.max(SOFT_VELOCITY) / own).powf(left)
+            own * (own.max(RAMP_VELOCITY) / own).powf(left)
         } else {
             own
         }

@@ -64,7 +64,9 @@ pub const REAL_TIME: RealTimeTuning = RealTimeTuning {
     behind: 0.02,
 };
 
-/// Start without load: time over which the friction velocity falls to its own, s, held over each of so many parts.
+/// Start without load: friction velocity that it begins with, m/s, unless its own is larger; time over which that falls to its own, s, held
+/// over each of so many parts.
+pub const RAMP_VELOCITY: f64 = 0.02;
 pub const RAMP: f64 = 1.0e-2;
 pub const RAMP_PARTS: f64 = 32.0;
 

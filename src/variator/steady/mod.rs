@@ -8,8 +8,11 @@ pub(crate) mod refine;
 pub mod solve;
 pub mod start;
 
-/// Pseudo-time step that comes first, from which on the friction velocity is reduced, and which is kept meanwhile, s.
-const PSEUDO_STEP: f64 = 3.0e-3;
+/// First pseudo-time step, s. Half: -1, -1; twice: -2, -2.
+const FIRST_PSEUDO_STEP: f64 = 1.0e-3;
+/// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s. With [`FIRST_PSEUDO_STEP`] instead, one start in
+/// a hundred is not found. Half: -2, -1; twice: -1, -1.
+const HOMOTOPY_STEP: f64 = 5.0e-3;
 /// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change some seconds.
 /// Half and twice: 0, 0.
 const STEADY_TIME: f64 = 200.0;
@@ -17,10 +20,10 @@ const STEADY_TIME: f64 = 200.0;
 /// are not found.
 const MOST_SOLVES: usize = 400;
 
-/// Regularisation homotopy: friction velocity that steady solutions and starts without load begin with, m/s, unless the specified one is larger,
-/// and the factor of each reduction of a steady solution. At first, stick and slip are one smooth law, and Newton's method does not alternate
-/// between them. Half (0.2): -2, -2 (-2, -1); twice (0.63): -1, 0 (+1, 0).
-pub const SOFT_VELOCITY: f64 = 0.02;
+/// Regularisation homotopy: friction velocity that the solution starts with, m/s, and the factor of each reduction, down to the specified one.
+/// At first, stick and slip are one smooth law, and Newton's method does not alternate between them. Half (0.2): -2, -2 (-2, -1);
+/// twice (0.63): -1, 0 (+1, 0).
+const HOMOTOPY_VELOCITY: f64 = 0.05;
 const VELOCITY_REDUCTION: f64 = 0.4;
 
 /// Clamping force below which a belt may be too loose to be found from a kinematic state, N: its steady state under this force is then
@@ -31,7 +34,8 @@ const FIRM: f64 = 1.0e4;
 /// times the specified one. Without it, half of the starts beyond capacity end in such a state. Half: -4, -3; twice: -1, +1.
 const RUN_AWAY: f64 = 0.3;
 
-/// Time in which the set point of Θ is corrected, s. Half: -2, -1; twice: -1, -1.
+/// Times in which the reaction force and the set point of Θ are corrected, s. Half: 0, 0 and -2, -1; twice: 0, 0 and -1, -1.
+const FORCE_TIME: f64 = 0.02;
 const RATIO_TIME: f64 = 0.2;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.

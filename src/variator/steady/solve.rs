@@ -16,7 +16,8 @@ use crate::variator::settings::Inputs;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, MOST_SOLVES, PSEUDO_STEP, RATIO_TIME, RUN_AWAY, SOFT_VELOCITY, STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME, RUN_AWAY,
+    STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -76,7 +77,7 @@ impl SteadySolver<'_> {
                 }
             }
         }
-        self.continuation(state, task, own.max(SOFT_VELOCITY))
+        self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
     }
 
     /// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the
@@ -136,7 +137,7 @@ impl SteadySolver<'_> {
     ) -> Result<Settled, Settled> {
         let settings = Settling {
             time: 0.0,
-            first_step: PSEUDO_STEP,
+            first_step: FIRST_PSEUDO_STEP,
             last_step: STEADY_TIME,
             max_solves: MOST_SOLVES,
         };
@@ -219,14 +220,14 @@ impl<'a> Control<'a> {
             return None;
         }
         // Slower than the belt settles: otherwise the two integral corrections oscillate with growing amplitude.
-        let gain = (trial.step / RATIO_TIME).min(1.0);
+        let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
             .pulleys()
             .holding_force(reaction, trial.after, system.of_belt[reaction].axial);
-        self.clamping[reaction] = holding;
-        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain;
-        let is_long = trial.step >= PSEUDO_STEP;
+        self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
+        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
+        let is_long = trial.step >= HOMOTOPY_STEP;
         let was_gripping = self.gripping;
         self.gripping |= is_long;
         system.loads = Loads::Steady(self.boundary());
@@ -237,7 +238,7 @@ impl<'a> Control<'a> {
         if is_long && was_gripping {
             system.friction_velocity = (velocity * VELOCITY_REDUCTION).max(own);
         }
-        Some(PSEUDO_STEP)
+        Some(HOMOTOPY_STEP)
     }
 }
 
