@@ -7,7 +7,7 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, LEAST_SHARE, NEXT_SHARE, REAL_TIME, STEADY_WORK};
+use crate::variator::run::tuning::{CLOSE_SHARE, LEAST_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::StartState;
@@ -125,6 +125,17 @@ impl Simulation {
         }
     }
 
+    /// First guess of the slip of a shaft whose speed is solved for: in proportion to the torques, in the direction of the power.
+    fn guess_slip(&mut self, task: &SteadyTask, demand: Demand, share: f64) {
+        let utilisation = (-share * demand.share_of_capacity()).clamp(-1.0, 1.0);
+        let slip = SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation;
+        for (pulley, sign) in [(Pulley::Secondary, 1.0), (Pulley::Primary, -1.0)] {
+            if task.shaft[pulley] != ShaftMode::Fixed {
+                self.state.y[self.system.belt.layout.shaft_speed(pulley)] *= 1.0 - slip * sign;
+            }
+        }
+    }
+
     /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
     /// beyond capacity has none, and isn't tried. The share.
     fn carry(&mut self, newton: &mut Newton, reaction: Pulley, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
@@ -134,6 +145,9 @@ impl Simulation {
         loop {
             let task = self.steady_task(reaction, share);
             let is_least = share <= LEAST_SHARE;
+            if let Some(demand) = demand {
+                self.guess_slip(&task, demand, share);
+            }
             match is_beyond(share) {
                 Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}

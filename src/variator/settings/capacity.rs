@@ -64,6 +64,11 @@ impl Demand {
         self.carried_per_force * self.force
     }
 
+    /// Torque of the belt on the primary pulley as a share of what the force carries.
+    pub fn share_of_capacity(&self) -> f64 {
+        self.torque / self.carried()
+    }
+
     /// Whether a share of the torque is beyond what the force can carry.
     pub fn is_beyond(&self, share: f64) -> bool {
         share * self.torque.abs() > BEYOND * self.carried() + self.drag
