@@ -8,7 +8,7 @@ mod terminals;
 mod variator_unit;
 
 pub use linear::linear_model;
-pub use rings::{REMOVED, Rings, Settings, StandardRings};
-pub use table::{parameter, shared_variables};
+pub use rings::{REMOVED, Rings, Settings, StandardRings, parameter};
+pub use table::shared_variables;
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description};

@@ -1,10 +1,9 @@
 //! The values that a master sets; the rings that a unit offers, and the variables that choose among them.
 
-use super::table::parameter;
-use crate::fmi::table::{Access, Enumeration, Kind, Retired, Variable};
+use crate::fmi::table::{Access, Causality, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
-use crate::variator::settings::table::part;
+use crate::variator::settings::table::{Row, WHOLE, part};
 use crate::variator::settings::{
     Axial, BeltKind, Drive, Inputs, Mode, ParameterError, Parameters, Readings, RingModel, StartState,
 };
@@ -25,6 +24,11 @@ pub struct Settings<R = StandardRings> {
 /// The rings of the FMU: `ALE0` and `ALE`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StandardRings;
+
+/// A row of a parameter of the whole variator.
+pub fn parameter<S, Q>(name: &str, reference: u32, text: &str, kind: Kind<S, Q>) -> Variable<S, Q> {
+    Row(name, reference, Causality::Parameter, text, kind).variable(WHOLE)
+}
 
 part!([R] Settings<R> => Parameters: |self| self.parameters);
 part!([R] Settings<R> => Inputs: |self| self.inputs);

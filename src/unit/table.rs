@@ -70,11 +70,6 @@ pub fn shared_variables<R, Q: AsRef<Outputs>>() -> Vec<Variable<Settings<R>, Q>>
         .collect()
 }
 
-/// A row of a parameter of the whole variator.
-pub fn parameter<S, Q>(name: &str, reference: u32, text: &str, kind: Kind<S, Q>) -> Variable<S, Q> {
-    Row(name, reference, Causality::Parameter, text, kind).variable(WHOLE)
-}
-
 /// A row, by name, value reference, causality, type, description and field of [`Outputs`]. `Q` is the type of the readings in which it is.
 macro_rules! read {
     ($name:literal, $reference:literal, $causality:ident, $kind:ident $(($($of:tt)*))?, $text:literal, $($field:tt)+) => {{

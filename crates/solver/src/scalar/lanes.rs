@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::real::Real;
-use super::soft_tail::{FAR, soft_tail, to_exponent};
+use super::real::{FAR, Real};
+use super::soft_tail::{soft_tail, to_exponent};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 #[cfg(not(target_feature = "avx"))]

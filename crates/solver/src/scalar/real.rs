@@ -1,8 +1,10 @@
 //! What a scalar can do, and plain numbers as scalars.
 
-use super::soft_tail::FAR;
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// From there on e^−x is taken for what it is here: beside 1 it is nothing.
+pub(super) const FAR: f64 = 40.0;
 
 /// A real number that may carry derivatives along.
 pub trait Real:

@@ -6,9 +6,6 @@ use super::real::Real;
 /// ln 2 in two parts; the first has so few digits that its product with a small whole number is exact.
 const LN2: [f64; 2] = [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6];
 
-/// From there on e^−x is taken for what it is here: beside 1 it is nothing.
-pub(super) const FAR: f64 = 40.0;
-
 /// Adding it rounds a small number to a whole one, which stands with an exponent's bias in the last bits.
 const ROUND: f64 = 6_755_399_441_055_744.0 + 1023.0;
 
@@ -41,7 +38,7 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`FAR`]. `to_exponents` moves the last bits of each number to its exponent.
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`FAR`](super::real::FAR). `to_exponents` moves the last bits of each number to its exponent.
 #[inline(always)]
 pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;
