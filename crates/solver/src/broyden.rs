@@ -2,6 +2,7 @@
 //! (1995), section 7.3: it needs the steps made so far and no matrix. Where a few rows have changed between sticking and
 //! sliding, the Jacobian has changed in rank by as few, which updates make good.
 
+use super::kernels::largest;
 use nalgebra::DVector;
 
 /// A scaled step with its squared 2-norm.
@@ -24,5 +25,5 @@ pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) ->
         *step *= 1.0 / (1.0 - last.dot(step) / of_last);
     }
     *square = step.norm_squared();
-    if square.is_finite() { step.amax() } else { f64::INFINITY }
+    if square.is_finite() { largest(step.as_slice()) } else { f64::INFINITY }
 }

@@ -112,6 +112,18 @@ fn beside<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f
     }
 }
 
+/// The largest magnitude of an entry that is a number, by eight at a time: none waits for the one before.
+pub fn largest(x: &[f64]) -> f64 {
+    let (eights, rest) = x.as_chunks::<8>();
+    let mut most = [0.0_f64; 8];
+    for eight in eights {
+        for (most, x) in most.iter_mut().zip(eight) {
+            *most = most.max(x.abs());
+        }
+    }
+    most.iter().chain(rest).fold(0.0, |most, x| most.max(x.abs()))
+}
+
 /// Least size of a pivot, as a share of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
 /// Reid 1986). Half, twice, and 1, which is partial pivoting: the work of steady states stays the same within a residual of 12 000.
 const PIVOT: f64 = 0.1;

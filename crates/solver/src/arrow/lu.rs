@@ -206,6 +206,10 @@ impl ArrowLu {
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
+        // Then it is the vector's own order.
+        if self.order.is_sorted() {
+            return for_size!(self, solve_sized(x));
+        }
         let mut ordered = std::mem::take(&mut self.ordered);
         to_places(&self.order, x, &mut ordered);
         for_size!(self, solve_sized(&mut ordered));
