@@ -124,7 +124,10 @@ impl<'a> Archive<'a> {
             let start = bytes.len();
             bytes.resize(start + 8 * values.len(), 0);
             let words = bytes[start..].as_chunks_mut().0;
-            words.iter_mut().zip(values).for_each(|(word, value)| *word = value.to_le_bytes());
+            words
+                .iter_mut()
+                .zip(values)
+                .for_each(|(word, value)| *word = value.to_le_bytes());
             return;
         }
         for value in values {

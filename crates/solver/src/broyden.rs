@@ -25,5 +25,9 @@ pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) ->
         *step *= 1.0 / (1.0 - last.dot(step) / of_last);
     }
     *square = step.norm_squared();
-    if square.is_finite() { largest(step.as_slice()) } else { f64::INFINITY }
+    if square.is_finite() {
+        largest(step.as_slice())
+    } else {
+        f64::INFINITY
+    }
 }
