@@ -11,7 +11,7 @@ use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
-use crate::slave::{Master, Version};
+use crate::slave::{Master, TIME, Version};
 use crate::table::Causality;
 use crate::unit::Unit;
 
@@ -64,12 +64,12 @@ pub(super) unsafe fn instantiate<U: Unit>(
 }
 
 /// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
-/// them. The others are a warning: some masters name all outputs, and access is refused.
+/// them. The others are a warning: some masters name all outputs, and access is refused. Time can be read there in any case.
 fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
     // A master may name a variable more than once.
-    for reference in required.iter().copied().collect::<BTreeSet<_>>() {
+    for reference in required.iter().copied().filter(|one| *one != TIME).collect::<BTreeSet<_>>() {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"

@@ -184,6 +184,9 @@ impl<U: Unit> Slave<U> {
 /// The variable with a value reference, if it has this type.
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
+        None if reference == TIME => refused(
+            "time (value reference 0) is the independent variable: it can't be set, and only fmi3GetFloat64 reads it",
+        ),
         None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
