@@ -89,16 +89,14 @@ const fn of_paper(name: &'static str, reference: u32) -> Retired {
 
 impl Rings for StandardRings {
     const IDENTITY: Identity = Identity {
-        name: "PushbeltVariator",
-        description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
         version: env!("CARGO_PKG_VERSION"),
         author: "The pushbelt developers",
         license: env!("CARGO_PKG_LICENSE"),
         generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        stop_time: 1.0,
-        step_size: 1e-3,
-        tolerance: 1e-4,
-        longest_step: 1000.0,
+        ..Identity::new(
+            "PushbeltVariator",
+            "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
+        )
     };
     const RING_MODEL: &'static Enumeration = RingModel::TYPE;
     const RETIRED: &'static [Retired] = &[
