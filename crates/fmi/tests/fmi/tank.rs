@@ -17,8 +17,8 @@ pub const LEVEL: u32 = 5;
 pub const MARK: u32 = 6;
 pub const FLOORS: u32 = 7;
 pub const SHAPE: u32 = 8;
-pub const LOCKED: u32 = 9;
-pub const FULL: u32 = 10;
+pub const LOCKED: u32 = 19;
+pub const FULL: u32 = 20;
 /// Value reference of the first of [`DEPTHS`] depths.
 pub const DEPTH: u32 = 11;
 pub const DEPTHS: usize = 3;
@@ -154,6 +154,7 @@ impl Unit for Tank {
         };
         let mut table = Table::new(UNITS, const { &[&SHAPES] }, variables);
         (table.arrays, table.retired) = (vec![depth], &RETIRED);
+        table.initial = &[("full", &["locked", "start"])];
         table
     }
 

@@ -1,6 +1,6 @@
 //! Reading and writing of variables, in both versions.
 
-use pushbelt_fmi::Version::Three;
+use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 
 use crate::importer::{BOTH, TIME, experiment};
@@ -20,6 +20,9 @@ fn every_type_is_written_and_read_back() {
         let numbers = [FLOORS, SHAPE, LOCKED, FULL].map(|of| importer.number(of));
         assert_eq!(numbers, [3, 2, 1, 0].map(Result::Ok));
         importer.assert_reals(&[], &[]);
+        if version == Two {
+            importer.assert_reals(&[DEPTH + 2, DEPTH], &[7.0, 0.0]);
+        }
     }
 }
 
@@ -71,7 +74,10 @@ fn a_bad_reference_is_an_error_that_names_it() {
             (LEVEL, "level is calculated and can't be set"),
             (START, "start is fixed once the run has started"),
             (NONE, "no variable has the value reference 99"),
-            (TIME, "time (value reference 0) is the independent variable: it can't be set"),
+            (
+                TIME,
+                "time (value reference 0) is the independent variable: it can't be set",
+            ),
             (OLD, "old (value reference 98) was removed: use start"),
             (FLOORS, "floors (value reference 7) has another type"),
         ] {
