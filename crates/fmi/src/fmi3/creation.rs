@@ -69,12 +69,8 @@ fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
     // A master may name a variable more than once.
-    for reference in required
-        .iter()
-        .copied()
-        .filter(|one| *one != TIME)
-        .collect::<BTreeSet<_>>()
-    {
+    let named: BTreeSet<_> = required.iter().copied().filter(|one| *one != TIME).collect();
+    for reference in named {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
