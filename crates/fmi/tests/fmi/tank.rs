@@ -5,7 +5,6 @@ use std::path::Path;
 use Causality::{Input, Local, Output, Parameter, Tunable};
 use pushbelt_fmi::prelude::*;
 use pushbelt_fmi::table::{Array, Enumeration, Item, Kind, Retired};
-use pushbelt_fmi::unit::Moment;
 
 pub type Importer = crate::importer::Importer<Tank>;
 
@@ -233,17 +232,13 @@ impl Unit for Tank {
         (step.before.level < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 
-    fn moment(&mut self) -> Option<Moment<Gauges>> {
+    fn moment(&mut self) -> Option<([Gauges; 2], f64)> {
         let [flow, growth] = self.flow;
-        let [before, after] = [-0.5, 0.5].map(|after| Gauges {
+        let around = [-0.5, 0.5].map(|after| Gauges {
             level: self.level + after * (flow + 0.5 * after * growth),
             ..Gauges::default()
         });
-        Some(Moment {
-            before,
-            after,
-            span: 1.0,
-        })
+        Some((around, 1.0))
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
