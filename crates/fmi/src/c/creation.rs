@@ -49,10 +49,9 @@ pub(crate) unsafe fn create<U: Unit>(
         let Ok((master, start)) = started.map_err(|why| report(Status::Error, Category::Error, &why)) else {
             return ptr::null_mut();
         };
-        if let Some((status, category, text)) = dispatch::remark() {
-            log.send(status, category, &text);
-        }
-        Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
+        let slave = Slave::<U>::with(master, log, start);
+        slave.log_remarks(dispatch::remark().as_slice());
+        Box::into_raw(Box::new(slave)).cast()
     })
 }
 

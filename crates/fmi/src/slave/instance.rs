@@ -146,7 +146,7 @@ impl<U: Unit> Slave<U> {
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    pub(super) fn log_remarks(&self, remarks: &[Remark]) {
+    pub(crate) fn log_remarks(&self, remarks: &[Remark]) {
         for remark in remarks {
             let (status, category) = match remark.warning {
                 true => (Status::Warning, Category::Warning),
