@@ -66,7 +66,7 @@ pub(crate) fn table() -> Table<Settings, Readings> {
         variable.description = text.unwrap_or(variable.description);
         of_maps.then_some(variable)
     };
-    let mut variables: Vec<_> = shared_variables().into_iter().filter_map(of_maps).collect();
+    let mut variables: Vec<_> = shared_variables(Vec::new()).into_iter().filter_map(of_maps).collect();
     variables.push(Variable {
         name: "map.outside".to_owned(),
         reference: 90,

@@ -2,20 +2,19 @@
 
 use serde_json::{Value, json};
 
-use crate::fmi::Table;
-use crate::fmi::table::{Access, Causality, Kind};
+use crate::fmi::table::{Access, Kind, Variable};
 use crate::fmi::unit::Remark;
 use crate::unit::rings::{Rings, Settings};
 use crate::unit::table;
 use crate::unit::variator_unit::UnitWith;
 use crate::variator::linear::{LinearModel, Load, linearise_at};
-use crate::variator::settings::{Outputs, Readings};
+use crate::variator::settings::Outputs;
 
 /// Frequencies below which modes can be kept, Hz.
 const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
 
 /// An output of the linear model: name, unit, and getter of its value.
-type Column<'a> = (&'a str, &'static str, fn(&Readings) -> f64);
+type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
 
 /// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes below `frequency`, Hz,
 /// are its states. There is a warning for each difference from the specified point.
@@ -34,13 +33,9 @@ pub fn linear_model<R: Rings>(
             "frequency = {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
         ));
     }
-    let table = table::table::<R>();
-    let columns = outputs(&table);
-    let read = columns
-        .iter()
-        .map(|(.., get)| |outputs: &Outputs| get(&outputs.clone().into()));
-    let read: Vec<_> = read.collect();
-    let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|read| read as _).collect();
+    let outputs: Vec<_> = table::outputs().collect();
+    let columns: Vec<_> = outputs.iter().filter_map(column).collect();
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = columns.iter().map(|(.., get)| get as _).collect();
     let time = unit.variator.time();
     let found = linearise_at(&mut unit.variator, &settings.inputs, frequency, &read);
     let found = found.map_err(|error| error.to_string())?;
@@ -49,21 +44,16 @@ pub fn linear_model<R: Rings>(
     Ok(format!("{:#}", in_words(&found, &columns, frequency, time)))
 }
 
-/// Real outputs of the interface.
-fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column<'_>> {
-    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
-    let column = outputs.filter_map(|variable| {
-        let Kind::Real {
+/// The column of an output, if it is real.
+fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
+    match output.kind {
+        Kind::Real {
             unit,
             access: Access::Reading(get),
             ..
-        } = variable.kind
-        else {
-            return None;
-        };
-        Some((variable.name.as_str(), unit, get))
-    });
-    column.collect()
+        } => Some((&output.name, unit, get)),
+        _ => None,
+    }
 }
 
 fn in_words(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f64) -> Value {
@@ -71,8 +61,7 @@ fn in_words(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f
         let (given, held) = (load.of(&model.given), load.of(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
-    let at: Readings = (*model.outputs).clone().into();
-    let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&at)});
+    let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},

@@ -64,49 +64,45 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     fn ring(&self, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError>;
 }
 
-/// Those that no unit has any longer: `belt.contactStrain` and `belt.filmForce`.
-pub const REMOVED: [Retired; 2] = [
-    Retired {
-        name: "belt.contactStrain",
-        reference: 1036,
-        instead: "set belt.roughness, the same strain times belt.elementThickness",
-    },
-    Retired {
-        name: "belt.filmForce",
-        reference: 1039,
-        instead: "delete it; no force acts across a gap at rest",
-    },
-];
-
-/// A variable of the FMU of the paper's comparison alone.
-const fn of_paper(name: &'static str, reference: u32) -> Retired {
+const fn removed(name: &'static str, reference: u32, instead: &'static str) -> Retired {
     Retired {
         name,
         reference,
-        instead: "the FMU of the comparison with the paper has it (cargo fmu build --paper)",
+        instead,
     }
 }
 
+/// Variables that no unit has any longer.
+pub const REMOVED: [Retired; 2] = [
+    removed(
+        "belt.contactStrain",
+        1036,
+        "set belt.roughness, the same strain times belt.elementThickness",
+    ),
+    removed("belt.filmForce", 1039, "delete it; no force acts across a gap at rest"),
+];
+
+/// Those that the FMU of the paper's comparison alone has.
+const OF_PAPER: &str = "the FMU of the comparison with the paper has it (cargo fmu build --paper)";
+
 impl Rings for StandardRings {
     const IDENTITY: Identity = Identity {
-        name: "PushbeltVariator",
-        description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
         version: env!("CARGO_PKG_VERSION"),
         author: "The pushbelt developers",
         license: env!("CARGO_PKG_LICENSE"),
         generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        stop_time: 1.0,
-        step_size: 1e-3,
-        tolerance: 1e-4,
-        longest_step: 1000.0,
+        ..Identity::new(
+            "PushbeltVariator",
+            "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
+        )
     };
     const RING_MODEL: &'static Enumeration = RingModel::TYPE;
     const RETIRED: &'static [Retired] = &[
         REMOVED[0],
         REMOVED[1],
-        of_paper("mesh.aligned", 1075),
-        of_paper("ring.referenceDirections", 1048),
-        of_paper("ring.elements", 1045),
+        removed("mesh.aligned", 1075, OF_PAPER),
+        removed("ring.referenceDirections", 1048, OF_PAPER),
+        removed("ring.elements", 1045, OF_PAPER),
     ];
 
     fn variables() -> Vec<Variable<Settings, Readings>> {

@@ -48,11 +48,7 @@ const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
 
 /// The variable table of the variator.
 pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
-    let mut variables: Vec<_> = inputs().map(Setting::variable).collect();
-    variables.extend(outputs());
-    variables.extend(R::variables());
-    variables.extend(parameters().map(Setting::variable));
-    variables.extend(locals());
+    let mut variables = shared_variables(R::variables());
     let (arrays, elements): (Vec<_>, Vec<_>) = profiles().unzip();
     variables.extend(elements.into_iter().flatten());
     let mut table = Table::new(si::UNITS, R::ENUMERATIONS, variables);
@@ -60,14 +56,12 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     table
 }
 
-/// Inputs, outputs, parameters and locals but for profiles and `ring.model`.
+/// Inputs, outputs, parameters, of which the unit's `own` are the first, and locals but for profiles.
 #[must_use]
-pub fn shared_variables<R, Q: AsRef<Outputs>>() -> Vec<Variable<Settings<R>, Q>> {
-    let calculated = inputs().map(Setting::variable).chain(outputs());
-    calculated
-        .chain(parameters().map(Setting::variable))
-        .chain(locals())
-        .collect()
+pub fn shared_variables<R, Q: AsRef<Outputs>>(own: Vec<Variable<Settings<R>, Q>>) -> Vec<Variable<Settings<R>, Q>> {
+    let before = inputs().map(Setting::variable).chain(outputs()).chain(own);
+    let parameters = parameters().map(Setting::variable);
+    before.chain(parameters).chain(locals()).collect()
 }
 
 /// A row, by name, value reference, causality, type, description and field of [`Outputs`]. `Q` is the type of the readings in which it is.
@@ -111,7 +105,7 @@ macro_rules! pulley_outputs {
 
 /// Outputs.
 #[rustfmt::skip]
-fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
+pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     let whole = [
         read!("thrustRatio", 1, Output, Real("1", Range::between(-100.0, 100.0).of_size(1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", thrust_ratio),
         read!("belt.speed", 2, Output, Real("m/s", Range::typical(10.0)), "Mean pitch-line speed of the elements", belt_speed),

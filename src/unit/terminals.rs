@@ -2,54 +2,22 @@
 
 use crate::fmi::fmi3::{Terminal, terminals_and_icons};
 
-/// Shaft, clamp and port of a pulley, each with its middle on the icon.
-macro_rules! of_pulley {
-    ($pulley:literal, $shaft:expr, $clamp:expr, $port:expr) => {
-        [
-            Terminal {
-                name: concat!($pulley, "Shaft"),
-                description: concat!("Shaft of the ", $pulley, " pulley: torque in, speed out"),
-                members: &[
-                    ("torque", concat!($pulley, ".torque")),
-                    ("speed", concat!($pulley, ".speed")),
-                ],
-                icon: "shaft",
-                middle: $shaft,
-            },
-            Terminal {
-                name: concat!($pulley, "Clamp"),
-                description: concat!(
-                    "Clamp of the ",
-                    $pulley,
-                    " pulley: force in, position of the movable sheave out"
-                ),
-                members: &[
-                    ("force", concat!($pulley, ".clampingForce")),
-                    ("position", concat!($pulley, ".position")),
-                ],
-                icon: "clamp",
-                middle: $clamp,
-            },
-            Terminal {
-                name: concat!($pulley, "Port"),
-                description: concat!("Port of the ", $pulley, " cylinder: pressure in, flow out"),
-                members: &[
-                    ("pressure", concat!($pulley, ".pressure")),
-                    ("flow", concat!($pulley, ".cylinder.flow")),
-                ],
-                icon: "port",
-                middle: $port,
-            },
-        ]
-    };
-}
-
 /// The terminals of shafts, clamps and cylinders.
-pub const TERMINALS: [Terminal; 6] = {
-    let [shaft, clamp, port] = of_pulley!("primary", [150.0, 0.0], [77.0, 90.0], [77.0, -90.0]);
-    let [shaft_s, clamp_s, port_s] = of_pulley!("secondary", [-150.0, 0.0], [-65.0, 90.0], [-65.0, -90.0]);
-    [shaft, shaft_s, clamp, clamp_s, port, port_s]
-};
+#[rustfmt::skip]
+pub const TERMINALS: [Terminal; 6] = [
+    Terminal { name: "primaryShaft", description: "Shaft of the primary pulley: torque in, speed out",
+        members: &[("torque", "primary.torque"), ("speed", "primary.speed")], icon: "shaft", middle: [150.0, 0.0] },
+    Terminal { name: "secondaryShaft", description: "Shaft of the secondary pulley: torque in, speed out",
+        members: &[("torque", "secondary.torque"), ("speed", "secondary.speed")], icon: "shaft", middle: [-150.0, 0.0] },
+    Terminal { name: "primaryClamp", description: "Clamp of the primary pulley: force in, position of the movable sheave out",
+        members: &[("force", "primary.clampingForce"), ("position", "primary.position")], icon: "clamp", middle: [77.0, 90.0] },
+    Terminal { name: "secondaryClamp", description: "Clamp of the secondary pulley: force in, position of the movable sheave out",
+        members: &[("force", "secondary.clampingForce"), ("position", "secondary.position")], icon: "clamp", middle: [-65.0, 90.0] },
+    Terminal { name: "primaryPort", description: "Port of the primary cylinder: pressure in, flow out",
+        members: &[("pressure", "primary.pressure"), ("flow", "primary.cylinder.flow")], icon: "port", middle: [77.0, -90.0] },
+    Terminal { name: "secondaryPort", description: "Port of the secondary cylinder: pressure in, flow out",
+        members: &[("pressure", "secondary.pressure"), ("flow", "secondary.cylinder.flow")], icon: "port", middle: [-65.0, -90.0] },
+];
 
 /// The content of `terminalsAndIcons.xml`.
 #[must_use]

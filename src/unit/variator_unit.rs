@@ -3,7 +3,7 @@
 use super::rings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::archive::Archive;
-use crate::fmi::unit::{Experiment, Identity, Moment, Remark, Unit};
+use crate::fmi::unit::{Experiment, Identity, Remark, Unit};
 use crate::fmi::{Table, Version};
 use crate::variator::run::{CommunicationStep, Event, Message, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
@@ -144,10 +144,9 @@ impl<R: Rings> Unit for UnitWith<R> {
         self.variator.readings(elements)
     }
 
-    fn moment(&mut self) -> Option<Moment<Readings>> {
+    fn moment(&mut self) -> Option<([Readings; 2], f64)> {
         let (outputs, span) = self.variator.moment();
-        let [before, after] = outputs.map(|outputs| (*outputs).into());
-        Some(Moment { before, after, span })
+        Some((outputs.map(|outputs| (*outputs).into()), span))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Events of a belt in FMI 3.0: slip that begins and ends, end stops; early return and event mode.
 
 use pushbelt::fmi::Version::Three;
-use pushbelt::fmi::log::Status::{Error, Ok};
+use pushbelt::fmi::log::Status::Ok;
 
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;
@@ -53,7 +53,6 @@ fn a_step_ends_where_the_belt_begins_to_slip_through() {
     assert_eq!(importer.last(), format!("event at {} s: {words}", ended.time));
     // The master lowers the torque in event mode.
     assert_eq!(importer.enter_event_mode(), Ok);
-    assert_eq!(importer.step(ended.time, 1e-3).status, Error);
     importer.put("primary.torque", 20.0);
     importer.handle_event();
     let rest = importer.step(ended.time, end - ended.time);

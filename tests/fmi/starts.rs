@@ -1,4 +1,4 @@
-//! Starts: removed variables, what can hardly be meant, start values in the resources.
+//! Starts: what can hardly be meant, start values in the resources.
 
 use std::fs;
 
@@ -9,27 +9,6 @@ use pushbelt_support::shared_library::{Library, OK, path};
 
 use crate::importer::{BOTH, Handles};
 use crate::variator::{Importer, reference};
-
-/// Removed variables of earlier versions give an error that names the replacement.
-#[test]
-fn variables_of_earlier_versions_are_named() {
-    let importer = Importer::new(BOTH[0]);
-    for (reference, name) in [
-        (
-            1036,
-            "belt.contactStrain (value reference 1036) was removed: set belt.roughness",
-        ),
-        (
-            1045,
-            "ring.elements (value reference 1045) was removed: the FMU of the comparison",
-        ),
-        (1048, "ring.referenceDirections (value reference 1048) was removed"),
-        (1075, "mesh.aligned (value reference 1075) was removed"),
-    ] {
-        assert_eq!(importer.set(reference, 0.0), Error);
-        importer.assert_logged(name);
-    }
-}
 
 /// The log has what can hardly be meant, as a warning; a hopeless start is an error that names variable and value.
 #[test]

@@ -17,10 +17,10 @@ pub enum Call {
     Reset,
     /// By how much a step begins late, its size, and the master's action in its intermediate updates.
     Step(f64, f64, Answer),
-    /// Sets one of [`REALS`] to a share of its range, with one of [`ODD`] beside it.
-    SetReal(usize, f64, Option<usize>),
-    /// Reads some of all real variables, with one of [`ODD`].
-    GetReals(Vec<usize>, Option<usize>),
+    /// Sets one of [`REALS`] to a share of its range.
+    SetReal(usize, f64),
+    /// Reads some of all real variables.
+    GetReals(Vec<usize>),
     /// Sets one of [`INTEGERS`].
     SetInteger(usize, i32),
     /// Sets a derivative of one of [`REALS`], in FMI 2.0.
@@ -29,8 +29,8 @@ pub enum Call {
     Store(usize),
     Restore(usize),
     Free(usize),
-    /// The present state: what is damaged (where, by which bits) and what is left, in thousandths.
-    ThroughBytes(Option<(usize, u8)>, usize),
+    /// Continues from the bytes of the present state.
+    ThroughBytes,
     /// Below this frequency, Hz.
     Linearize(f64),
 }
@@ -43,8 +43,6 @@ pub enum Answer {
     Set(f64),
     /// Requests an early return at this time after the present, s.
     Return(f64),
-    /// Makes calls that are not allowed there.
-    Meddle,
 }
 
 fn bad_number() -> impl Strategy<Value = f64> {
@@ -69,20 +67,16 @@ fn step() -> impl Strategy<Value = Call> {
         2 => (-100.0..100.0).prop_map(Answer::Set),
         1 => Just(Answer::Set(f64::NAN)),
         2 => later.prop_map(Answer::Return),
-        1 => Just(Answer::Meddle),
     ];
     (late, size, answer).prop_map(|(late, size, answer)| Call::Step(late, size, answer))
 }
 
 /// Calls of all kinds, each with its weight.
 pub fn calls() -> impl Strategy<Value = Call> {
-    let odd = || prop::option::weighted(0.3, 0..ODD.len());
     let number = proptest::sample::select(&[1, 2, 0, -1, i32::MAX, i32::MIN][..]);
     let order = || prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)];
     let derivative = (0..REALS.len(), order(), prop_oneof![9 => -1e4..1e4, 1 => bad_number()]);
     let frequency = prop_oneof![3 => Just(50.0), 1 => bad_number()];
-    let damage = prop::option::weighted(0.4, (0..1000_usize, 1..=u8::MAX));
-    let left = prop_oneof![3 => Just(1000), 1 => 0..1100_usize];
     let lifecycle = prop_oneof![
         4 => experiment(),
         5 => Just(Call::Exit),
@@ -92,8 +86,8 @@ pub fn calls() -> impl Strategy<Value = Call> {
         1 => Just(Call::Reset),
     ];
     let values = prop_oneof![
-        9 => (0..REALS.len(), 0.0..1.0, odd()).prop_map(|(which, share, odd)| Call::SetReal(which, share, odd)),
-        4 => (vec(0..500_usize, 0..9), odd()).prop_map(|(which, odd)| Call::GetReals(which, odd)),
+        9 => (0..REALS.len(), 0.0..1.0).prop_map(|(which, share)| Call::SetReal(which, share)),
+        4 => vec(0..500_usize, 0..9).prop_map(Call::GetReals),
         2 => (0..INTEGERS.len(), number).prop_map(|(which, value)| Call::SetInteger(which, value)),
         3 => derivative.prop_map(|(which, order, value)| Call::InputDerivative(which, order, value)),
         2 => (0..50_usize, order()).prop_map(|(which, order)| Call::OutputDerivative(which, order)),
@@ -102,7 +96,7 @@ pub fn calls() -> impl Strategy<Value = Call> {
         3 => (0..SLOTS).prop_map(Call::Store),
         3 => (0..SLOTS).prop_map(Call::Restore),
         1 => (0..SLOTS).prop_map(Call::Free),
-        2 => (damage, left).prop_map(|(damage, left)| Call::ThroughBytes(damage, left)),
+        2 => Just(Call::ThroughBytes),
     ];
     prop_oneof![
         18 => lifecycle,
@@ -132,11 +126,8 @@ pub const REALS: [(&str, f64, f64); 12] = [
     ("initial.ratio", 0.7, 1.5),
 ];
 
-/// Variables that are no real settings, and a torque that is set to no number. No variable has the empty name.
-pub const ODD: [&str; 5] = ["", "primary.drive", "macroSlip", "thrustRatio", "primary.torque"];
-
-/// Integers and enumerations, and a real variable.
-pub const INTEGERS: [&str; 8] = [
+/// Integers and enumerations.
+pub const INTEGERS: [&str; 7] = [
     "primary.drive",
     "secondary.drive",
     "primary.axial",
@@ -144,5 +135,4 @@ pub const INTEGERS: [&str; 8] = [
     "mesh.primaryArc",
     "mesh.strand",
     "ring.model",
-    "friction.pulley",
 ];

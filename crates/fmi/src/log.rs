@@ -55,29 +55,22 @@ pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
 pub(crate) struct Log {
+    version: Version,
     sink: Option<Sink>,
-    /// Categories that are logged.
-    enabled: Vec<Category>,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
-    /// What is logged without debug logging.
-    quiet: &'static [Category],
+    /// Categories that are logged.
+    enabled: Vec<Category>,
 }
 
 impl Log {
-    /// A log into `sink`, if there is one. Without debug logging FMI 2.0 has errors, warnings and discarded steps: they are no debug
-    /// messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2 forbids any message,
-    /// but 3.0.3 corrects that. A host that reads none passes no function for messages.
+    /// A log into `sink`, if there is one.
     pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
-        let quiet = match version {
-            Version::Two => &[Category::Error, Category::Warning, Category::Discard][..],
-            Version::Three => &[Category::Error],
-        };
         let mut log = Self {
+            version,
             sink,
-            enabled: Vec::new(),
             debug,
-            quiet,
+            enabled: Vec::new(),
         };
         log.reset();
         log
@@ -88,12 +81,15 @@ impl Log {
         self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
+    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none. Without it FMI 2.0 has errors, warnings
+    /// and discarded steps: they are no debug messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section
+    /// 2.3.1 of 3.0.2 forbids any message, but 3.0.3 corrects that. A host that reads none passes no function for messages.
     pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
-        self.enabled = match (debug, chosen) {
-            (false, _) => self.quiet.to_vec(),
-            (true, []) => Category::ALL.to_vec(),
-            (true, _) => [chosen, &[Category::Error]].concat(),
+        self.enabled = match (debug, chosen, self.version) {
+            (false, _, Version::Two) => vec![Category::Error, Category::Warning, Category::Discard],
+            (false, _, Version::Three) => vec![Category::Error],
+            (true, [], _) => Category::ALL.to_vec(),
+            (true, ..) => [chosen, &[Category::Error]].concat(),
         };
     }
 

@@ -411,8 +411,8 @@ pub struct Array {
 
 impl Array {
     /// The value references of its elements.
-    pub fn elements(&self) -> std::ops::Range<u32> {
-        self.first..self.first + self.size
+    pub fn elements(&self) -> std::ops::RangeInclusive<u32> {
+        self.first..=self.first + (self.size - 1)
     }
 }
 

@@ -74,17 +74,6 @@ impl Remark {
     }
 }
 
-/// Readings a moment before and a moment after the present, from which time derivatives follow.
-#[derive(Debug)]
-pub struct Moment<R> {
-    /// Readings a moment before the present.
-    pub before: R,
-    /// Readings a moment after it, with the inputs as they were.
-    pub after: R,
-    /// Time between the two, s.
-    pub span: f64,
-}
-
 /// A model in an FMU. It contains its whole dynamic state, solver history included, so that a clone continues exactly as the
 /// original would.
 ///
@@ -180,8 +169,9 @@ pub trait Unit: Clone + Sized {
     /// Ends the communication step at the present time.
     fn finish(&mut self, _step: &Self::Step, _remarks: &mut Vec<Remark>) {}
 
-    /// Readings around the present time, without elements of arrays.
-    fn moment(&mut self) -> Option<Moment<Self::Readings>> {
+    /// Readings a moment before and a moment after the present, with the inputs as they were, and the time between the two, s: time derivatives
+    /// follow. Without elements of arrays.
+    fn moment(&mut self) -> Option<([Self::Readings; 2], f64)> {
         None
     }
 

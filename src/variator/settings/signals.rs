@@ -222,6 +222,12 @@ impl AsRef<Outputs> for Readings {
     }
 }
 
+impl AsRef<Self> for Outputs {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 /// Readings without a profile.
 impl From<Outputs> for Readings {
     fn from(outputs: Outputs) -> Self {

@@ -22,8 +22,8 @@ pub(crate) fn c_string(text: &str) -> CString {
 }
 
 /// An instance, as a `Box<Slave<U>>`; null after a message if the arguments don't fit this FMU. `texts` are name, token and resource
-/// location, a URI or a path. `messages` is given the name. `master` returns what the master handles, with warnings, or why there
-/// is no instance.
+/// location, a URI or a path. `messages` is given the name. `master` returns what the master handles, and passes
+/// on warnings; or why there is no instance.
 ///
 /// # Safety
 /// The texts are null or end with a zero.
@@ -32,7 +32,7 @@ pub(crate) unsafe fn create<U: Unit>(
     texts: [*const c_char; 3],
     debug: bool,
     messages: impl FnOnce(&str) -> Option<Sink>,
-    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
+    master: impl FnOnce(&dyn Fn(&str)) -> Result<Master, String>,
 ) -> *mut c_void {
     contain(ptr::null_mut(), || {
         let texts = texts.map(|pointer| text(pointer).map_err(|error| error.to_string()));
@@ -41,26 +41,17 @@ pub(crate) unsafe fn create<U: Unit>(
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
         };
-        let report = |status, category, text: &str| {
-            if let Some(sink) = &sink {
-                sink(status, category, &format!("{function}: {text}"));
-            }
-        };
-        let mut warnings = Vec::new();
-        let started = start::<U>(version, texts, master, &mut warnings);
-        if version == Version::Two || debug {
-            for warning in &warnings {
-                report(Status::Warning, Category::Warning, warning);
-            }
-        }
+        let log = Log::new(version, sink, debug);
+        let report = |status, category, text: &str| log.send(status, category, &format!("{function}: {text}"));
+        let started = start::<U>(version, texts, master, &|text| {
+            report(Status::Warning, Category::Warning, text)
+        });
         let Ok((master, start)) = started.map_err(|why| report(Status::Error, Category::Error, &why)) else {
             return ptr::null_mut();
         };
-        let log = Log::new(version, sink, debug);
-        if let Some((status, category, text)) = dispatch::remark() {
-            log.send(status, category, &text);
-        }
-        Box::into_raw(Box::new(Slave::<U>::with(master, log, start))).cast()
+        let slave = Slave::<U>::with(master, log, start);
+        slave.log_remarks(dispatch::remark().as_slice());
+        Box::into_raw(Box::new(slave)).cast()
     })
 }
 
@@ -81,8 +72,8 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
 fn start<U: Unit>(
     version: Version,
     [name, token, location]: [Result<Option<String>, String>; 3],
-    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
-    warnings: &mut Vec<String>,
+    master: impl FnOnce(&dyn Fn(&str)) -> Result<Master, String>,
+    warn: &dyn Fn(&str),
 ) -> Result<(Master, U::Settings), String> {
     let name = name?.unwrap_or_default();
     if name.is_empty() || version == Version::Three && name.trim().is_empty() {
@@ -93,12 +84,10 @@ fn start<U: Unit>(
         Version::Three => "instantiation token",
     };
     let token = token?.ok_or_else(|| format!("the {what} is missing"))?;
-    let master = master(warnings)?;
+    let master = master(warn)?;
     // A location that means no place is a warning: without start values in its resources an FMU works too.
-    let mut places = resources::places(&location?.unwrap_or_default()).unwrap_or_else(|warning| {
-        warnings.push(warning);
-        Vec::new()
-    });
+    let places = resources::places(&location?.unwrap_or_default());
+    let mut places = places.map_err(|why| warn(&why)).unwrap_or_default();
     places.extend(library::own_path().and_then(|path| resources::beside(&path)));
     let defaults = load::<U>(&places)?;
     let own = description::token::<U>(version, U::data(&defaults));

@@ -20,16 +20,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::entry::contain;
 use super::library::{self, Library};
 use crate::hash;
-use crate::log::{Category, Status};
+use crate::unit::Remark;
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
 
 /// The function by which a variant is told that it is one.
 const HANDSHAKE: &str = "pushbeltVariant";
-
-/// A message for the log.
-type Remark = (Status, Category, String);
 
 /// Why the library of a portable build runs.
 static REMARK: Mutex<Option<Remark>> = Mutex::new(None);
@@ -45,8 +42,8 @@ pub(crate) fn remark() -> Option<Remark> {
 
 /// Another library opens this one as its variant.
 pub fn handshake() {
-    let text = "the library for processors with AVX2 runs".to_owned();
-    *remark_now() = Some((Status::Ok, Category::Events, text));
+    let (warning, text) = (false, "the library for processors with AVX2 runs".to_owned());
+    *remark_now() = Some(Remark { warning, text });
 }
 
 /// Instances of this library, and those that it has forwarded.
@@ -127,7 +124,7 @@ fn choose(hash: &str) -> Option<Library> {
     }
     let found = open(hash, forwarded).map_err(|why| {
         let text = format!("the slower library for all processors runs: {why}");
-        *remark_now() = Some((Status::Warning, Category::Warning, text));
+        *remark_now() = Some(Remark::warning(text));
     });
     found.ok()
 }

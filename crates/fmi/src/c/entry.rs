@@ -2,14 +2,13 @@
 
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::NonNull;
 
 use super::floating_point;
 use crate::log::Status;
 use crate::slave::{CallError, Outcome, Slave, refused};
 use crate::unit::Unit;
 
-/// Error text for an array argument that cannot be used.
-const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
 /// Error text for a result without a pointer.
 pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
 
@@ -29,11 +28,10 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     body: impl FnOnce(&mut Slave<U>) -> Result<T, CallError>,
 ) -> Status {
     let mut body = Some(body);
-    let mut call = |slave: &mut Slave<U>| match body.take() {
+    make(instance, function, &mut |slave| match body.take() {
         Some(body) => body(slave).map(Into::into),
         None => Ok(Status::Error),
-    };
-    make(instance, function, &mut call)
+    })
 }
 
 /// [`enter`] for any call: compiled once, not for each of a hundred functions.
@@ -69,13 +67,15 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
     slave.set_debug_logging(on, array(categories)?.iter().map(|category| text(*category)))
 }
 
-/// Whether elements can be there: not null, aligned, not longer than an allocation can be.
-fn is_usable<T>(pointer: *const T, count: usize) -> bool {
-    !pointer.is_null()
-        && pointer.is_aligned()
-        && count
-            .checked_mul(size_of::<T>())
-            .is_some_and(|bytes| isize::try_from(bytes).is_ok())
+/// The address of as many elements; an error if they can't be there: null, misaligned, longer than an allocation can be.
+fn usable<T>((pointer, count): (*mut T, usize)) -> Result<*mut T, CallError> {
+    let size = count.checked_mul(size_of::<T>());
+    let fits = size.is_some_and(|bytes| isize::try_from(bytes).is_ok());
+    match count {
+        0 => Ok(NonNull::dangling().as_ptr()),
+        _ if fits && !pointer.is_null() && pointer.is_aligned() => Ok(pointer),
+        _ => refused("an array argument is null, misaligned or too long"),
+    }
 }
 
 /// An array argument; an error if it is null though it should have elements.
@@ -83,13 +83,7 @@ fn is_usable<T>(pointer: *const T, count: usize) -> bool {
 /// # Safety
 /// `pointer` is null or points to `count` elements that stay untouched for `'a`.
 pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result<&'a [T], CallError> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    if !is_usable(pointer, count) {
-        return refused(NULL_ARRAY);
-    }
-    Ok(std::slice::from_raw_parts(pointer, count))
+    Ok(std::slice::from_raw_parts(usable((pointer.cast_mut(), count))?, count))
 }
 
 /// An array for results; an error if it is null though it should have elements.
@@ -98,13 +92,7 @@ pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result
 /// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are initialised
 /// numbers.
 pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Result<&'a mut [T], CallError> {
-    if count == 0 {
-        return Ok(&mut []);
-    }
-    if !is_usable(pointer, count) {
-        return refused(NULL_ARRAY);
-    }
-    Ok(std::slice::from_raw_parts_mut(pointer, count))
+    Ok(std::slice::from_raw_parts_mut(usable((pointer, count))?, count))
 }
 
 /// The place of a result; an error if it is null.

@@ -48,7 +48,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
         let functions = functions?;
         Some(sink(functions.logger?, functions.component_environment, instance))
     };
-    let master = |_: &mut Vec<String>| match fmu_type {
+    let master = |_: &dyn Fn(&str)| match fmu_type {
         CO_SIMULATION => Ok(Master::default()),
         _ => Err("this FMU is for co-simulation only".to_owned()),
     };

@@ -6,9 +6,10 @@ use libc::c_char;
 use std::ptr;
 
 use super::Component;
+use crate::c::creation::c_string;
 use crate::c::entry::{contain, enter, result};
 use crate::log::Status;
-use crate::slave::{Slave, refused};
+use crate::slave::Slave;
 use crate::unit::{Remark, Unit};
 
 /// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
@@ -27,10 +28,7 @@ pub unsafe fn query<U: Unit>(
     enter(c, function, |slave: &mut Slave<U>| {
         let text = result(text)?;
         let (status, found) = slave.query(query)?;
-        match CString::new(found) {
-            Ok(found) => *text = found.into_raw(),
-            Err(_) => return refused("the text contains a zero character"),
-        }
+        *text = c_string(&found).into_raw();
         Ok(status)
     })
 }

@@ -11,7 +11,7 @@ use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
-use crate::slave::{Master, Version};
+use crate::slave::{Master, TIME, Version};
 use crate::table::Causality;
 use crate::unit::Unit;
 
@@ -48,9 +48,9 @@ pub(super) unsafe fn instantiate<U: Unit>(
 ) -> Instance {
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let [debug, events, early_return] = flags.map(|flag| flag != 0);
-    let master = |warnings: &mut Vec<String>| {
+    let master = |warn: &dyn Fn(&str)| {
         let required = array(required).map_err(|error| error.to_string())?;
-        let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
+        let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
         Ok(Master {
             version: Version::Three,
             events,
@@ -64,12 +64,13 @@ pub(super) unsafe fn instantiate<U: Unit>(
 }
 
 /// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
-/// them. The others are a warning: some masters name all outputs, and access is refused.
-fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
+/// them. The others are a warning: some masters name all outputs, and access is refused. Time can be read there in any case.
+fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
     // A master may name a variable more than once.
-    for reference in required.iter().copied().collect::<BTreeSet<_>>() {
+    let named: BTreeSet<_> = required.iter().copied().filter(|one| *one != TIME).collect();
+    for reference in named {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
@@ -79,7 +80,7 @@ fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result
             usable.push(reference);
             sets_inputs |= variable.causality == Causality::Input;
         } else {
-            warnings.push(format!(
+            warn(&format!(
                 "{} can't be set or read in intermediate update mode: only real inputs and outputs can",
                 variable.name
             ));

@@ -17,7 +17,7 @@ mod terminals;
 
 pub use crate::slave::{Environment, IntermediateUpdate};
 pub use functions::NAMES;
-pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
+pub use terminals::{Terminal, terminals_and_icons};
 
 /// `fmi3Instance`: an instance.
 pub type Instance = *mut c_void;

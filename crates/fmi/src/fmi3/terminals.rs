@@ -19,7 +19,7 @@ pub struct Terminal {
 }
 
 /// Half the size of the icon's coordinate system, which has its origin in the middle.
-pub const HALF_SIZE: [f64; 2] = [160.0, 100.0];
+const HALF_SIZE: [f64; 2] = [160.0, 100.0];
 
 /// Half the size of a terminal on the icon.
 const HALF_TERMINAL: f64 = 10.0;

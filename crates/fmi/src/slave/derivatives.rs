@@ -52,15 +52,18 @@ impl<U: Unit> Slave<U> {
         if references.is_empty() {
             return Ok(());
         }
-        let Some(moment) = unit.moment() else {
+        let Some((moment, span)) = unit.moment() else {
             return refused("not supported: outputs have no derivatives (maxOutputDerivativeOrder is 0)");
         };
         for (&reference, value) in references.iter().zip(values) {
             let variable = find(&self.table, reference, Type::Real)?;
-            let read = |readings| variable.value(&self.now.settings, Some(readings));
-            let [before, after] =
-                [&moment.before, &moment.after].map(|at| read(at).and_then(Value::number).unwrap_or(f64::NAN));
-            *value = (after - before) / moment.span;
+            let read = |readings| {
+                variable
+                    .value(&self.now.settings, Some(readings))
+                    .and_then(Value::number)
+            };
+            let [before, after] = moment.each_ref().map(|at| read(at).unwrap_or(f64::NAN));
+            *value = (after - before) / span;
         }
         Ok(())
     }

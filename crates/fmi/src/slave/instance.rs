@@ -1,7 +1,6 @@
 //! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
 use libc::c_void;
-use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -128,10 +127,10 @@ impl<U: Unit> Slave<U> {
 
     /// A query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are logged; with a warning among
     /// them the status is a warning.
-    pub fn query<T>(
+    pub fn query(
         &mut self,
-        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<T, String>,
-    ) -> Result<(Status, T), CallError> {
+        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+    ) -> Result<(Status, String), CallError> {
         self.allow(Call::Get)?;
         if self.now.state == State::Initialisation {
             self.start_unit()?;
@@ -147,7 +146,7 @@ impl<U: Unit> Slave<U> {
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    pub(super) fn log_remarks(&self, remarks: &[Remark]) {
+    pub(crate) fn log_remarks(&self, remarks: &[Remark]) {
         for remark in remarks {
             let (status, category) = match remark.warning {
                 true => (Status::Warning, Category::Warning),
@@ -158,19 +157,15 @@ impl<U: Unit> Slave<U> {
     }
 
     /// A text of the unit, and the start if it is not 0: times in it are those of the unit.
-    pub(super) fn with_start<'a>(&self, text: &'a str) -> Cow<'a, str> {
+    pub(super) fn with_start(&self, text: &str) -> String {
         match self.now.experiment.start {
-            0.0 => text.into(),
-            start => format!("{text} (times in this message count from the start at {start} s)").into(),
+            0.0 => text.to_owned(),
+            start => format!("{text} (times in this message count from the start at {start} s)"),
         }
     }
 
     /// Makes the call of a C function: logs its error and contains a panic within this instance.
-    pub fn call<T: Into<Status>>(
-        &mut self,
-        function: &str,
-        body: impl FnOnce(&mut Self) -> Result<T, CallError>,
-    ) -> Status {
+    pub fn call(&mut self, function: &str, body: &mut dyn FnMut(&mut Self) -> Result<Status, CallError>) -> Status {
         let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
             // After a panic the unit may be inconsistent.
             let broken = (self.now.unit.take(), self.step.take());
@@ -181,7 +176,7 @@ impl<U: Unit> Slave<U> {
             Err(CallError::Failed(format!("internal error, please report: {text}")))
         });
         let (status, category, text) = match outcome {
-            Ok(done) => return done.into(),
+            Ok(status) => return status,
             Err(CallError::Refused(text)) => (Status::Error, Category::Error, text),
             Err(CallError::Failed(text)) => {
                 self.now.state = State::Error;

@@ -156,7 +156,7 @@ impl<U: Unit> Slave<U> {
     /// Ends a communication step that was not completed: all is as before, and the next step begins where this one did.
     fn fail_step(&mut self, text: &str) -> Result<Next, CallError> {
         self.now.state = State::StepFailed;
-        Err(CallError::Discarded(self.with_start(text).into_owned()))
+        Err(CallError::Discarded(self.with_start(text)))
     }
 
     /// In FMI 2.0, how the last step ended. Writes to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0

@@ -1,7 +1,5 @@
 //! Reading and writing of variables.
 
-use std::borrow::Cow;
-
 use num_traits::{NumCast, ToPrimitive};
 
 use super::instance::{Slave, Version};
@@ -66,16 +64,13 @@ impl<U: Unit> Slave<U> {
     /// Reads variables of a type, in FMI 3.0 the time among them.
     pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
-        let references = self.of_each_value(references, values.len())?;
+        self.check_values(references, values.len())?;
         self.allow(Call::Get)?;
-        let time = (of == Type::Real && self.master.version == Version::Three).then(|| Value::Real(self.time()));
+        let version = self.master.version;
+        let time = (of == Type::Real && version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
-        for &reference in &*references {
-            if reference == TIME && time.is_some() {
-                continue;
-            }
-            let variable = find(&self.table, reference, of)?;
-            calculated |= !variable.causality.is_setting();
+        for &reference in references.iter().filter(|one| **one != TIME || time.is_none()) {
+            calculated |= !find(&self.table, reference, of)?.causality.is_setting();
             elements |= self.table.array_of(reference).is_some();
         }
         if calculated {
@@ -90,7 +85,7 @@ impl<U: Unit> Slave<U> {
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
-        for (&reference, value) in references.iter().zip(values) {
+        for (reference, value) in each(version, &self.table, references).zip(values) {
             let found = match time {
                 Some(_) if reference == TIME => time,
                 _ => find(&self.table, reference, of)?.value(settings, readings),
@@ -106,13 +101,13 @@ impl<U: Unit> Slave<U> {
     pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
-        let references = self.of_each_value(references, values.len())?;
+        self.check_values(references, values.len())?;
         let mut has_tunable = false;
-        for &reference in &*references {
+        for &reference in references {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         let mut settings = self.now.settings.clone();
-        for (&reference, value) in references.iter().zip(values) {
+        for (reference, value) in each(self.master.version, &self.table, references).zip(values) {
             let value = match of {
                 Type::Real => Value::Real(value.to_f64().unwrap_or(f64::NAN)),
                 _ => Value::Integer(value.to_i64().unwrap_or(i64::MAX)),
@@ -145,45 +140,43 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// The value reference of each of `count` values: scalars, the time, and in FMI 3.0 the elements of arrays.
-    fn of_each_value<'a>(&self, references: &'a [u32], count: usize) -> Result<Cow<'a, [u32]>, CallError> {
-        let has_arrays = self.master.version == Version::Three;
-        let array_of = |reference| self.table.array_of(reference).filter(|_| has_arrays);
-        let mut together = 0;
-        for &reference in references {
-            together += match array_of(reference) {
-                Some(array) if array.first != reference => {
-                    return refused(format!(
-                        "the value reference {reference} is that of an element of {}: use the array, value reference {}",
-                        array.name, array.first
-                    ));
-                }
-                array => array.map_or(1, |array| array.elements().len()),
-            };
+    /// Checks that there is a value for each scalar, the time, and in FMI 3.0 each element of an array.
+    fn check_values(&self, references: &[u32], values: usize) -> Outcome {
+        let mut arrays = references
+            .iter()
+            .filter_map(|one| Some((*one, self.table.array_of(*one)?)));
+        if let Some((element, array)) = arrays.find(|(one, array)| *one != array.first)
+            && self.master.version == Version::Three
+        {
+            return refused(format!(
+                "the value reference {element} is that of an element of {}: use the array, value reference {}",
+                array.name, array.first
+            ));
         }
-        // Before memory is taken.
-        check_count(references.len(), count, together)?;
-        if together == references.len() {
-            return Ok(references.into());
-        }
-        // As many as a host asks for.
-        let mut expanded = Vec::new();
-        if let Err(error) = expanded.try_reserve_exact(together) {
-            return refused(format!("memory for {together} values: {error}"));
-        }
-        for &reference in references {
-            match array_of(reference) {
-                Some(array) => expanded.extend(array.elements()),
-                None => expanded.push(reference),
-            }
-        }
-        Ok(expanded.into())
+        check_count(
+            references.len(),
+            values,
+            each(self.master.version, &self.table, references).count(),
+        )
     }
+}
+
+/// The value reference of each value: in FMI 3.0 those of an array's elements for that of the array.
+fn each<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
+    references
+        .iter()
+        .flat_map(move |&reference| match table.array_of(reference) {
+            Some(array) if version == Version::Three => array.elements(),
+            _ => reference..=reference,
+        })
 }
 
 /// The variable with a value reference, if it has this type.
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
+        None if reference == TIME => refused(
+            "time (value reference 0) is the independent variable: it can't be set, and only fmi3GetFloat64 reads it",
+        ),
         None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),

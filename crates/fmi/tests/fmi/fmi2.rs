@@ -40,7 +40,7 @@ fn null_pointers_are_errors() {
         let refused = [
             fmi2GetReal::<Tank>(c, null(), 1, &mut 0.0),
             fmi2GetReal::<Tank>(c, &LEVEL, 1, null_mut()),
-            fmi2GetReal::<Tank>(c, null(), usize::MAX, null_mut()),
+            fmi2GetReal::<Tank>(c, &LEVEL, usize::MAX, &mut 0.0),
             fmi2SetReal::<Tank>(c, &INFLOW, 1, null()),
             fmi2GetString::<Tank>(c, null(), 1, null_mut()),
             fmi2SetRealInputDerivatives::<Tank>(c, &INFLOW, 1, null(), &1.0),

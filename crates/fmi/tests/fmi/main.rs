@@ -2,6 +2,7 @@
 //! descriptions.
 
 mod creation;
+mod description;
 #[cfg(target_arch = "x86_64")]
 mod environment;
 mod fmi2;

@@ -255,7 +255,7 @@ fn derivatives_are_those_of_the_unit() {
             (LEVEL, 0, "level: the order of a derivative is 1, not 0"),
             (LEVEL, 2, "not 2"),
             (INFLOW, 1, "inflow is not an output"),
-            (FULL, 1, "full (value reference 10) has another type"),
+            (FULL, 1, "full (value reference 20) has another type"),
             (DEPTH, 1, "not an output"),
             (NONE, 1, "value reference 99"),
         ] {

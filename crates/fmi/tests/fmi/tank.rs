@@ -5,7 +5,6 @@ use std::path::Path;
 use Causality::{Input, Local, Output, Parameter, Tunable};
 use pushbelt_fmi::prelude::*;
 use pushbelt_fmi::table::{Array, Enumeration, Item, Kind, Retired};
-use pushbelt_fmi::unit::Moment;
 
 pub type Importer = crate::importer::Importer<Tank>;
 
@@ -17,8 +16,8 @@ pub const LEVEL: u32 = 5;
 pub const MARK: u32 = 6;
 pub const FLOORS: u32 = 7;
 pub const SHAPE: u32 = 8;
-pub const LOCKED: u32 = 9;
-pub const FULL: u32 = 10;
+pub const LOCKED: u32 = 19;
+pub const FULL: u32 = 20;
 /// Value reference of the first of [`DEPTHS`] depths.
 pub const DEPTH: u32 = 11;
 pub const DEPTHS: usize = 3;
@@ -154,6 +153,7 @@ impl Unit for Tank {
         };
         let mut table = Table::new(UNITS, const { &[&SHAPES] }, variables);
         (table.arrays, table.retired) = (vec![depth], &RETIRED);
+        table.initial = &[("full", &["locked", "start"])];
         table
     }
 
@@ -232,17 +232,13 @@ impl Unit for Tank {
         (step.before.level < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
     }
 
-    fn moment(&mut self) -> Option<Moment<Gauges>> {
+    fn moment(&mut self) -> Option<([Gauges; 2], f64)> {
         let [flow, growth] = self.flow;
-        let [before, after] = [-0.5, 0.5].map(|after| Gauges {
+        let around = [-0.5, 0.5].map(|after| Gauges {
             level: self.level + after * (flow + 0.5 * after * growth),
             ..Gauges::default()
         });
-        Some(Moment {
-            before,
-            after,
-            span: 1.0,
-        })
+        Some((around, 1.0))
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {

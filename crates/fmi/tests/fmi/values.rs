@@ -1,8 +1,9 @@
 //! Reading and writing of variables, in both versions.
 
+use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 
-use crate::importer::{BOTH, experiment};
+use crate::importer::{BOTH, TIME, experiment};
 use crate::run::running;
 use crate::tank::*;
 
@@ -19,6 +20,9 @@ fn every_type_is_written_and_read_back() {
         let numbers = [FLOORS, SHAPE, LOCKED, FULL].map(|of| importer.number(of));
         assert_eq!(numbers, [3, 2, 1, 0].map(Result::Ok));
         importer.assert_reals(&[], &[]);
+        if version == Two {
+            importer.assert_reals(&[DEPTH + 2, DEPTH], &[7.0, 0.0]);
+        }
     }
 }
 
@@ -70,6 +74,10 @@ fn a_bad_reference_is_an_error_that_names_it() {
             (LEVEL, "level is calculated and can't be set"),
             (START, "start is fixed once the run has started"),
             (NONE, "no variable has the value reference 99"),
+            (
+                TIME,
+                "time (value reference 0) is the independent variable: it can't be set",
+            ),
             (OLD, "old (value reference 98) was removed: use start"),
             (FLOORS, "floors (value reference 7) has another type"),
         ] {
@@ -82,6 +90,8 @@ fn a_bad_reference_is_an_error_that_names_it() {
             [Err(Error), Err(Error)]
         );
         assert_eq!(importer.number(LEVEL), Err(Error));
+        importer.assert(importer.number(TIME), Err(Error), "only fmi3GetFloat64 reads it");
+        assert_eq!(importer.reals(&[TIME], 1).is_ok(), version == Three);
         assert_eq!(importer.set(GAIN, 3.0), Ok, "a tunable parameter");
         assert_eq!(importer.step(0.0, 1.0).status, Ok);
         assert_eq!(importer.real(LEVEL), 7.0);
