@@ -17,7 +17,7 @@ from .geometry import theta_of
 BEYOND = 1.15
 """Ratio of torque and capacity above which a point is refused without solving it. Radial friction may raise the capacity by some percent."""
 DRAG = 1.0  # Torque that is carried in any case, N·m: drag of a shaft
-LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque, N. Variators for cars have up to 100 kN.
+LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque or may be meant, N. Variators for cars have up to 100 kN.
 BELT_SPEED = 60.0  # Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s.
 
 

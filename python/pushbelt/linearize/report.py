@@ -96,10 +96,8 @@ def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
             scale, unit = per(first.units[output], first.units[load])
             size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
             phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
-            panels += [
-                Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log),
-                Panel(f"{load} → {output}: phase (°)", phase, **log),
-            ]
+            panels.append(Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log))
+            panels.append(Panel(f"{load} → {output}: phase (°)", phase, **log))
         yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
 
 
@@ -119,12 +117,12 @@ def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
 def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
     """Responses to a unit step of each input, over time, for each output."""
     times, first = np.linspace(0.0, end, 400), drawn[0].model
-    found = [one.model.step(times) for one in drawn]
+    found = np.array([one.model.step(times) for one in drawn])
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            series = [one.line(times, scale * values[:, k, m]) for one, values in zip(drawn, found, strict=True)]
+            series = [one.line(times, scale * values) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
             panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
         yield Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
@@ -137,8 +135,7 @@ def per(output: str, load: str) -> tuple[float, str]:
 
 
 def _poles(model: LinearModel) -> str:
-    upper = [one for one in model.poles if one.imag >= 0.0]
-    return ", ".join(pole(one) for one in upper[:SHOWN_POLES])
+    return ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))
 
 
 def pole(value: complex) -> str:
