@@ -286,15 +286,15 @@ mod tests {
         assert!(Artifact::of_line("no JSON").is_err());
     }
 
-    /// Crates that the library is built from, with their features in it.
-    fn features(workspace: &Workspace, also_development: bool) -> BTreeSet<String> {
+    /// Crates that a library is built from, with their features in it.
+    fn features(workspace: &Workspace, package: &str, also_development: bool) -> BTreeSet<String> {
         let edges = if also_development {
             "normal,build,dev"
         } else {
             "normal,build"
         };
         let mut tree = command(workspace);
-        tree.args(["tree", "--locked", "--package", MODEL_PACKAGE, "--edges", edges]);
+        tree.args(["tree", "--locked", "--package", package, "--edges", edges]);
         let output = tree
             .args(["--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"])
             .output();
@@ -308,15 +308,20 @@ mod tests {
     }
 
     #[test]
-    fn development_dependencies_change_no_feature_of_the_library() {
+    fn development_dependencies_change_no_feature_of_a_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let (alone, beside) = (features(&workspace, false), features(&workspace, true));
-        assert!(alone.len() > 20, "{alone:?}");
-        let changed: Vec<_> = alone.difference(&beside).collect();
-        assert!(
-            changed.is_empty(),
-            "other features beside development dependencies: {changed:?}"
-        );
+        for package in [MODEL_PACKAGE, PAPER_PACKAGE] {
+            let (alone, beside) = (
+                features(&workspace, package, false),
+                features(&workspace, package, true),
+            );
+            assert!(alone.len() > 20, "{alone:?}");
+            let changed: Vec<_> = alone.difference(&beside).collect();
+            assert!(
+                changed.is_empty(),
+                "other features beside development dependencies: {changed:?}"
+            );
+        }
     }
 
     /// The paper's library has the model without the C functions of the other one.

@@ -119,7 +119,7 @@ impl Environment {
     }
 
     /// A Python command in this environment, at the top level of the workspace. It can import the packages of `SOURCES` and finds the
-    /// FMU by the variable `PUSHBELT_FMU`.
+    /// FMU by the variable `PUSHBELT_FMU`. Bytecode is kept below the target directory.
     pub fn command(&self) -> Command {
         let sources = SOURCES.map(|folder| self.root.join(folder).into_os_string());
         let separator = OsStr::new(if cfg!(windows) { ";" } else { ":" });
@@ -127,7 +127,7 @@ impl Environment {
         command
             .current_dir(&self.root)
             .env("PYTHONPATH", sources.join(separator))
-            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .env("PYTHONPYCACHEPREFIX", self.fmu.with_file_name("bytecode"))
             .env("PUSHBELT_FMU", &self.fmu);
         cargo::clear_own(&mut command);
         command
@@ -166,7 +166,9 @@ fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
     let output = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
         // The lock file names every required package; missing dependencies are left out deliberately.
-        .args(["--no-deps", "--no-input", "--retries", "5", "--requirement"])
+        .args(["--no-deps", "--no-input", "--retries", "5"])
+        // Most modules are never imported, so they are compiled when they are.
+        .args(["--no-compile", "--requirement"])
         .arg(lock_file)
         .output()
         .context("can't start pip")?;

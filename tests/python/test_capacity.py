@@ -32,7 +32,8 @@ NO_POINT = [
 BEYOND = [
     ({"torque": 40.0, "force": 9.0}, r"0.09\d+ N·m at 9 N. .* 9 kN"), ({"torque": -35.0, "force": 14.0}, r"-35 N·m, .* at 14 N. .* 14 kN"),
     ({"torque": 45e3, "force": 15e3}, r"45000 N·mm"), ({"torque": 70e3}, r"70000 N·m .* kN, above 300 kN. .* N·mm"),
-    ({"torque": 300.0, "force": 9e3}, r"\d+\.?\d* N·m at 9000 N$"),
+    ({"torque": 300.0, "force": 9e3}, r"\d+\.?\d* N·m at 9000 N$"), ({"torque": 1500.0, "force": 20.0}, r"at 20 N$"),
+    ({"torque": 6.0, "force": 25.0}, "25 kN"), ({"torque": 250.0, "force": 290.0}, "290 kN"), ({"torque": 250.0, "force": 310.0}, r"at 310 N$"),
 ]  # fmt: skip
 
 

@@ -40,6 +40,7 @@ if __name__ == "__main__":
 def process(words: list[str], **variables: str) -> subprocess.Popen[bytes]:
     """A Python process in its own process group, as a terminal starts it."""
     known = {**os.environ, "PYTHONPATH": str(ROOT / "python"), **variables}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # Tests in the background of a shell ignore it, and so would this process.
     return subprocess.Popen([sys.executable, *words], env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
 
 

@@ -50,8 +50,7 @@ def test_package_keeps_the_schema(ssp: Path) -> None:
 
 
 def test_units_are_valid_and_have_the_laws_of_the_source_tree(ssp: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(ssp) as archive:
-        archive.extractall(tmp_path)
+    shutil.unpack_archive(ssp, tmp_path, "zip")
     components = document(ssp, "SystemStructure.ssd").iterfind(".//ssd:Component", NAMESPACES)
     found = {component.get("name"): tmp_path / component.get("source") for component in components}
     for path in (found["vehicle"], found["control"]):

@@ -19,6 +19,7 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+import shutil
 from conftest import CHEAP, ROOT
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -35,8 +36,7 @@ FMPY = Path(fmpy.__file__).parent
 @pytest.fixture(scope="module")
 def unpacked(fmu3: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fmi3")
-    with zipfile.ZipFile(fmu3) as archive:
-        archive.extractall(folder)
+    shutil.unpack_archive(fmu3, folder, "zip")
     return folder
 
 

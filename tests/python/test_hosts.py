@@ -30,8 +30,7 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="the program needs Li
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the address sanitiser")
 def test_a_host_in_c_finds_no_bad_access(fmu3: Path, tmp_path: Path) -> None:
     """With the address sanitiser, which also counts leaks: event mode, updates, rollback by way of bytes."""
-    with zipfile.ZipFile(fmu3) as archive:
-        archive.extractall(tmp_path)
+    shutil.unpack_archive(fmu3, tmp_path, "zip")
     (library,) = (tmp_path / "binaries" / fmpy.platform_tuple).iterdir()
     program, source = tmp_path / "master", ROOT / "examples" / "fmi3" / "master.c"
     checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-std=c11", "-Wall", "-Wextra", "-Werror"]
@@ -46,8 +45,7 @@ def test_a_host_in_c_finds_no_bad_access(fmu3: Path, tmp_path: Path) -> None:
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
 def test_the_program_for_rigs_runs_the_library_and_counts(fmu: Path, description: Any, tmp_path: Path) -> None:
     """In real time; a unit without a time reserve is not late."""
-    with zipfile.ZipFile(fmu) as archive:
-        archive.extractall(tmp_path)
+    shutil.unpack_archive(fmu, tmp_path, "zip")
     program, source = tmp_path / "hil", ROOT / "examples" / "hil" / "hil.c"
     subprocess.run(["cc", "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-o", program, source, "-ldl", "-lm"], check=True)
     command = [program, tmp_path / "binaries" / "linux64" / "PushbeltVariator.so", description.guid]

@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -209,8 +208,7 @@ def test_a_grid_is_written_with_its_report(
 @pytest.mark.skipif(sys.platform != "linux", reason="the program uses dlopen")
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the program needs a C compiler")
 def test_a_c_program_gets_it_by_the_header_in_the_fmu(fmu: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(fmu) as archive:
-        archive.extractall(tmp_path)
+    shutil.unpack_archive(fmu, tmp_path, "zip")
     guid = re.search(r'guid="([^"]+)"', (tmp_path / "modelDescription.xml").read_text(encoding="utf-8"))
     assert guid
     source, program, header = Path(__file__).with_name("linearize.c"), tmp_path / "program", tmp_path / "documentation"

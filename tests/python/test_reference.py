@@ -12,6 +12,7 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+import shutil
 import xmlschema
 from conftest import ROOT
 from fmpy.ssp import ssd
@@ -87,8 +88,7 @@ def test_it_also_holds_for_a_copy_with_other_start_values(fmu: Path, variables: 
 
 def smoke_test(path: Path, folder: Path) -> None:
     """Runs the experiment as an importer does that has only the archive, and compares its result."""
-    with zipfile.ZipFile(path) as archive:
-        archive.extractall(folder)
+    shutil.unpack_archive(path, folder, "zip")
     (experiments,) = [folder / name for role, name in related(path) if role == "experiment/smoke-test"]
     variables = {variable.name: variable for variable in fmpy.read_model_description(str(folder)).modelVariables}
     page = (folder / "documentation" / "fmi-ls-ref.html").read_text(encoding="utf-8")

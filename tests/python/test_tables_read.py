@@ -154,6 +154,8 @@ HEADERS = {
     "units, sensors": [COLUMNS, UNITS, ["calc", *["HBM"] * 6]],
     "channels, units": [COLUMNS, ["channel", *range(1, 7)], UNITS],
     "units above": [UNITS, COLUMNS],
+    "letters of which three are units, units": [COLUMNS, ["calc", *"PSPSSP"], UNITS],
+    "units of three columns, words": [[*COLUMNS[:4], *TITLES[4:]], ["", *UNITS[1:4], *["HBM"] * 3]],
     "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
 }
 HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *ROWS]], ";") for name, head in HEADERS.items()}

@@ -127,9 +127,9 @@ def tool(folder: Path, name: str) -> Path:
 
 
 def pip(folder: Path, *arguments: str) -> None:
-    """Runs the pip of the tests there, with the versions of the lock file. Only modules that are imported are compiled."""
+    """Runs the pip of the tests there, with the versions of the lock file. Only modules that are imported are compiled, there."""
     more = ["--no-compile", f"--constraint={LOCK}"] if arguments[0] == "install" else []
-    clean = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PUSHBELT_FMU")}
+    clean = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONPYCACHEPREFIX", "PUSHBELT_FMU")}
     subprocess.run([*pip_of(tool(folder, "python")), *arguments, *more], env=clean, check=True, capture_output=True, text=True)
 
 

@@ -63,31 +63,36 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.windows {
         return windows_tests(workspace, &arguments.passed_on);
     }
-    // Tasks that take one core each run at the same time: packages are installed while the model compiles, and the paper's FMU is
-    // built while the Rust tests compile in another profile.
-    let ((), environment) = side_by_side(
+    // Beside each other, since packages wait for downloads, and the model takes one core: it is one unit of compilation. The second
+    // tier's Rust tests have another profile, so cargo's lock on the other one's folder does not hold them.
+    let (environment, ()) = side_by_side(
         || {
-            build::run_both(workspace, &arguments.build)?;
-            build::run_map(workspace, Version::Two)?;
-            build::run_map(workspace, Version::Three)?;
+            if arguments.rust {
+                return Ok(None);
+            }
+            let packages = || Environment::prepare(workspace, &RUNNING);
+            side_by_side(packages, || build_fmus(workspace, arguments)).map(|(environment, ())| Some(environment))
+        },
+        || {
             if arguments.python {
                 return Ok(());
             }
             rust_tests(workspace, arguments)
         },
-        || {
-            if arguments.rust {
-                return Ok(None);
-            }
-            let environment = Environment::prepare(workspace, &RUNNING)?;
-            // Tests selected by the user may need it.
-            if arguments.all || !arguments.passed_on.is_empty() {
-                build::run_paper(workspace)?;
-            }
-            Ok(Some(environment))
-        },
     )?;
     environment.map_or(Ok(()), |environment| python_tests(&environment, arguments))
+}
+
+/// All that the Python tests read.
+fn build_fmus(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    build::run_both(workspace, &arguments.build)?;
+    build::run_map(workspace, Version::Two)?;
+    build::run_map(workspace, Version::Three)?;
+    // Tests selected by the user may need it.
+    if arguments.all || !arguments.passed_on.is_empty() {
+        build::run_paper(workspace)?;
+    }
+    Ok(())
 }
 
 fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Result<()> {

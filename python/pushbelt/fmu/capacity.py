@@ -17,8 +17,7 @@ from .geometry import theta_of
 BEYOND = 1.15
 """Ratio of torque and capacity above which a point is refused without solving it. Radial friction may raise the capacity by some percent."""
 DRAG = 1.0  # Torque that is carried in any case, N·m: drag of a shaft
-SMALL_FORCE = 1e3  # Clamping force below which kN may be meant, N
-LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque, N. Variators for cars have up to 100 kN.
+LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque or may be meant, N. Variators for cars have up to 100 kN.
 BELT_SPEED = 60.0  # Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s.
 
 
@@ -49,7 +48,7 @@ def wrong_unit(torque: float, force: float, carried: float) -> str:
     """A question for the unit that is meant if torque (N·m) or force (N) are larger or smaller by 1000 than a force that carries
     `carried` N·m allows; empty if they are not."""
     wanted = abs(torque)
-    if 0.0 < force < SMALL_FORCE and wanted <= 1e3 * BEYOND * carried:
+    if 0.0 < 1e3 * force <= LARGE_FORCE and wanted <= 1e3 * BEYOND * carried:
         return f". Is the force in kN? {force:g} kN are {1e3 * force:g} N and carry {1e3 * carried:.3g} N·m"
     return _millimetres(wanted) if 1e-3 * wanted <= BEYOND * carried else ""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,12 +37,12 @@ class Drawn(NamedTuple):
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
-    found, drawn, path = list(grid.points()), chosen(grid), folder / "report.html"
-    first = drawn[0].model.select(outputs)
+    found, path = list(grid.points()), folder / "report.html"
+    drawn = [one._replace(model=one.model.select(outputs)) for one in chosen(grid)]
     context = {
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
-        "charts": [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs],
+        "charts": list(zip(outputs, bode(drawn), steps(drawn, time), strict=True)),
         "first": found[0][1], "drawn": len(drawn),
     }  # fmt: skip
     page.write_html("linearize/linearize.html.j2", context, path)
@@ -84,21 +84,21 @@ def title(grid: LinearGrid, point: dict[str, float]) -> str:
     return ", ".join(f"{name} {shown[name][0] * value:.4g} {shown[name][1]}".rstrip() for name, value in several.items())
 
 
-def bode(drawn: Sequence[Drawn], output: str, highest: float) -> Chart:
-    """Magnitude and phase from each input to an output, over Hz."""
-    frequencies = np.geomspace(LOWEST, highest, 300)
-    first, panels = drawn[0].model, []
-    for load in first.inputs:
-        responses = [one.model.select([output], [load]).response(2.0 * np.pi * frequencies)[:, 0, 0] for one in drawn]
-        scale, unit = per(first.units[output], first.units[load])
-        size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, responses, strict=True)]
-        phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(responses), strict=True)]
-        log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, highest)}
-        panels += [
-            Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log),
-            Panel(f"{load} → {output}: phase (°)", phase, **log),
-        ]
-    return Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
+def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
+    """Magnitude and phase from each input, over Hz, for each output."""
+    first = drawn[0].model
+    frequencies = np.geomspace(LOWEST, first.frequency, 300)
+    found = np.array([one.model.response(2.0 * np.pi * frequencies) for one in drawn])
+    log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
+    for k, output in enumerate(first.outputs):
+        panels = []
+        for m, load in enumerate(first.inputs):
+            scale, unit = per(first.units[output], first.units[load])
+            size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
+            phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
+            panels.append(Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log))
+            panels.append(Panel(f"{load} → {output}: phase (°)", phase, **log))
+        yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
 
 
 def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
@@ -114,14 +114,17 @@ def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
     return [phase - 360.0 * turn for phase, turn in zip(found, turns, strict=True)]
 
 
-def steps(drawn: Sequence[Drawn], output: str, end: float) -> Chart:
-    """Responses of an output to a unit step of each input, over time."""
-    times, first, panels = np.linspace(0.0, end, 400), drawn[0].model, []
-    for load in first.inputs:
-        scale, unit = per(first.units[output], first.units[load])
-        series = [one.line(times, scale * one.model.select([output], [load]).step(times)[:, 0, 0]) for one in drawn]
-        panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
-    return Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
+def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
+    """Responses to a unit step of each input, over time, for each output."""
+    times, first = np.linspace(0.0, end, 400), drawn[0].model
+    found = np.array([one.model.step(times) for one in drawn])
+    for k, output in enumerate(first.outputs):
+        panels = []
+        for m, load in enumerate(first.inputs):
+            scale, unit = per(first.units[output], first.units[load])
+            series = [one.line(times, scale * values) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
+            panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
+        yield Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
 
 def per(output: str, load: str) -> tuple[float, str]:
@@ -132,8 +135,7 @@ def per(output: str, load: str) -> tuple[float, str]:
 
 
 def _poles(model: LinearModel) -> str:
-    upper = [one for one in model.poles if one.imag >= 0.0]
-    return ", ".join(pole(one) for one in upper[:SHOWN_POLES])
+    return ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))
 
 
 def pole(value: complex) -> str:

@@ -211,16 +211,16 @@ def _others(sheet: Sheet) -> Iterator[Other]:
 
 
 def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, found: Mapping[str, str]) -> Sequence[Other]:
-    """The readings that remove most doubts and add none, best first."""
-    better: list[tuple[int, float, Other]] = []
+    """The readings that remove most doubts and add none."""
+    better: list[tuple[int, Other]] = []
     for other in _others(sheet):
         # The law is too rough to tell units, and a fast belt can only have another unit.
         if set(found) != ({"thrust law"} if other.unit else {"fast"}):
             new = _Points(rebuilt(other.changed(sheet)), len(sheet))
-            left, off = doubts(new), new.thrust_off()
-            if set(left) < set(found) and off <= max(1.2 * now.thrust_off(), OFF):
-                better.append((len(left), off, other))
-    fewest, least = min(((left, off) for left, off, _ in better), default=(0, 0.0))
-    close = [other for left, off, other in better if left == fewest and off <= 1.5 * least + 0.05]
+            left = doubts(new)
+            if set(left) < set(found) and new.thrust_off() <= max(1.2 * now.thrust_off(), OFF):
+                better.append((len(left), other))
+    fewest = min((left for left, _ in better), default=0)
+    best = [other for left, other in better if left == fewest]
     # A reading of more columns is named only if none of its parts is enough.
-    return [one for one in close if not any(set(other.options) < set(one.options) for other in close)]
+    return [one for one in best if not any(set(other.options) < set(one.options) for other in best)]

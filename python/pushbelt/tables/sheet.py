@@ -211,8 +211,7 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
     known = [cell for cell in filled if units.is_unit(cell)]
-    numbers = any(cell != "1" and _is_number(cell) for cell in filled)
-    return not numbers and bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled)
+    return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not any(cell != "1" and _is_number(cell) for cell in filled)
 
 
 # Columns and values
