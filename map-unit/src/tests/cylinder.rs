@@ -1,11 +1,11 @@
-//! Cylinders of the variator from maps: pressure in, flow out.
+//! Cylinders: pressure in, flow out.
 
 use std::f64::consts::TAU;
 
 use pushbelt::variator::settings::Cylinder;
-use pushbelt_map_unit::settings::Settings;
 
-use crate::{outputs, run, start};
+use super::{outputs, run, start};
+use crate::settings::Settings;
 
 const CYLINDER: Cylinder = Cylinder {
     area: 0.012,
@@ -15,11 +15,15 @@ const CYLINDER: Cylinder = Cylinder {
     seal: 0.0,
 };
 
-/// Both pulleys have this cylinder, and with an area pressures instead of clamping forces.
+/// Pitch radius of the checked-in tables at ratio 1, m: geometry.beltLength = 2 geometry.centerDistance + 2 pi (r + belt.pitchOffset).
+const RADIUS_AT_ONE: f64 = (0.703 - 2.0 * 0.168) / TAU - 1e-3;
+
+/// Both pulleys have this cylinder, and with an area pressures instead of clamping forces. The run starts in the equilibrium.
 fn settings(cylinder: Cylinder) -> Settings {
-    let mut settings = crate::settings();
+    let mut settings = super::settings();
     let (of, inputs) = (&mut settings.parameters, &mut settings.inputs);
     (of.primary.cylinder, of.secondary.cylinder) = (cylinder, cylinder);
+    of.initial.equilibrium = true;
     if cylinder.area > 0.0 {
         for given in [&mut inputs.primary, &mut inputs.secondary] {
             given.pressure = std::mem::take(&mut given.clamping_force) / cylinder.area;
@@ -35,11 +39,9 @@ fn cylinders_do_the_work_on_the_sheaves() {
     for seal in [0.0, 150.0] {
         let cylinder = Cylinder { seal, ..CYLINDER };
         let mut settings = settings(cylinder);
-        settings.parameters.initial.equilibrium = true;
         let mut unit = start(&settings);
         let mut before = outputs(&mut unit);
         let mut plain = self::settings(Cylinder::default());
-        plain.parameters.initial.equilibrium = true;
         plain.inputs.primary.clamping_force = before.primary.axial_force;
         plain.inputs.secondary.clamping_force = before.secondary.axial_force;
         let expected = outputs(&mut start(&plain));
@@ -47,7 +49,7 @@ fn cylinders_do_the_work_on_the_sheaves() {
         settings.inputs.primary.pressure += 1e5;
         let way = 2.0 * settings.parameters.geometry.wedge_angle.tan();
         for count in 0..200 {
-            let (now, _) = run(&mut unit, &settings, 1e-3, 1e-3);
+            let now = run(&mut unit, &settings, 1e-3, 1e-3);
             let mut rubbed = 0.0;
             for (of, before, given) in [
                 (&now.primary, &before.primary, &settings.inputs.primary),
@@ -73,42 +75,20 @@ fn cylinders_do_the_work_on_the_sheaves() {
     }
 }
 
-/// Pitch radius of the checked-in tables at ratio 1, m: geometry.beltLength = 2 geometry.centerDistance + 2 pi (r + belt.pitchOffset).
-const RADIUS_AT_ONE: f64 = (0.703 - 2.0 * 0.168) / TAU - 1e-3;
-
 /// From an equilibrium, half the friction of the seals more pressure: the sheave creeps as the regularised law does.
 #[test]
 fn seals_hold_the_ratio_but_for_creep() {
     let [rubbing, free] = [400.0, 0.0].map(|seal| {
-        let area = 0.01;
-        let mut settings = settings(Cylinder {
-            area,
-            seal,
+        let cylinder = Cylinder {
+            area: 0.01,
             ..Cylinder::default()
-        });
-        settings.parameters.secondary.cylinder.seal = 0.0;
-        settings.parameters.initial.equilibrium = true;
+        };
+        let mut settings = settings(cylinder);
+        settings.parameters.primary.cylinder.seal = seal;
         let mut unit = start(&settings);
-        settings.inputs.primary.pressure += 0.5 * 400.0 / area;
-        run(&mut unit, &settings, 0.01, 0.01).0.primary.sheave_velocity
+        settings.inputs.primary.pressure += 0.5 * 400.0 / cylinder.area;
+        run(&mut unit, &settings, 0.01, 0.01).primary.sheave_velocity
     });
-    assert!(
-        0.0 < rubbing && rubbing < free && rubbing < 5e-4 / 3.0_f64.sqrt(),
-        "{rubbing} {free}"
-    );
-}
-
-#[test]
-fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
-    let mut settings = settings(CYLINDER);
-    let mut unit = start(&settings);
-    let mut remarks = Vec::new();
-    for pressure in [-1e5, 1e6, -1e5] {
-        settings.inputs.primary.pressure = pressure;
-        let (outputs, more) = run(&mut unit, &settings, 2e-3, 2e-3);
-        assert!(outputs.secondary.speed.is_finite());
-        remarks.extend(more);
-    }
-    remarks.retain(|remark| remark.warning && remark.text.contains("primary.pressure = -100000 Pa"));
-    assert_eq!(remarks.len(), 1);
+    let creeps = 0.0 < rubbing && rubbing < free && rubbing < 5e-4 / 3.0_f64.sqrt();
+    assert!(creeps, "{rubbing} {free}");
 }

@@ -1,48 +1,44 @@
 //! Radii, torques and shift rate.
 
-use std::f64::consts::PI;
-
 use pushbelt::pulley::PerPulley;
-use pushbelt_map_unit::law::{Acting, Law, Radii, State};
-use pushbelt_map_unit::settings::Settings;
 
-use crate::settings;
+use super::settings;
+use crate::law::{Law, Radii, State};
+use crate::settings::Settings;
 
-/// The radii are pitch radii, and their quotient is the ratio. Between places of the table they err by less than a micrometre.
+/// The radii are those of the detailed unit, between the stops. Between places of the table they err by less than a micrometre.
 #[test]
 fn radii_close_the_belt_and_meet_the_stops() {
     let parameters = settings().parameters;
     let radii = Radii::new(&parameters).expect("radii");
-    for (stop, [primary, secondary]) in radii.stops.into_iter().zip([[0.082, 0.03], [0.03, 0.082]]) {
-        let (found, _) = radii.at(stop).primary;
-        let off = (found - primary).abs().min((stop.exp() * found - secondary).abs());
-        assert!(off < 1e-6, "{off:e}");
+    let (least, most) = parameters.ratio_range();
+    for reference in [least, 0.5, 0.77, 1.0, 2.1, most] {
+        let (primary, secondary) = parameters.pitch_radii(reference).expect("a closed belt");
+        let found = radii.at((secondary / primary).ln());
+        let off = [found.primary.0 - primary, found.secondary.0 - secondary].map(f64::abs);
+        assert!(off[0].max(off[1]) < 1e-6, "{reference}: {off:?}");
     }
-    for ratio in [0.4, 0.77, 1.0, 2.3_f64] {
-        let (primary, _) = radii.at(ratio.ln()).primary;
-        let [p, s] = [primary, ratio * primary].map(|radius| radius + parameters.belt.pitch_offset);
-        let distance = parameters.geometry.center_distance;
-        let angle = ((p - s) / distance).acos();
-        let length = 2.0 * ((distance.powi(2) - (p - s).powi(2)).sqrt() + p * (PI - angle) + s * angle);
-        let off = length - parameters.geometry.belt_length;
-        assert!(off.abs() < 6e-6, "{ratio}: {length}");
+    for (stop, [primary, secondary]) in radii.stops.into_iter().zip([[0.082, 0.03], [0.03, 0.082]]) {
+        let found = radii.at(stop);
+        let off = (found.primary.0 - primary)
+            .abs()
+            .min((found.secondary.0 - secondary).abs());
+        assert!(off < 1e-6, "{off:e}");
     }
 }
 
 /// T_P, T_S and ℓ' of settings at speeds of the primary and the secondary shaft, and ln i.
 fn torques(settings: &Settings) -> impl Fn(f64, f64, f64) -> [f64; 3] + use<> {
-    let law = Law::new(settings).expect("laws");
-    let acting = Acting {
-        inputs: settings.inputs,
-        thrust_ratio: 1.0,
-    };
+    let (law, inputs) = (Law::new(settings).expect("laws"), settings.inputs);
     move |primary, secondary, log_ratio| {
-        let speeds = PerPulley { primary, secondary };
-        let frame = law.frame(&State { speeds, log_ratio }, &acting);
-        let point = law.point(&frame, frame.sliding(speeds));
-        let torque = frame.torque * point.traction.value;
-        let (shift, _) = law.shift(&frame, &point);
-        [torque, frame.ratio * (torque - point.torque_loss), shift]
+        let state = State {
+            speeds: PerPulley { primary, secondary },
+            log_ratio,
+            thrust_ratio: 1.0,
+        };
+        let point = law.point(&state, &inputs);
+        let out = point.ratio * (point.torque() - point.torque_loss);
+        [point.torque(), out, law.shift(&point).0]
     }
 }
 
@@ -65,7 +61,10 @@ fn torque_is_continuous_and_falls_in_fast_sliding() {
     // Near standstill the torque grows by its capacity within 0.02 rad/s. At speed the belt slips through.
     let speeds: [fn(f64) -> [f64; 2]; 2] = [|t| [2.0 * t - 1.0, 0.4], |t| [200.0, 185.0 * (1.0 - t)]];
     let [_, (most, fast)] = speeds.map(|speeds| {
-        let at = |k: i32| of(speeds(f64::from(k) / 2e4)[0], speeds(f64::from(k) / 2e4)[1], 0.1)[0];
+        let at = |k: i32| {
+            let [primary, secondary] = speeds(f64::from(k) / 2e4);
+            of(primary, secondary, 0.1)[0]
+        };
         let values: Vec<f64> = (0..=20_000).map(at).collect();
         let most = values.iter().copied().fold(0.0, f64::max);
         assert!(values.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.01 * most));

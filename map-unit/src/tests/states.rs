@@ -3,10 +3,10 @@
 use pushbelt::variator::settings::Drive;
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::unit::{Experiment, Unit};
-use pushbelt_map_unit::settings::Settings;
-use pushbelt_map_unit::unit::MapUnit;
 
-use crate::{outputs, run, settings, start, try_step};
+use super::{outputs, run, settings, start, step};
+use crate::settings::Settings;
+use crate::unit::MapUnit;
 
 fn written(unit: &mut MapUnit) -> Vec<u8> {
     let mut archive = Archive::writer();
@@ -60,7 +60,7 @@ fn a_step_without_a_solution_ends_and_leaves_all_as_before() {
         let (bytes, before) = (written(&mut unit), outputs(&mut unit));
         let wanted = std::mem::replace(&mut settings.inputs.secondary.torque, torque);
         settings.parameters.friction.pulley = 0.08;
-        let failed = try_step(&mut unit, &settings, to, None);
+        let failed = step(&mut unit, &settings, to, None);
         assert!(failed.is_err_and(|why| why.contains("no solution")));
         assert_eq!((written(&mut unit), outputs(&mut unit)), (bytes, before));
         settings.inputs.secondary.torque = wanted;
