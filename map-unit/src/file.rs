@@ -1,5 +1,6 @@
 //! The file of the tables: read from JSON, checked, and refined once by monotone cubics.
 
+use std::array::from_fn;
 use std::path::Path;
 
 use pushbelt::variator::settings::{Parameters, parameters};
@@ -138,7 +139,9 @@ impl File<'_> {
             let values = resampled(along, &values, 1, axis.places());
             resampled(&self.ratios, &values, rows * axis.count, ratios.places())
         });
-        Sheet::of(axis, rows, tables)
+        let places = 0..tables[0].len();
+        let values = places.map(|k| from_fn(|n| tables[n][k])).collect();
+        Sheet { axis, rows, values }
     }
 
     /// The same for a table whose rows rise.
@@ -161,14 +164,12 @@ impl File<'_> {
 /// The parameters of the file, and the start values otherwise.
 fn parameters_of(document: &Value) -> Result<Parameters, String> {
     let mut of = Parameters::default();
-    for parameter in parameters::<Parameters, ()>() {
-        let variable = parameter.variable();
-        let name = &variable.name;
-        if PARAMETERS.split(' ').any(|one| one == name) {
-            let found = document["parameters"][name].as_f64();
-            let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
-            variable.set(&mut of, Setting::Real(found))?;
-        }
+    let is_of_file = |name: &str| PARAMETERS.split(' ').any(|one| one == name);
+    for parameter in parameters::<_, ()>().filter(|one| is_of_file(&one.name())) {
+        let (name, variable) = (parameter.name(), parameter.variable());
+        let found = document["parameters"][&name].as_f64();
+        let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
+        variable.set(&mut of, Setting::Real(found))?;
     }
     of.validate_belt().map_err(|error| error.to_string())?;
     Ok(of)

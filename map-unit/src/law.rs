@@ -28,60 +28,6 @@ use crate::settings::Settings;
 use crate::tables::{Even, Place, Tables};
 use crate::tuning::{BEYOND_STOPS, LEAST_FORCE, RADII, SLIP_SPEED};
 
-/// Pitch radii over the ratio.
-#[derive(Clone, Debug)]
-pub struct Radii {
-    /// Places over ln i, and the primary radii there, m.
-    places: Even,
-    primary: Vec<f64>,
-    /// Radius at ratio 1, m.
-    at_one: f64,
-    /// Way of a sheave per change of its radius.
-    way: f64,
-    /// Least and greatest ln i, at the end stops.
-    pub stops: [f64; 2],
-}
-
-impl Radii {
-    /// The radii of a variator, or why there are none.
-    pub fn new(parameters: &Parameters) -> Result<Self, String> {
-        let (least, most) = parameters.ratio_range();
-        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
-        // pulleys too.
-        let (true, [Some(low), Some(high)]) = (least < most, [least, most].map(|at| parameters.pitch_radii(at))) else {
-            return Err("the radii at the end stops leave no range of ratios".to_owned());
-        };
-        let stops = [low, high].map(|(primary, secondary)| (secondary / primary).ln());
-        let geometry = &parameters.geometry;
-        let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
-        let curve = TwoPulley::new(geometry.center_distance, length);
-        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
-            Ok((primary, _)) => Ok(primary),
-            Err(error) => Err(error.to_string()),
-        };
-        let places = Even::over(&[stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS], RADII);
-        Ok(Self {
-            places,
-            primary: places.places().map(radius).collect::<Result<_, _>>()?,
-            at_one: radius(0.0)?,
-            way: 2.0 * geometry.wedge_angle.tan(),
-            stops,
-        })
-    }
-
-    /// Pitch radii at ln i, m, and their derivatives.
-    pub fn at(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
-        let (k, t) = self.places.find(log_ratio);
-        let step = self.primary[k + 1] - self.primary[k];
-        let (radius, slope) = (self.primary[k] + t * step, step * self.places.per_step);
-        let ratio = log_ratio.exp();
-        PerPulley {
-            primary: (radius, slope),
-            secondary: (ratio * radius, ratio * (radius + slope)),
-        }
-    }
-}
-
 /// A state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
@@ -165,30 +111,70 @@ impl Point {
     }
 }
 
-/// The laws of a variator: tables, radii and parameters.
+/// The laws of a variator.
 #[derive(Clone, Debug)]
 pub struct Law {
     pub tables: Arc<Tables>,
-    pub radii: Arc<Radii>,
     pub parameters: Parameters,
+    /// Least and greatest ln i, at the end stops.
+    pub stops: [f64; 2],
+    /// Places over ln i, and the primary pitch radii there, m.
+    places: Even,
+    radii: Arc<[f64]>,
+    /// Pitch radius at ratio 1, m.
+    at_one: f64,
+    /// Way of a sheave per change of its radius.
+    way: f64,
 }
 
 impl Law {
     /// The laws of these settings, or why there are none.
     pub fn new(settings: &Settings) -> Result<Self, String> {
+        let parameters = settings.parameters.clone();
+        let (least, most) = parameters.ratio_range();
+        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
+        // pulleys too.
+        let (true, [Some(low), Some(high)]) = (least < most, [least, most].map(|at| parameters.pitch_radii(at))) else {
+            return Err("the radii at the end stops leave no range of ratios".to_owned());
+        };
+        let stops = [low, high].map(|(primary, secondary)| (secondary / primary).ln());
+        let geometry = &parameters.geometry;
+        let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
+        let curve = TwoPulley::new(geometry.center_distance, length);
+        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
+            Ok((primary, _)) => Ok(primary),
+            Err(error) => Err(error.to_string()),
+        };
+        let places = Even::over(&[stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS], RADII);
         Ok(Self {
             tables: settings.own.clone().ok_or("the unit has no tables")?,
-            radii: Arc::new(Radii::new(&settings.parameters)?),
-            parameters: settings.parameters.clone(),
+            stops,
+            places,
+            radii: places.places().map(radius).collect::<Result<_, _>>()?,
+            at_one: radius(0.0)?,
+            way: 2.0 * geometry.wedge_angle.tan(),
+            parameters,
         })
+    }
+
+    /// Pitch radii at ln i, m, and their derivatives.
+    pub fn radii(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
+        let (k, t) = self.places.find(log_ratio);
+        let step = self.radii[k + 1] - self.radii[k];
+        let (radius, slope) = (self.radii[k] + t * step, step * self.places.per_step);
+        let ratio = log_ratio.exp();
+        PerPulley {
+            primary: (radius, slope),
+            secondary: (ratio * radius, ratio * (radius + slope)),
+        }
     }
 
     /// What acts in a state under these inputs, and what the tables give there.
     pub fn point(&self, state: &State, inputs: &Inputs) -> Point {
         let Parameters { friction, geometry, .. } = &self.parameters;
-        let radii = self.radii.at(state.log_ratio);
+        let radii = self.radii(state.log_ratio);
         let (radius, _) = radii.primary;
-        let positions = radii.map(|(radius, _)| self.radii.way * (radius - self.radii.at_one));
+        let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));
         let closing = self.parameters.closing(inputs, positions, state.speeds);
         let force = match self.parameters.secondary.axial {
             Axial::Held => closing.primary / state.thrust_ratio,
@@ -206,7 +192,7 @@ impl Law {
             speeds: state.speeds,
             radius,
             ratio: state.log_ratio.exp(),
-            ways: radii.map(|(_, slope)| self.radii.way * slope),
+            ways: radii.map(|(_, slope)| self.way * slope),
             closing,
             force,
             full_slip: full_slip_torque(friction, geometry.wedge_angle.cos(), force.max(0.0), radius),

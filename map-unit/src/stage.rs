@@ -58,7 +58,7 @@ impl Law {
         // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
         let (rate, slope) = self.shift(&point);
         let around = point.radius * point.ratio * state.speeds.secondary;
-        let [least, most] = self.radii.stops;
+        let [least, most] = self.stops;
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
         let per_utilisation = -per_torque * point.full_slip;
         let coupled = (around * k * slope).clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);

@@ -10,16 +10,13 @@ use crate::unit::MapUnit;
 impl MapUnit {
     /// Sets the state at the start.
     pub(crate) fn initialise(&mut self, remarks: &mut Vec<Remark>) {
-        let [least, most] = self.law.radii.stops;
         let initial = self.law.parameters.initial.clone();
-        let wanted = initial.ratio.ln();
-        self.state.log_ratio = wanted.clamp(least, most);
-        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP.ln() {
+        let (ratio, [least, most]) = (initial.ratio, self.law.stops);
+        self.state.log_ratio = ratio.ln().clamp(least, most);
+        if (self.state.log_ratio - ratio.ln()).abs() > BEYOND_STOP.ln() {
+            let [least, most] = self.law.stops.map(f64::exp);
             remarks.push(Remark::warning(format!(
-                "initial.ratio = {} is beyond the end stops: {:.4} to {:.4}; the run starts at the stop",
-                initial.ratio,
-                least.exp(),
-                most.exp()
+                "initial.ratio = {ratio} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop"
             )));
         }
         self.state.speeds.primary = match self.law.parameters.primary.drive {
@@ -38,7 +35,7 @@ impl MapUnit {
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
     fn balance(&mut self) -> Result<(), String> {
-        self.state.log_ratio = bisected(self.law.radii.stops, |log_ratio| {
+        self.state.log_ratio = bisected(self.law.stops, |log_ratio| {
             self.state.log_ratio = log_ratio;
             // What a ratio on the way does not carry is of no interest.
             let _ = self.settle();

@@ -56,17 +56,11 @@ pub struct Place {
 pub struct Sheet<const N: usize> {
     /// The last axis, and the number of rows along it of each line.
     pub axis: Even,
-    rows: usize,
+    pub rows: usize,
     pub values: Vec<[f64; N]>,
 }
 
 impl<const N: usize> Sheet<N> {
-    pub fn of(axis: Even, rows: usize, tables: [Vec<f64>; N]) -> Self {
-        let places = 0..tables[0].len();
-        let values = places.map(|k| std::array::from_fn(|n| tables[n][k])).collect();
-        Self { axis, rows, values }
-    }
-
     /// Values in a row and slopes along it.
     #[inline(always)]
     pub fn at(&self, place: &Place, row: usize, x: f64) -> ([f64; N], [f64; N]) {

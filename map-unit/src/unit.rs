@@ -8,7 +8,7 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::unit::VariatorUnit;
-use pushbelt::variator::run::{InputProfile, once};
+use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
@@ -91,17 +91,19 @@ impl MapUnit {
     /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn observe(&mut self, remarks: &mut Vec<Remark>) {
         let (point, of) = (self.present(), &self.law.parameters);
-        let opens = once(&mut self.opened, || of.opening(&self.inputs, point.closing, self.time));
-        let beyond = || {
-            point.place.outside.then(|| {
-                format!(
-                    "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
-                     secondary force {:.0} N; map.outside shows it from now on",
-                    point.ratio, self.state.speeds.primary, point.force
-                )
-            })
+        let opens = if self.opened {
+            None
+        } else {
+            of.opening(&self.inputs, point.closing, self.time)
         };
-        let outside = once(&mut self.outside, beyond);
+        let outside = (point.place.outside && !self.outside).then(|| {
+            format!(
+                "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
+                 secondary force {:.0} N; map.outside shows it from now on",
+                point.ratio, self.state.speeds.primary, point.force
+            )
+        });
+        (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
         remarks.extend([opens, outside].into_iter().flatten().map(Remark::warning));
         self.readings = self.read(&point);
     }
@@ -115,7 +117,7 @@ impl MapUnit {
         };
         let drags = self.law.drags(point).map(|drag| drag.torque);
         let (rate, _) = self.law.shift(point);
-        let ([least, most], log_ratio) = (self.law.radii.stops, self.state.log_ratio);
+        let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
         let velocities = point.ways.map(|way| if at_stop { 0.0 } else { way * rate });
         let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
@@ -270,7 +272,7 @@ impl Unit for MapUnit {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
         archive.within(primary, -LARGEST, LARGEST);
         archive.within(secondary, -LARGEST, LARGEST);
-        let [least, most] = self.law.radii.stops;
+        let [least, most] = self.law.stops;
         archive.within(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;

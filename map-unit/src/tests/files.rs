@@ -78,18 +78,13 @@ fn a_number_out_of_range_is_named() {
                     _ => *first(&mut document[part][name]["values"]) = json!(wild),
                 });
                 let value = why.contains(&format!("{wild}")) || why.contains(&format!("{wild:?}"));
-                assert!(
-                    value && why.contains(name) && why.contains("out of range"),
-                    "{name}: {why}"
-                );
+                let named = why.contains(name) && why.contains("out of range");
+                assert!(named && value, "{name}: {why}");
             }
         }
     }
-    for (name, small) in [
-        ("capacity", -1e-300),
-        ("capacitySlip", -1e-300),
-        ("thrustRatio", 1e-300),
-    ] {
+    for name in ["capacity", "capacitySlip", "thrustRatio"] {
+        let small = if name == "thrustRatio" { 1e-300 } else { -1e-300 };
         let why = refused(|document| *first(&mut document["tables"][name]["values"]) = json!(small));
         assert!(why.contains(name), "{why}");
     }
@@ -99,17 +94,9 @@ fn a_number_out_of_range_is_named() {
 
 #[test]
 fn tables_that_grow_too_large_are_refused_before_they_are_refined() {
-    for (names, count, step) in [
-        (&["force"][..], 1000, 1.0),
-        (&["force", "speed"], 90_000, 1.0),
-        (&["utilisation"], 700_000, 1e-5),
-    ] {
+    for (name, count, step) in [("force", 1000, 1.0), ("utilisation", 700_000, 1e-5)] {
         let axis: Vec<f64> = (1..=count).map(|k| step * f64::from(k)).collect();
-        let why = refused(|document| {
-            for name in names {
-                document["axes"][name]["values"] = json!(axis);
-            }
-        });
+        let why = refused(|document| document["axes"][name]["values"] = json!(axis));
         assert!(why.contains("16777216") && why.contains("forces"), "{why}");
     }
 }
@@ -148,11 +135,7 @@ fn damaged_tables_are_refused() {
         ("pushbelt map unit", "maps", "format"),
         (r#""version":1"#, r#""version":2"#, "version"),
         (r#""thrustRatio":"#, r#""other":"#, "thrustRatio"),
-        (
-            r#""geometry.beltLength":0.703"#,
-            r#""geometry.beltLength":0.3"#,
-            "geometry",
-        ),
+        (r#"Length":0.703"#, r#"Length":0.3"#, "geometry"),
         (r#""N","values":[2500.0"#, r#""N","values":[9500.0"#, "ascend"),
     ] {
         assert!(text.contains(from), "{from}");

@@ -28,6 +28,7 @@ fn a_stored_state_continues_bit_for_bit() {
     settings.inputs.primary.torque = 65.0;
     run(&mut unit, &settings, 1e-2, 0.1);
     let mut other = read(&settings, &written(&mut unit)).expect("all bytes");
+    assert_eq!(outputs(&mut other), outputs(&mut unit));
     settings.inputs.primary.clamping_force = 16e3;
     let [one, other] = [&mut unit, &mut other].map(|unit| run(unit, &settings, 1e-2, 0.3));
     assert_eq!(one, other);

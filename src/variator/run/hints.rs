@@ -19,8 +19,8 @@ pub(super) struct Hints {
     since: f64,
 }
 
-/// What is found, unless something was before: `said` is then true.
-pub fn once(said: &mut bool, find: impl FnOnce() -> Option<String>) -> Option<String> {
+/// What is found, unless it was said before.
+fn once(said: &mut bool, find: impl FnOnce() -> Option<String>) -> Option<String> {
     let found = if *said { None } else { find() };
     *said |= found.is_some();
     found

@@ -27,6 +27,5 @@ pub(crate) mod variator;
 
 pub use crate::variator::pulleys::loads::InputProfile;
 pub use communication_step::CommunicationStep;
-pub use hints::once;
 pub use outcome::{Event, InitialisationError, Message, StepError};
 pub use variator::Variator;
