@@ -241,11 +241,10 @@ impl Unit for MapUnit {
         settings: &Settings,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), String> {
-        let friction = self.law.parameters.friction.pulley;
-        let before = (self.state, self.time, self.inputs, friction);
+        let before = (self.state, self.time, self.inputs);
         self.law.parameters.friction.pulley = settings.parameters.friction.pulley;
         if let Err(why) = self.advance_to(to, inputs) {
-            (self.state, self.time, self.inputs, self.law.parameters.friction.pulley) = before;
+            (self.state, self.time, self.inputs) = before;
             return Err(why);
         }
         self.observe(remarks);

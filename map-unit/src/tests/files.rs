@@ -109,19 +109,22 @@ fn values_are_those_of_the_file() {
     let axes = ["force", "speed", "ratio"].map(|name| flat(&document["axes"][name]["values"]));
     let limits = |[force, speed, ratio]: [f64; 3]| {
         let place = tables.place(force, speed, ratio.ln());
-        (tables.limits.at(&place, 0, 0.0).0, place.outside)
+        let rates = [-1.0, 1.0].map(|utilisation| tables.shift_rate(&place, utilisation, 9.0).0);
+        (tables.limits.at(&place, 0, 0.0).0, rates, place.outside)
     };
     let [_, speeds, ratios] = axes.each_ref().map(Vec::len);
-    let capacity = flat(&document["tables"]["capacity"]["values"]);
-    for (k, expected) in capacity.chunks(2).enumerate() {
+    let [capacity, rates] = ["capacity", "shiftRate"].map(|name| flat(&document["tables"][name]["values"]));
+    for (k, (expected, rates)) in capacity.chunks(2).zip(rates.chunks(18)).enumerate() {
         let at = [k / ratios / speeds, k / ratios % speeds, k % ratios];
         let place = from_fn(|n| axes[n][at[n]]);
         let is_last: [bool; 3] = from_fn(|n| at[n] + 1 == axes[n].len());
-        let (found, _) = limits(place);
+        let (found, shifts, _) = limits(place);
         let beyond = from_fn(|n| if is_last[n] { 9.0 * place[n] } else { place[n] });
-        assert_eq!(limits(beyond), (found, is_last.contains(&true)));
+        assert_eq!(limits(beyond), (found, shifts, is_last.contains(&true)));
         let off = [0, 1].map(|direction| (found[direction] - expected[direction]).abs());
         assert!(off[0].max(off[1]) < 1e-3, "{found:?} {expected:?}");
+        let off = [shifts[0] / rates[8] - 1.0, shifts[1] / rates[17] - 1.0].map(f64::abs);
+        assert!(off[0].max(off[1]) < 1e-2, "{shifts:?} {rates:?}");
     }
 }
 

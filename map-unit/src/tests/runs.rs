@@ -1,6 +1,6 @@
 //! Starts and runs.
 
-use pushbelt::variator::settings::{Axial, Drive, Inputs};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
 use pushbelt_fmi::table::Causality;
 use pushbelt_fmi::unit::{Experiment, Unit};
 
@@ -28,22 +28,33 @@ fn refused(settings: &Settings) -> String {
     started.map(drop).expect_err("settings that do not fit")
 }
 
+/// Power that neither is lost nor goes out, as a share of that which goes in: 0 in an equilibrium of torques at both shafts.
+fn unbalanced(of: &Outputs) -> f64 {
+    let [into, out] = [of.primary, of.secondary].map(|of| of.external_torque * of.speed);
+    assert!((of.efficiency + out / into).abs() < 1e-9);
+    (into + out - of.losses.total()) / into
+}
+
 #[test]
 fn a_run_starts_steady_and_stays_there() {
     let mut settings = settings();
     settings.inputs.primary.clamping_force = 13.5e3;
-    settings.parameters.secondary.drive = Drive::Speed;
     settings.parameters.primary.axial = Axial::Held;
-    let mut unit = start(&settings);
-    let before = outputs(&mut unit);
-    assert!((before.secondary.speed - 209.44).abs() < 1e-9 && before.slip > 1e-3);
-    let after = run(&mut unit, &settings, 1e-2, 1.0);
-    assert!((after.slip - before.slip).abs() < 1e-9);
-    assert_eq!(after.ratio_geometric, 1.0);
-    // Equilibrium of torques at both shafts, and power.
-    let [into, out] = [after.primary, after.secondary].map(|of| of.external_torque * of.speed);
-    assert!((into + out - after.losses.total()).abs() < 1e-6 * into, "{into} {out}");
-    assert!((after.efficiency + out / into).abs() < 1e-9);
+    for drives in [(Drive::Torque, Drive::Speed), (Drive::Speed, Drive::Torque)] {
+        (settings.parameters.primary.drive, settings.parameters.secondary.drive) = drives;
+        let mut unit = start(&settings);
+        let before = outputs(&mut unit);
+        let led = if drives.0 == Drive::Speed {
+            before.primary
+        } else {
+            before.secondary
+        };
+        assert!((led.speed - 209.44).abs() < 1e-9 && before.slip > 1e-3);
+        let after = run(&mut unit, &settings, 1e-2, 1.0);
+        assert!((after.slip - before.slip).abs() < 1e-9);
+        assert_eq!(after.ratio_geometric, 1.0);
+        assert!(unbalanced(&after).abs() < 1e-6);
+    }
 }
 
 #[test]
@@ -120,7 +131,9 @@ fn energy_is_balanced() {
 fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
     let mut settings = settings();
     settings.parameters.secondary.axial = Axial::Held;
+    settings.parameters.primary.drive = Drive::Speed;
     let found = run(&mut start(&settings), &settings, 1e-2, 0.5);
+    assert!(unbalanced(&found).abs() < 1e-6);
     assert_eq!(found.ratio_geometric, 1.0);
     assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);
     assert!((found.thrust_ratio - 1.35).abs() < 0.05, "{}", found.thrust_ratio);
