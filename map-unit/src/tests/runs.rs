@@ -68,6 +68,10 @@ fn the_belt_slips_through_and_recovers() {
     settings.inputs.primary.torque = 20.0;
     let caught = run(&mut unit, &settings, 1e-2, 2.0);
     assert!(!caught.macro_slip && caught.slip < 0.01, "{}", caught.slip);
+    settings.parameters.friction.pulley *= 0.8;
+    let smoother = run(&mut unit, &settings, 1e-2, 1.0);
+    let grown = smoother.torque_utilisation / caught.torque_utilisation;
+    assert!((grown - 1.25).abs() < 0.01, "{grown}");
 }
 
 #[test]
