@@ -19,8 +19,8 @@ impl Law {
         for _ in 0..ITERATIONS {
             let next = self.iterate(inputs, base, k, &state)?;
             let relative = |j: Pulley| (next.speeds[j] - state.speeds[j]).abs() / (1.0 + next.speeds[j].abs());
-            let change = Pulley::BOTH.map(relative).into_iter();
-            let change = change.fold((next.log_ratio - state.log_ratio).abs(), f64::max);
+            let [secondary, primary] = Pulley::BOTH.map(relative);
+            let change = primary.max(secondary).max((next.log_ratio - state.log_ratio).abs());
             state = next;
             // The next change is smaller by the factor between the last two.
             let rate = change / before;

@@ -91,11 +91,8 @@ impl MapUnit {
     /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
     fn observe(&mut self, remarks: &mut Vec<Remark>) {
         let (point, of) = (self.present(), &self.law.parameters);
-        let opens = if self.opened {
-            None
-        } else {
-            of.opening(&self.inputs, point.closing, self.time)
-        };
+        let opens = of.opening(&self.inputs, point.closing, self.time);
+        let opens = opens.filter(|_| !self.opened);
         let outside = (point.place.outside && !self.outside).then(|| {
             format!(
                 "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \

@@ -1,7 +1,7 @@
 //! Starts and runs.
 
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs};
-use pushbelt_fmi::table::Causality;
+use pushbelt_fmi::table::{Causality, Variable};
 use pushbelt_fmi::unit::{Experiment, Unit};
 
 use super::{outputs, run, settings, start, step};
@@ -12,14 +12,10 @@ use crate::unit::MapUnit;
 #[test]
 fn the_variables_are_there() {
     let table = MapUnit::table();
-    let outputs = table
-        .variables()
-        .iter()
-        .filter(|one| one.causality == Causality::Output);
-    assert_eq!(
-        (table.variables().len(), outputs.count(), table.units.len()),
-        (74, 31, 16)
-    );
+    let (all, units) = (table.variables(), table.units.len());
+    let is_output = |one: &&Variable<_, _>| one.causality == Causality::Output;
+    let outputs = all.iter().filter(is_output).count();
+    assert_eq!((all.len(), outputs, units), (74, 31, 16));
 }
 
 /// Why the settings can't be started.
@@ -44,11 +40,7 @@ fn a_run_starts_steady_and_stays_there() {
         (settings.parameters.primary.drive, settings.parameters.secondary.drive) = drives;
         let mut unit = start(&settings);
         let before = outputs(&mut unit);
-        let led = if drives.0 == Drive::Speed {
-            before.primary
-        } else {
-            before.secondary
-        };
+        let led = [before.primary, before.secondary][usize::from(drives.1 == Drive::Speed)];
         assert!((led.speed - 209.44).abs() < 1e-9 && before.slip > 1e-3);
         let after = run(&mut unit, &settings, 1e-2, 1.0);
         assert!((after.slip - before.slip).abs() < 1e-9);
