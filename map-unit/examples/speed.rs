@@ -25,17 +25,14 @@ fn main() {
         let (mut sum, mut outside) = (0.0, false);
         let begin = ProcessTime::now();
         for k in 0..STEPS {
-            let (phase, speed) = (
-                0.02 * f64::from(k),
-                unit.readings(false).outputs.secondary.speed / 200.0,
-            );
-            settings.inputs.primary.torque = 40.0 + 30.0 * phase.sin();
-            settings.inputs.secondary.torque = -40.0 * speed * speed.abs();
-            settings.inputs.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
-            rates.inputs.primary.torque = 60.0 * phase.cos();
-            rates.inputs.primary.clamping_force = 1.2e3 * (0.3 * phase).cos();
-            (rates.inputs.secondary.torque, rates.inputs.secondary.clamping_force) = (1e-3, 1e-3);
-            let to = STEP * f64::from(k + 1);
+            let (phase, to) = (0.02 * f64::from(k), STEP * f64::from(k + 1));
+            let speed = unit.readings(false).outputs.secondary.speed / 200.0;
+            let (given, rate) = (&mut settings.inputs, &mut rates.inputs);
+            given.primary.torque = 40.0 + 30.0 * phase.sin();
+            given.secondary.torque = -40.0 * speed * speed.abs();
+            given.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
+            (rate.primary.torque, rate.primary.clamping_force) = (60.0 * phase.cos(), 1.2e3 * (0.3 * phase).cos());
+            (rate.secondary.torque, rate.secondary.clamping_force) = (1e-3, 1e-3);
             let mut step = unit.begin(to, &settings, slope.then_some(&rates)).expect("a step");
             unit.advance(to, &mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
@@ -43,9 +40,9 @@ fn main() {
             outside |= readings.outside;
         }
         let real_time = STEP * f64::from(STEPS) / begin.elapsed().as_secs_f64();
+        let slip = sum / f64::from(STEPS);
         println!(
-            "{name}: {real_time:.0} times faster than real time by processor time, mean slip {:.5}, beyond the tables: {outside}",
-            sum / f64::from(STEPS)
+            "{name}: {real_time:.0} times faster than real time by processor time, mean slip {slip:.5}, beyond the tables: {outside}"
         );
     }
 }

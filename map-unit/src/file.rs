@@ -1,5 +1,6 @@
 //! The file of the tables: read from JSON, checked, and refined once by monotone cubics.
 
+use std::array::from_fn;
 use std::path::Path;
 
 use pushbelt::variator::settings::{Parameters, parameters};
@@ -13,9 +14,8 @@ use crate::tuning::{EXCESSES, RATIOS, SHARES, UTILISATIONS};
 
 /// Name of the file in the resources.
 pub const FILE: &str = "maps.json";
-/// Format of the file.
+/// Its format, and the version of its content.
 const FORMAT: &str = "pushbelt map unit";
-/// Version of the file's content.
 const VERSION: u64 = 1;
 /// Largest size of the file, bytes.
 const LARGEST_FILE: u64 = 1 << 24;
@@ -32,30 +32,21 @@ const PARAMETERS: &str = "geometry.centerDistance geometry.beltLength geometry.w
 type Range = [f64; 2];
 
 /// Thrust ratios.
-pub(crate) const THRUST_RATIO: Range = [1e-3, 100.0];
+pub const THRUST_RATIO: Range = [1e-3, 100.0];
 /// Utilisations.
-pub(crate) const UTILISATION: Range = [-10.0, 10.0];
-/// Utilisations and slips at capacity, without their sign.
-const CAPACITY: Range = [1e-3, 10.0];
-const CAPACITY_SLIP: Range = [1e-6, 2.0];
+pub const UTILISATION: Range = [-10.0, 10.0];
 
 impl Tables {
-    /// Reads the tables from the folder of the resources.
-    ///
-    /// # Errors
-    /// The file is missing or damaged; the reason, as a sentence.
+    /// Reads the tables from the folder of the resources, or says in a sentence why they can't be used.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(FILE);
-        let unusable = |why: String| format!("the tables in {} can't be used: {why}", path.display());
-        let bytes = resources::content(&path, LARGEST_FILE).map_err(unusable)?;
-        let bytes = bytes.ok_or_else(|| unusable("there is no such file".to_owned()))?;
-        Self::of_bytes(&bytes).map_err(unusable)
+        let bytes = resources::content(&path, LARGEST_FILE);
+        let bytes = bytes.and_then(|bytes| bytes.ok_or_else(|| "there is no such file".to_owned()));
+        let tables = bytes.and_then(|bytes| Self::of_bytes(&bytes));
+        tables.map_err(|why| format!("the tables in {} can't be used: {why}", path.display()))
     }
 
     /// The tables in the content of a file, without byte-order mark.
-    ///
-    /// # Errors
-    /// The reason, as a sentence.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
         let document: Value = serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
         if document["format"] != FORMAT || document["version"] != VERSION {
@@ -69,46 +60,42 @@ impl Tables {
         if axis("direction", [-1.0, 1.0])? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0 {
             return Err("it is damaged: the axes direction and slipShare must end with -1 and 1".to_owned());
         }
+        let (lines, rates) = (forces.len() * speeds.len(), shift_utilisations.len());
+        // Before memory is taken: a file of few numbers may have many refined ones.
+        let wide = |axis: &[f64], fine: usize| axis.len().max(fine);
+        let row = 3 * wide(&utilisation, UTILISATIONS) + wide(&share, SHARES) + rates * wide(&excess, EXCESSES) + 4;
+        let most = lines as f64 * wide(&ratios, RATIOS) as f64 * row as f64;
+        if most > MOST_VALUES {
+            return Err(format!(
+                "its tables have {most:e} values after refinement, and at most {MOST_VALUES} are allowed: fewer forces, speeds or \
+                 utilisations"
+            ));
+        }
         let file = File {
             document: &document,
-            lines: forces.len() * speeds.len(),
+            lines,
             ratios: ratios.iter().map(|ratio| ratio.ln()).collect(),
         };
-        let count = shift_utilisations.len();
-        file.check_size([&utilisation, &share, &excess].map(Vec::len), count)?;
-        let of_belt = |name, range| {
-            Ok::<_, String>(file.refined(
-                &file.numbers(name, utilisation.len(), range)?,
-                &utilisation,
-                UTILISATIONS,
-            ))
-        };
-        let ((along, thrust_ratio), (_, torque_loss), (_, bearing_load)) = (
+        let of_belt = |name, range| file.numbers(name, utilisation.len(), range);
+        let belt = [
             of_belt("thrustRatio", THRUST_RATIO)?,
             of_belt("beltTorqueLoss", [-1e4, 1e4])?,
             of_belt("bearingLoad", [0.0, 1e7])?,
+        ];
+        let ([against, along], [slip_against, slip_along]) = (
+            file.capacities("capacity", 1e-3, 10.0)?,
+            file.capacities("capacitySlip", 1e-6, 2.0)?,
         );
-        let rates = file.rising("shiftRate", [count, excess.len()], [-1e3, 1e3])?;
-        let shift_rates = (0..count).map(|k| {
-            let rows = rates.chunks(excess.len()).skip(k).step_by(count);
-            file.risen(&rows.flatten().copied().collect::<Vec<_>>(), &excess, EXCESSES)
-        });
-        let traction = file.rising("traction", [1, share.len()], UTILISATION)?;
-        let (capacity, slip) = (
-            file.pairs("capacity", CAPACITY)?,
-            file.pairs("capacitySlip", CAPACITY_SLIP)?,
-        );
-        let limits = capacity.chunks(2).zip(slip.chunks(2));
         Ok(Self {
             parameters: parameters_of(&document)?,
             hash: hash::of_bytes(bytes),
-            belt: Sheet::of(along, [thrust_ratio, torque_loss, bearing_load]),
-            traction: file.risen(&traction, &share, SHARES),
-            shift_rates: shift_rates.collect(),
-            limits: limits.map(|(of, at)| [of[0], of[1], at[0], at[1]]).collect(),
+            ratios: Even::over(&file.ratios, RATIOS),
+            belt: file.refined(1, belt, &utilisation, UTILISATIONS),
+            traction: file.rising("traction", 1, UTILISATION, &share, SHARES)?,
+            shift_rates: file.rising("shiftRate", rates, [-1e3, 1e3], &excess, EXCESSES)?,
+            limits: file.refined(1, [against, along, slip_against, slip_along], &[0.0], 1),
             forces,
             speeds: speeds.iter().map(|speed| speed * speed).collect(),
-            ratios: file.even_ratios(),
             shift_utilisations,
         })
     }
@@ -122,10 +109,6 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn even_ratios(&self) -> Even {
-        Even::between(self.ratios[0], self.ratios[self.ratios.len() - 1], RATIOS)
-    }
-
     /// The numbers of a table, so many for each force, speed and ratio.
     fn numbers(&self, name: &str, width: usize, range: Range) -> Result<Vec<f64>, String> {
         let count = self.lines * self.ratios.len() * width;
@@ -140,78 +123,53 @@ impl File<'_> {
         Ok(values)
     }
 
-    /// The numbers of a table that does not fall along its last axis.
-    fn rising(&self, name: &str, [rows, width]: [usize; 2], range: Range) -> Result<Vec<f64>, String> {
-        let values = self.numbers(name, rows * width, range)?;
-        if values.chunks(width).all(|row| row.is_sorted()) {
-            return Ok(values);
-        }
-        Err(format!("it is damaged: the table {name} falls along its last axis"))
-    }
-
-    /// The values against and along the direction of running, whose signs are those of the direction; refined along the ratio.
-    fn pairs(&self, name: &str, [least, most]: Range) -> Result<Vec<f64>, String> {
+    /// The values against and along the direction of running, whose signs are those of the direction.
+    fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
         within(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
         within(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
-        Ok(self.along_ratio(&values, 2))
+        Ok([of(0), of(1)])
     }
 
-    /// Checks the number of values before memory is taken, from the lengths of the last axes and the number of tables of shift rates.
-    fn check_size(&self, widths: [usize; 3], shift_rates: usize) -> Result<(), String> {
-        let [belt, traction, rates] = [UTILISATIONS, SHARES, EXCESSES].map(|count| count as f64);
-        let [wide, share, excess] = widths.map(|width| width as f64);
-        let row = 3.0 * belt.max(wide) + traction.max(share) + shift_rates as f64 * rates.max(excess) + 4.0;
-        let most = self.lines as f64 * self.ratios.len().max(RATIOS) as f64 * row;
-        if most <= MOST_VALUES {
-            // Twice, for values that are refined in one direction only.
-            let probe = Vec::<[f64; 2]>::new().try_reserve_exact(most as usize);
-            return probe.map_err(|error| format!("memory for {most:e} values: {error}"));
+    /// Tables with so many rows for each force, speed and ratio, refined along the rows and along the ratio.
+    fn refined<const N: usize>(&self, rows: usize, tables: [Vec<f64>; N], along: &[f64], count: usize) -> Sheet<N> {
+        let (axis, ratios) = (Even::over(along, count), Even::over(&self.ratios, RATIOS));
+        let tables = tables.map(|values| {
+            let values = resampled(along, &values, 1, axis.places());
+            resampled(&self.ratios, &values, rows * axis.count, ratios.places())
+        });
+        let places = 0..tables[0].len();
+        let values = places.map(|k| from_fn(|n| tables[n][k])).collect();
+        Sheet { axis, rows, values }
+    }
+
+    /// The same for a table whose rows rise.
+    fn rising(&self, name: &str, rows: usize, range: Range, along: &[f64], count: usize) -> Result<Sheet<1>, String> {
+        let values = self.numbers(name, rows * along.len(), range)?;
+        if !values.chunks(along.len()).all(|row| row.is_sorted()) {
+            return Err(format!("it is damaged: the table {name} falls along its last axis"));
         }
-        Err(format!(
-            "its tables have {most:e} values after refinement, and at most {MOST_VALUES} are allowed: fewer forces, speeds or \
-             utilisations"
-        ))
-    }
-
-    /// The refined last axis, and the values refined along it and along the ratio.
-    fn refined(&self, values: &[f64], along: &[f64], count: usize) -> (Even, Vec<f64>) {
-        let even = Even::between(along[0], along[along.len() - 1], count);
-        (
-            even,
-            self.along_ratio(&resampled(along, values, 1, even.places()), even.count),
-        )
-    }
-
-    /// A table that rises along its last axis, refined: the refinement along the ratio leaves its rows only nearly rising.
-    fn risen(&self, values: &[f64], along: &[f64], count: usize) -> Sheet<1> {
-        let (even, mut fine) = self.refined(values, along, count);
-        for row in fine.chunks_mut(even.count) {
+        // The refinement along the ratio leaves the rows only nearly rising.
+        let mut sheet = self.refined(rows, [values], along, count);
+        for row in sheet.values.chunks_mut(sheet.axis.count) {
             for k in 1..row.len() {
-                row[k] = row[k].max(row[k - 1]);
+                row[k][0] = row[k][0].max(row[k - 1][0]);
             }
         }
-        Sheet::of(even, [fine])
-    }
-
-    /// Refines along the ratio; rows have `width` values.
-    fn along_ratio(&self, values: &[f64], width: usize) -> Vec<f64> {
-        resampled(&self.ratios, values, width, self.even_ratios().places())
+        Ok(sheet)
     }
 }
 
 /// The parameters of the file, and the start values otherwise.
 fn parameters_of(document: &Value) -> Result<Parameters, String> {
     let mut of = Parameters::default();
-    for parameter in parameters::<Parameters, ()>() {
-        let variable = parameter.variable();
-        let name = &variable.name;
-        if PARAMETERS.split(' ').any(|one| one == name) {
-            let found = document["parameters"][name].as_f64();
-            let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
-            variable.set(&mut of, Setting::Real(found))?;
-        }
+    let is_of_file = |name: &str| PARAMETERS.split(' ').any(|one| one == name);
+    for parameter in parameters::<_, ()>().filter(|one| is_of_file(&one.name())) {
+        let (name, variable) = (parameter.name(), parameter.variable());
+        let found = document["parameters"][&name].as_f64();
+        let found = found.ok_or_else(|| format!("it is damaged: the parameter {name} is missing"))?;
+        variable.set(&mut of, Setting::Real(found))?;
     }
     of.validate_belt().map_err(|error| error.to_string())?;
     Ok(of)
@@ -232,7 +190,7 @@ fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> 
 }
 
 /// The numbers in nested lists; NaN for what is no number.
-fn flat(value: &Value) -> Vec<f64> {
+pub fn flat(value: &Value) -> Vec<f64> {
     match value {
         Value::Array(items) => items.iter().flat_map(flat).collect(),
         other => vec![other.as_f64().unwrap_or(f64::NAN)],

@@ -18,6 +18,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use pushbelt::contact::full_slip_torque;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::reference_curve::TwoPulley;
 use pushbelt::shaft::{Drag, SPEED_SMOOTHING};
@@ -27,66 +28,6 @@ use crate::settings::Settings;
 use crate::tables::{Even, Place, Tables};
 use crate::tuning::{BEYOND_STOPS, LEAST_FORCE, RADII, SLIP_SPEED};
 
-/// Radii over the ratio, between the end stops.
-#[derive(Clone, Debug)]
-pub struct Radii {
-    /// Places over ln i.
-    places: Even,
-    primary: Vec<f64>,
-    /// Pitch radius at ratio 1, m.
-    at_one: f64,
-    /// Way of a sheave per change of its radius.
-    way: f64,
-    /// Least and greatest ln i, at the end stops.
-    pub stops: [f64; 2],
-}
-
-impl Radii {
-    /// The radii of a variator with these parameters.
-    ///
-    /// # Errors
-    /// The radii at the end stops allow no range of ratios.
-    pub fn new(parameters: &Parameters) -> Result<Self, String> {
-        let (least, most) = parameters.ratio_range();
-        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
-        // pulleys too.
-        let stop = |reference| {
-            parameters
-                .pitch_radii(reference)
-                .map(|(primary, secondary)| (secondary / primary).ln())
-        };
-        let (true, Some(least), Some(most)) = (least < most, stop(least), stop(most)) else {
-            return Err("the radii at the end stops leave no range of ratios".to_owned());
-        };
-        let geometry = &parameters.geometry;
-        let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
-        let curve = TwoPulley::new(geometry.center_distance, length);
-        let radius = |log_ratio: f64| curve.radii(log_ratio.exp()).map(|(primary, _)| primary);
-        let places = Even::between(least - BEYOND_STOPS, most + BEYOND_STOPS, RADII);
-        let primary = places.places().map(radius).collect::<Result<_, _>>();
-        Ok(Self {
-            places,
-            primary: primary.map_err(|error| error.to_string())?,
-            at_one: radius(0.0).map_err(|error| error.to_string())?,
-            way: 2.0 * geometry.wedge_angle.tan(),
-            stops: [least, most],
-        })
-    }
-
-    /// Pitch radii at ln i, m, and their derivatives.
-    #[must_use]
-    pub fn at(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
-        let (k, t) = self.places.find(log_ratio);
-        let step = self.primary[k + 1] - self.primary[k];
-        let (radius, slope) = (self.primary[k] + t * step, step * self.places.per_step);
-        let ratio = log_ratio.exp();
-        PerPulley {
-            primary: (radius, slope),
-            secondary: (ratio * radius, ratio * (radius + slope)),
-        }
-    }
-}
-
 /// A state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
@@ -94,60 +35,18 @@ pub struct State {
     pub speeds: PerPulley<f64>,
     /// ln i.
     pub log_ratio: f64,
-}
-
-/// What acts on a variator.
-#[derive(Clone, Copy, Debug)]
-pub struct Acting {
-    /// Inputs.
-    pub inputs: Inputs,
-    /// Thrust ratio from which a held secondary sheave gets its force.
+    /// Thrust ratio of the last step, from which a held secondary sheave gets its force.
     pub thrust_ratio: f64,
 }
 
-/// Utilisation at a sliding speed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Traction {
-    /// Utilisation u.
-    pub value: f64,
-    /// ∂u/∂v, s/m.
-    pub slope: f64,
-    /// Whether the slip is beyond that at capacity: the belt slips through.
-    pub macro_slip: bool,
-}
-
-impl Traction {
-    /// Adds the traction of a direction of running with its share.
-    fn add(&mut self, (sign, share): (f64, f64), one: Self) {
-        self.value += sign * share * one.value;
-        self.slope += share * one.slope;
-        self.macro_slip |= one.macro_slip && share >= 0.5;
-    }
-}
-
-/// What the tables give at a sliding speed.
+/// What acts in a state, and what the tables give there.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point {
-    /// The traction.
-    pub traction: Traction,
-    /// Utilisation as of forward running.
-    forward: f64,
-    /// Thrust ratio κ, and ∂κ/∂u.
-    pub thrust_ratio: f64,
-    thrust_slope: f64,
-    /// Torque loss of the belt at the primary pulley, N·m.
-    pub torque_loss: f64,
-    /// Resultant of the belt's contact forces on a pulley, N.
-    pub bearing_load: f64,
-}
-
-/// The place of a state in the tables, and what the traction needs there.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame {
     /// Place in the tables.
     pub place: Place,
-    /// Speed of the primary pulley, rad/s.
-    primary: f64,
+    /// Speeds of the shafts, rad/s, and the sliding speed v, m/s.
+    speeds: PerPulley<f64>,
+    pub sliding: f64,
     /// Pitch radius on the primary pulley, m.
     pub radius: f64,
     /// Ratio.
@@ -158,173 +57,217 @@ pub struct Frame {
     pub closing: PerPulley<f64>,
     /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
     pub force: f64,
-    /// Torque at utilisation 1, N·m.
-    pub torque: f64,
+    /// Torque of full slip, at utilisation 1, N·m.
+    pub full_slip: f64,
     /// Speed q by which the sliding speed is divided, m/s.
     pub speed: f64,
     /// Share of forward running: 1, or 0 for reverse running, and between them near standstill.
-    forward: f64,
-    /// Utilisations and slips at capacity.
+    ahead: f64,
+    /// Utilisations and slips at capacity: of each, where the secondary and where the primary pulley drives.
     limits: [f64; 4],
+    /// Utilisation u and ∂u/∂v, s/m.
+    pub traction: [f64; 2],
+    /// Utilisation as of forward running.
+    forward: f64,
+    /// Thrust ratio κ, and ∂κ/∂u.
+    pub thrust_ratio: f64,
+    thrust_slope: f64,
+    /// Torque loss of the belt at the primary pulley, N·m.
+    pub torque_loss: f64,
+    /// Resultant of the belt's contact forces on a pulley, N.
+    bearing_load: f64,
 }
 
-impl Frame {
-    /// The sliding speed v, m/s.
-    #[must_use]
-    pub fn sliding(&self, speeds: PerPulley<f64>) -> f64 {
+impl Point {
+    /// The sliding speed at other speeds of the shafts, m/s.
+    pub fn sliding_at(&self, speeds: PerPulley<f64>) -> f64 {
         self.radius * (speeds.primary - self.ratio * speeds.secondary)
+    }
+
+    /// Torque T_P of the primary shaft on the belt, N·m.
+    pub fn torque(&self) -> f64 {
+        self.full_slip * self.traction[0]
+    }
+
+    /// Whether the slip is beyond that at capacity: the belt slips through.
+    pub fn macro_slip(&self) -> bool {
+        let sliding = if self.ahead >= 0.5 { self.sliding } else { -self.sliding };
+        let [_, limit] = self.limits(sliding);
+        (sliding / limit).abs() > 1.0
+    }
+
+    /// Utilisation and sliding speed at capacity of forward running, m/s.
+    #[inline(always)]
+    fn limits(&self, sliding: f64) -> [f64; 2] {
+        let driving = usize::from(sliding >= 0.0);
+        [self.limits[driving], self.limits[2 + driving].abs() * self.speed]
     }
 
     /// Signs of the directions of running with their shares. Reverse running is forward running at −v.
     #[inline(always)]
     fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
-        let both = [(1.0, self.forward), (-1.0, 1.0 - self.forward)];
+        let both = [(1.0, self.ahead), (-1.0, 1.0 - self.ahead)];
         both.into_iter().filter(|(_, share)| *share > 0.0)
     }
 }
 
-/// The laws of a variator: tables, radii and parameters.
+/// The laws of a variator.
 #[derive(Clone, Debug)]
 pub struct Law {
-    pub(crate) tables: Arc<Tables>,
-    pub(crate) radii: Arc<Radii>,
-    /// Parameters.
+    pub tables: Arc<Tables>,
     pub parameters: Parameters,
+    /// Least and greatest ln i, at the end stops.
+    pub stops: [f64; 2],
+    /// Places over ln i, and the primary pitch radii there, m.
+    places: Even,
+    radii: Arc<[f64]>,
+    /// Pitch radius at ratio 1, m.
+    at_one: f64,
+    /// Way of a sheave per change of its radius.
+    way: f64,
 }
 
 impl Law {
-    /// The laws of these settings.
-    ///
-    /// # Errors
-    /// There are no tables, or no range of ratios.
+    /// The laws of these settings, or why there are none.
     pub fn new(settings: &Settings) -> Result<Self, String> {
+        let parameters = settings.parameters.clone();
+        let (least, most) = parameters.ratio_range();
+        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
+        // pulleys too.
+        let (true, [Some(low), Some(high)]) = (least < most, [least, most].map(|at| parameters.pitch_radii(at))) else {
+            return Err("the radii at the end stops leave no range of ratios".to_owned());
+        };
+        let stops = [low, high].map(|(primary, secondary)| (secondary / primary).ln());
+        let geometry = &parameters.geometry;
+        let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
+        let curve = TwoPulley::new(geometry.center_distance, length);
+        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
+            Ok((primary, _)) => Ok(primary),
+            Err(error) => Err(error.to_string()),
+        };
+        let places = Even::over(&[stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS], RADII);
         Ok(Self {
             tables: settings.own.clone().ok_or("the unit has no tables")?,
-            radii: Arc::new(Radii::new(&settings.parameters)?),
-            parameters: settings.parameters.clone(),
+            stops,
+            places,
+            radii: places.places().map(radius).collect::<Result<_, _>>()?,
+            at_one: radius(0.0)?,
+            way: 2.0 * geometry.wedge_angle.tan(),
+            parameters,
         })
     }
 
-    /// The frame of a state.
-    #[must_use]
-    pub fn frame(&self, state: &State, acting: &Acting) -> Frame {
-        let radii = self.radii.at(state.log_ratio);
-        let (radius, _) = radii.primary;
-        let positions = radii.map(|(radius, _)| self.radii.way * (radius - self.radii.at_one));
+    /// Pitch radii at ln i, m, and their derivatives.
+    pub fn radii(&self, log_ratio: f64) -> PerPulley<(f64, f64)> {
+        let (k, t) = self.places.find(log_ratio);
+        let step = self.radii[k + 1] - self.radii[k];
+        let (radius, slope) = (self.radii[k] + t * step, step * self.places.per_step);
+        let ratio = log_ratio.exp();
+        PerPulley {
+            primary: (radius, slope),
+            secondary: (ratio * radius, ratio * (radius + slope)),
+        }
+    }
+
+    /// What acts in a state under these inputs, and what the tables give there.
+    pub fn point(&self, state: &State, inputs: &Inputs) -> Point {
         let Parameters { friction, geometry, .. } = &self.parameters;
-        let closing = self.parameters.closing(&acting.inputs, positions, state.speeds);
+        let radii = self.radii(state.log_ratio);
+        let (radius, _) = radii.primary;
+        let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));
+        let closing = self.parameters.closing(inputs, positions, state.speeds);
         let force = match self.parameters.secondary.axial {
-            Axial::Held => closing.primary / acting.thrust_ratio,
+            Axial::Held => closing.primary / state.thrust_ratio,
             Axial::Force => closing.secondary,
         };
-        let primary = state.speeds.primary;
-        let place = self.tables.place(force.max(0.0), primary.abs(), state.log_ratio);
-        let around = radius * primary;
+        let place = self
+            .tables
+            .place(force.max(0.0), state.speeds.primary.abs(), state.log_ratio);
+        let around = radius * state.speeds.primary;
         let speed = (around * around + SLIP_SPEED * SLIP_SPEED).sqrt();
         // Slightly steeper than b, so that only one direction is evaluated at running speeds.
         let direction = (1.001 * around / speed).clamp(-1.0, 1.0);
-        Frame {
+        let mut point = Point {
             place,
-            primary,
+            speeds: state.speeds,
             radius,
             ratio: state.log_ratio.exp(),
-            ways: radii.map(|(_, slope)| self.radii.way * slope),
+            ways: radii.map(|(_, slope)| self.way * slope),
             closing,
             force,
-            torque: 2.0 * friction.pulley * radius * force.max(0.0) / geometry.wedge_angle.cos(),
+            full_slip: full_slip_torque(friction, geometry.wedge_angle.cos(), force.max(0.0), radius),
             speed,
-            forward: 0.5 * (1.0 + direction),
-            limits: self.tables.limits(&place),
+            ahead: 0.5 * (1.0 + direction),
+            limits: self.tables.limits.at(&place, 0, 0.0).0,
+            ..Point::default()
+        };
+        point.sliding = point.sliding_at(state.speeds);
+        let fading = (state.speeds.primary / SPEED_SMOOTHING).tanh();
+        for (sign, share) in point.directions() {
+            let [utilisation, slope] = self.one_way(&point, sign * point.sliding);
+            let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =
+                self.tables.belt.at(&place, 0, utilisation);
+            point.traction[0] += sign * share * utilisation;
+            point.traction[1] += share * slope;
+            point.forward += share * utilisation;
+            point.thrust_ratio += share * thrust_ratio;
+            point.thrust_slope += share * sign * thrust_slope;
+            point.torque_loss += share * fading * torque_loss;
+            point.bearing_load += share * bearing_load;
         }
+        point
     }
 
-    /// The traction of forward running at a sliding speed, m/s.
+    /// u and ∂u/∂v of forward running at a sliding speed, m/s.
     #[inline(always)]
-    fn one_way(&self, frame: &Frame, sliding: f64) -> Traction {
-        let driving = usize::from(sliding >= 0.0);
-        let (capacity, limit) = (frame.limits[driving], frame.limits[2 + driving].abs() * frame.speed);
+    fn one_way(&self, point: &Point, sliding: f64) -> [f64; 2] {
+        let [capacity, limit] = point.limits(sliding);
         let share = sliding / limit;
         if share.abs() <= 1.0 {
-            let ([value], [slope]) = self.tables.traction.at(&frame.place, share);
-            return Traction {
-                value,
-                slope: slope / limit,
-                macro_slip: false,
-            };
+            let ([value], [slope]) = self.tables.traction.at(&point.place, 0, share);
+            return [value, slope / limit];
         }
         let Friction { fall, fall_speed, .. } = self.parameters.friction;
         let decay = (-(sliding.abs() - limit) / fall_speed).exp();
-        Traction {
-            value: capacity * (1.0 - fall * (1.0 - decay)),
-            slope: -capacity * fall * decay / fall_speed * sliding.signum(),
-            macro_slip: true,
-        }
+        let slope = -capacity * fall * decay / fall_speed * sliding.signum();
+        [capacity * (1.0 - fall * (1.0 - decay)), slope]
     }
 
-    /// The traction at a sliding speed v, m/s.
-    #[must_use]
-    pub fn traction(&self, frame: &Frame, sliding: f64) -> Traction {
-        let mut mean = Traction::default();
-        for (sign, share) in frame.directions() {
-            mean.add((sign, share), self.one_way(frame, sign * sliding));
-        }
-        mean
-    }
-
-    /// All that the tables give at a sliding speed v, m/s.
-    #[must_use]
-    pub fn point(&self, frame: &Frame, sliding: f64) -> Point {
-        let mut mean = Point::default();
-        let fading = (frame.primary / SPEED_SMOOTHING).tanh();
-        for (sign, share) in frame.directions() {
-            let traction = self.one_way(frame, sign * sliding);
-            let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =
-                self.tables.belt.at(&frame.place, traction.value);
-            mean.traction.add((sign, share), traction);
-            mean.forward += share * traction.value;
-            mean.thrust_ratio += share * thrust_ratio;
-            mean.thrust_slope += share * sign * thrust_slope;
-            mean.torque_loss += share * fading * torque_loss;
-            mean.bearing_load += share * bearing_load;
-        }
-        mean
+    /// u and ∂u/∂v at another sliding speed, m/s.
+    pub fn traction(&self, point: &Point, sliding: f64) -> [f64; 2] {
+        point.directions().fold([0.0; 2], |mean, (sign, share)| {
+            let [value, slope] = self.one_way(point, sign * sliding);
+            [mean[0] + sign * share * value, mean[1] + share * slope]
+        })
     }
 
     /// Drag of the shafts.
-    #[must_use]
-    pub fn drags(&self, speeds: PerPulley<f64>, point: &Point) -> PerPulley<Drag> {
-        PerPulley::from_fn(|j| self.parameters.pulley(j).drag.at(speeds[j], [point.bearing_load, 0.0]))
-    }
-
-    /// Friction of the seals of both cylinders along the speeds of the sheaves, m/s; N.
-    #[must_use]
-    pub fn rubbing(&self, velocities: PerPulley<f64>) -> PerPulley<f64> {
-        let velocity = self.parameters.friction.velocity;
-        PerPulley::from_fn(|j| self.parameters.pulley(j).cylinder.drag(velocities[j], velocity))
+    pub fn drags(&self, point: &Point) -> PerPulley<Drag> {
+        let load = [point.bearing_load, 0.0];
+        PerPulley::from_fn(|j| self.parameters.pulley(j).drag.at(point.speeds[j], load))
     }
 
     /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
-    #[must_use]
-    pub fn shift(&self, frame: &Frame, point: &Point) -> (f64, f64) {
+    pub fn shift(&self, point: &Point) -> (f64, f64) {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
         }
+        let speed = point.speeds.primary.abs();
         let under = |rubbing: PerPulley<f64>| {
-            let [secondary, primary] = Pulley::BOTH.map(|j| frame.closing[j] - rubbing[j]);
+            let [secondary, primary] = Pulley::BOTH.map(|j| point.closing[j] - rubbing[j]);
             let holding = point.thrust_ratio * secondary;
             let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
-            let (rate, gain) = self.tables.shift_rate(&frame.place, point.forward, excess);
-            let by_utilisation = gain * point.thrust_slope / point.thrust_ratio;
-            (-frame.primary.abs() * rate, frame.primary.abs() * by_utilisation)
+            let (rate, gain) = self.tables.shift_rate(&point.place, point.forward, excess);
+            (-speed * rate, speed * (gain * point.thrust_slope / point.thrust_ratio))
         };
         let free = under(PerPulley::default());
         if Pulley::BOTH.map(|j| self.parameters.pulley(j).cylinder.seal) == [0.0; 2] {
             return free;
         }
-        let under = |rate: f64| under(self.rubbing(frame.ways.map(|way| way * rate)));
+        let under = |rate: f64| under(PerPulley::from_fn(|j| self.parameters.rubbing(j, rate * point.ways[j])));
         // The friction falls with the rate that it causes: one root, between no motion and that without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
-        let near = 1e-2 * self.parameters.friction.velocity / frame.ways.secondary.abs();
+        let near = 1e-2 * self.parameters.friction.velocity / point.ways.secondary.abs();
         let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);
         (rate, under(rate).1 / (1.0 - falls.min(0.0)))
     }

@@ -4,22 +4,24 @@
 //! | module | content |
 //! |---|---|
 //! | `cubic` | monotone cubic interpolation, to refine a table |
-//! | [`mod@file`] | the file of the tables: read from JSON, checked, refined |
-//! | [`tables`] | the tables, evaluated |
-//! | [`settings`] | what it has of the detailed unit's variables |
-//! | [`law`], `stage` | torques, losses and shift rate of a state; one implicit stage |
+//! | `file` | the file of the tables: read from JSON, checked, refined |
+//! | `tables` | the tables, evaluated |
+//! | `settings` | what it has of the detailed unit's variables |
+//! | `law`, `stage` | torques, losses and shift rate of a state; one implicit stage |
 //! | `start`, [`mod@unit`] | the state at the start; the FMU: steps, outputs, stored states |
 //! | `tuning` | numbers of steps, iterations and places |
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
 
 mod cubic;
-pub mod file;
-pub mod law;
-pub mod settings;
+mod file;
+mod law;
+mod settings;
 mod stage;
 mod start;
-pub mod tables;
+mod tables;
+#[cfg(test)]
+mod tests;
 mod tuning;
 pub mod unit;
 

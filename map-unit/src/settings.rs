@@ -55,15 +55,16 @@ fn text(name: &str) -> Option<&'static str> {
 }
 
 /// The table of variables: rows of the detailed unit, with their names, references, units, ranges and start values.
-pub(crate) fn table() -> Table<Settings, Readings> {
+pub fn table() -> Table<Settings, Readings> {
     let has = |names: &str, name: &str| names.split(' ').any(|one| one == name);
     let of_maps = |mut variable: Variable<_, _>| {
         let (pulley, name, of_maps) = match variable.name.split_once('.') {
             Some((pulley @ ("primary" | "secondary"), name)) => (pulley, name, !has(NOT_OF_PULLEY, name)),
             _ => ("", &*variable.name, has(WHOLE, &variable.name)),
         };
-        let text = text(name).map(|text| text.replace("{}", pulley));
-        variable.description = text.unwrap_or(variable.description);
+        if let Some(text) = text(name) {
+            variable.description = text.replace("{}", pulley);
+        }
         of_maps.then_some(variable)
     };
     let mut variables: Vec<_> = shared_variables(Vec::new()).into_iter().filter_map(of_maps).collect();

@@ -1,6 +1,6 @@
 //! The state at the start of a run.
 
-use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::pulley::PerPulley;
 use pushbelt::variator::settings::{BEYOND_STOP, Drive, bisected};
 use pushbelt_fmi::unit::Remark;
 
@@ -8,86 +8,74 @@ use crate::tuning::TOLERANCE;
 use crate::unit::MapUnit;
 
 impl MapUnit {
-    fn drives(&self) -> (Drive, Drive) {
-        let of = &self.law.parameters;
-        (of.primary.drive, of.secondary.drive)
-    }
-
     /// Sets the state at the start.
     pub(crate) fn initialise(&mut self, remarks: &mut Vec<Remark>) {
-        let [least, most] = self.law.radii.stops;
         let initial = self.law.parameters.initial.clone();
-        let wanted = initial.ratio.ln();
-        self.state.log_ratio = wanted.clamp(least, most);
-        if (self.state.log_ratio - wanted).abs() > BEYOND_STOP.ln() {
+        let (ratio, [least, most]) = (initial.ratio, self.law.stops);
+        self.state.log_ratio = ratio.ln().clamp(least, most);
+        if (self.state.log_ratio - ratio.ln()).abs() > BEYOND_STOP.ln() {
+            let [least, most] = self.law.stops.map(f64::exp);
             remarks.push(Remark::warning(format!(
-                "initial.ratio = {} is beyond the end stops: {:.4} to {:.4}; the run starts at the stop",
-                initial.ratio,
-                least.exp(),
-                most.exp()
+                "initial.ratio = {ratio} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop"
             )));
         }
-        self.state.speeds.primary = match self.drives().0 {
-            Drive::Speed => self.acting.inputs.primary.speed_setpoint,
+        self.state.speeds.primary = match self.law.parameters.primary.drive {
+            Drive::Speed => self.inputs.primary.speed_setpoint,
             Drive::Torque => initial.primary_speed,
         };
-        let place = self.law.frame(&self.state, &self.acting).place;
-        let ([without_torque, ..], _) = self.law.tables.belt.at(&place, 0.0);
-        self.acting.thrust_ratio = without_torque;
+        let ([without_torque, ..], _) = self.law.tables.belt.at(&self.present().place, 0, 0.0);
+        self.state.thrust_ratio = without_torque;
         let mut settled = self.settle();
         if initial.steady && initial.equilibrium && !self.law.parameters.holds_a_sheave() {
             settled = self.balance();
         }
         remarks.extend(settled.err().map(Remark::warning));
-        self.acting.thrust_ratio = self.present().1.thrust_ratio;
+        self.state.thrust_ratio = self.present().thrust_ratio;
     }
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
     fn balance(&mut self) -> Result<(), String> {
-        self.state.log_ratio = bisected(self.law.radii.stops, |log_ratio| {
+        self.state.log_ratio = bisected(self.law.stops, |log_ratio| {
             self.state.log_ratio = log_ratio;
             // What a ratio on the way does not carry is of no interest.
             let _ = self.settle();
-            let (frame, point) = self.present();
+            let point = self.present();
             // Too small a primary force: the ratio grows.
-            frame.closing.primary < point.thrust_ratio * frame.closing.secondary
+            point.closing.primary < point.thrust_ratio * point.closing.secondary
         });
         self.settle()
     }
 
-    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip.
-    ///
-    /// # Errors
-    /// The reason why it is without slip though it should not be.
+    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip. An
+    /// error is the reason why it is without slip though it should not be.
     fn settle(&mut self) -> Result<(), String> {
-        let (drives, setpoint) = (self.drives(), self.acting.inputs.secondary.speed_setpoint);
-        let ratio = self.state.log_ratio.exp();
+        let of = &self.law.parameters;
+        let [primary_led, secondary_led] = [&of.primary, &of.secondary].map(|pulley| pulley.drive == Drive::Speed);
+        let (steady, ratio) = (of.initial.steady, self.state.log_ratio.exp());
         let speeds = &mut self.state.speeds;
-        match drives {
-            (_, Drive::Torque) => speeds.secondary = speeds.primary / ratio,
-            (primary, Drive::Speed) => {
-                speeds.secondary = setpoint;
-                if primary == Drive::Speed {
-                    return Ok(());
-                }
-                speeds.primary = setpoint * ratio;
-            }
+        if secondary_led {
+            speeds.secondary = self.inputs.secondary.speed_setpoint;
         }
-        if !self.law.parameters.initial.steady || speeds.primary == 0.0 {
+        match (primary_led, secondary_led) {
+            (true, true) => return Ok(()),
+            (false, true) => speeds.primary = speeds.secondary * ratio,
+            (_, false) => speeds.secondary = speeds.primary / ratio,
+        }
+        if !steady || speeds.primary == 0.0 {
             return Ok(());
         }
-        let (without, (frame, _)) = (self.state.speeds, self.present());
+        let (without, point) = (self.state.speeds, self.present());
         // Utilisation of the belt at a slip less that at which this slip would be steady, and whether the belt slips through.
         let mut excess = |slip: f64| {
             // s = v/q; where the secondary speed is given, q is that of running speed.
             let speeds = &mut self.state.speeds;
-            if drives.1 == Drive::Speed {
+            if secondary_led {
                 speeds.primary = without.primary / (1.0 - slip * without.primary.signum());
             } else {
-                speeds.secondary = (without.primary - slip * frame.speed / frame.radius) / ratio;
+                speeds.secondary = (without.primary - slip * point.speed / point.radius) / ratio;
             }
-            let traction = self.present().1.traction;
-            (traction.value - self.steady_utilisation(), traction.macro_slip)
+            let point = self.present();
+            (point.traction[0] - self.steady_utilisation(), point.macro_slip())
         };
         // Beyond the capacity the traction falls: only the rising part is searched.
         let slip = bisected([-0.99, 0.99], |slip| match excess(slip) {
@@ -106,22 +94,11 @@ impl MapUnit {
 
     /// The utilisation with which the slip stays constant: the free shafts accelerate together.
     fn steady_utilisation(&self) -> f64 {
-        let (frame, point) = self.present();
-        let (lost, i, of) = (point.torque_loss, frame.ratio, &self.law.parameters);
-        let drags = self.law.drags(self.state.speeds, &point);
-        let PerPulley {
-            primary: into,
-            secondary: out,
-        } = PerPulley::from_fn(|j: Pulley| self.acting.inputs.pulley(j).torque - drags[j].torque);
-        let torque = match self.drives() {
-            (Drive::Torque, Drive::Speed) => into,
-            (Drive::Speed, _) => lost - out / i,
-            // (into − T)/J_P = i (out + i (T − lost))/J_S
-            (Drive::Torque, Drive::Torque) => {
-                let (j_p, j_s) = (of.primary.inertia, of.secondary.inertia);
-                (into * j_s - i * (out - i * lost) * j_p) / (j_s + i * i * j_p)
-            }
-        };
-        torque / frame.torque.max(1e-9)
+        let point = self.present();
+        let drags = self.law.drags(&point);
+        let mut torques = PerPulley::from_fn(|j| self.inputs.pulley(j).torque - drags[j].torque);
+        torques.secondary -= point.ratio * point.torque_loss;
+        let of_belt = self.law.parameters.steady_torque(torques, point.ratio);
+        -of_belt.unwrap_or_default() / point.full_slip.max(1e-9)
     }
 }

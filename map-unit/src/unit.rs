@@ -15,7 +15,7 @@ use pushbelt_fmi::table::Table;
 use pushbelt_fmi::unit::{Experiment, Identity, Remark, Unit};
 
 use crate::file::THRUST_RATIO;
-use crate::law::{Acting, Frame, Law, Point, State};
+use crate::law::{Law, Point, State};
 use crate::settings::{self, Readings, Settings};
 use crate::tables::Tables;
 use crate::tuning::{LARGEST, LONGEST, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
@@ -26,46 +26,42 @@ pub struct MapUnit {
     pub(crate) law: Law,
     pub(crate) state: State,
     time: f64,
-    /// What acts at the present time; the thrust ratio is that of the last step.
-    pub(crate) acting: Acting,
+    /// Inputs at the present time.
+    pub(crate) inputs: Inputs,
     /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
-    logged: bool,
+    outside: bool,
     opened: bool,
     readings: Readings,
 }
 
 impl MapUnit {
-    /// Frame, and what the tables give, in the present state.
-    pub(crate) fn present(&self) -> (Frame, Point) {
-        let frame = self.law.frame(&self.state, &self.acting);
-        (frame, self.law.point(&frame, frame.sliding(self.state.speeds)))
+    /// What acts in the present state, and what the tables give there.
+    pub(crate) fn present(&self) -> Point {
+        self.law.point(&self.state, &self.inputs)
     }
 
     /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
     fn step(&mut self, duration: f64, to: &Inputs) -> Option<()> {
-        let (start, acting, k) = (self.state, self.acting.inputs, GAMMA * duration);
-        let change = to.after(-1.0, &acting);
-        let stage =
-            |inputs, base: &State, guess: &State| self.law.stage(&Acting { inputs, ..self.acting }, base, k, guess);
-        let first = stage(acting.after(GAMMA, &change), &start, &start)?;
+        let (start, k) = (self.state, GAMMA * duration);
+        let change = to.after(-1.0, &self.inputs);
+        let first = self.law.stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
-        let share = (1.0 - GAMMA) / GAMMA;
-        let ahead = |start: f64, first: f64| start + share * (first - start);
+        let ahead = |start: f64, first: f64| start + (1.0 - GAMMA) / GAMMA * (first - start);
         let base = State {
             speeds: PerPulley::from_fn(|j| ahead(start.speeds[j], first.speeds[j])),
             log_ratio: ahead(start.log_ratio, first.log_ratio),
+            ..start
         };
-        let second = stage(*to, &base, &first)?;
-        (self.state, self.acting.inputs) = (second, *to);
+        (self.state, self.inputs) = (self.law.stage(to, &base, k, &first)?, *to);
         if self.law.parameters.secondary.axial == Axial::Held {
-            self.acting.thrust_ratio = self.present().1.thrust_ratio;
+            self.state.thrust_ratio = self.present().thrust_ratio;
         }
         Some(())
     }
 
     /// Advances over a communication step.
     fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
-        self.acting.inputs = inputs.at(self.time);
+        self.inputs = inputs.at(self.time);
         for end in [inputs.kink.max(self.time).min(to), to] {
             // A count, so that the loop ends whatever the tables and inputs are.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
@@ -88,62 +84,50 @@ impl MapUnit {
                     ));
                 }
             }
-            (self.acting.inputs, self.time) = (inputs.at(end), end);
         }
         Ok(())
     }
 
-    /// Logs once each that a cylinder opens its pulley and that the state is beyond the tables.
-    fn log_limits(&mut self, remarks: &mut Vec<Remark>) {
-        let frame = self.law.frame(&self.state, &self.acting);
-        let opening = || {
-            self.law
-                .parameters
-                .opening(&self.acting.inputs, frame.closing, self.time)
-        };
-        if let Some(text) = (!self.opened).then(opening).flatten() {
-            self.opened = true;
-            remarks.push(Remark::warning(text));
-        }
-        if frame.place.outside && !self.logged {
-            self.logged = true;
-            remarks.push(Remark::warning(format!(
+    /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
+    fn observe(&mut self, remarks: &mut Vec<Remark>) {
+        let (point, of) = (self.present(), &self.law.parameters);
+        let opens = of.opening(&self.inputs, point.closing, self.time);
+        let opens = opens.filter(|_| !self.opened);
+        let outside = (point.place.outside && !self.outside).then(|| {
+            format!(
                 "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
                  secondary force {:.0} N; map.outside shows it from now on",
-                frame.ratio, self.state.speeds.primary, frame.force
-            )));
-        }
+                point.ratio, self.state.speeds.primary, point.force
+            )
+        });
+        (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
+        remarks.extend([opens, outside].into_iter().flatten().map(Remark::warning));
+        self.readings = self.read(&point);
     }
 
-    /// Speeds of the sheaves at present, closing positive, m/s.
-    fn sheave_velocities(&self, frame: &Frame, point: &Point) -> PerPulley<f64> {
-        let (rate, _) = self.law.shift(frame, point);
-        let ([least, most], log_ratio) = (self.law.radii.stops, self.state.log_ratio);
-        let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
-        frame.ways.map(|way| if at_stop { 0.0 } else { way * rate })
-    }
-
-    fn read(&self) -> Readings {
-        let ((frame, point), speeds, of) = (self.present(), self.state.speeds, &self.law.parameters);
-        let torque = frame.torque * point.traction.value;
+    fn read(&self, point: &Point) -> Readings {
+        let (speeds, of) = (self.state.speeds, &self.law.parameters);
         // Torques of the shafts on the belt, and of their drag.
         let into = PerPulley {
-            primary: torque,
-            secondary: -frame.ratio * (torque - point.torque_loss),
+            primary: point.torque(),
+            secondary: -point.ratio * (point.torque() - point.torque_loss),
         };
-        let drags = self.law.drags(speeds, &point).map(|drag| drag.torque);
-        let velocities = self.sheave_velocities(&frame, &point);
-        let rubbing = self.law.rubbing(velocities);
+        let drags = self.law.drags(point).map(|drag| drag.torque);
+        let (rate, _) = self.law.shift(point);
+        let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
+        let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
+        let velocities = point.ways.map(|way| if at_stop { 0.0 } else { way * rate });
+        let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
         let axial = PerPulley {
             primary: match of.primary.axial {
-                Axial::Held => point.thrust_ratio * frame.force,
-                Axial::Force => frame.closing.primary - rubbing.primary,
+                Axial::Held => point.thrust_ratio * point.force,
+                Axial::Force => point.closing.primary - rubbing.primary,
             },
-            secondary: frame.force - rubbing.secondary,
+            secondary: point.force - rubbing.secondary,
         };
         let sum = |of: &dyn Fn(Pulley) -> f64| of(Pulley::Primary) + of(Pulley::Secondary);
         let pulley = |j: Pulley, radius: f64| {
-            let (of, given) = (of.pulley(j), self.acting.inputs.pulley(j));
+            let (of, given) = (of.pulley(j), self.inputs.pulley(j));
             PulleyOutputs {
                 speed: speeds[j],
                 radius,
@@ -161,9 +145,9 @@ impl MapUnit {
             }
         };
         let mut outputs = Outputs {
-            belt_speed: 0.5 * frame.radius * (speeds.primary + frame.ratio * speeds.secondary),
-            torque_utilisation: point.traction.value.abs(),
-            macro_slip: point.traction.macro_slip,
+            belt_speed: 0.5 * point.radius * (speeds.primary + point.ratio * speeds.secondary),
+            torque_utilisation: point.traction[0].abs(),
+            macro_slip: point.macro_slip(),
             losses: Losses {
                 // Maps have the belt's loss as a whole.
                 other: sum(&|j| into[j] * speeds[j]),
@@ -172,12 +156,12 @@ impl MapUnit {
                 ..Losses::default()
             },
             stored_energy: 0.5 * sum(&|j| of.pulley(j).inertia * speeds[j] * speeds[j]),
-            primary: pulley(Pulley::Primary, frame.radius),
-            secondary: pulley(Pulley::Secondary, frame.ratio * frame.radius),
+            primary: pulley(Pulley::Primary, point.radius),
+            secondary: pulley(Pulley::Secondary, point.ratio * point.radius),
             ..Outputs::default()
         };
         outputs.set_quotients(PerPulley::from_fn(|j| -into[j] - drags[j]));
-        let outside = frame.place.outside;
+        let outside = point.place.outside;
         Readings { outputs, outside }
     }
 }
@@ -219,9 +203,8 @@ impl Unit for MapUnit {
 
     fn check(settings: &Settings) -> Result<(), String> {
         if settings.parameters.holds_both_sheaves() {
-            let text =
-                "primary.axial and secondary.axial are both Held: maps have no forces for that, one must be Force";
-            return Err(text.to_owned());
+            let both = "primary.axial and secondary.axial are both Held";
+            return Err(format!("{both}: maps have no forces for that, one must be Force"));
         }
         let checked = settings.parameters.validate_friction();
         checked.map_err(|error| error.to_string())
@@ -230,7 +213,7 @@ impl Unit for MapUnit {
     fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
         unit.initialise(remarks);
-        unit.log_limits(remarks);
+        unit.observe(remarks);
         Ok(unit)
     }
 
@@ -239,15 +222,13 @@ impl Unit for MapUnit {
     }
 
     fn readings(&mut self, _: bool) -> &Readings {
-        self.readings = self.read();
         &self.readings
     }
 
     fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<InputProfile, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let (ramp, present) = (settings.parameters.solver.input_ramp, &self.acting.inputs);
-        let span = [self.time, to];
-        Ok(InputProfile::new(ramp, span, present, &settings.inputs, &rates))
+        let (ramp, span) = (settings.parameters.solver.input_ramp, [self.time, to]);
+        Ok(InputProfile::new(ramp, span, &self.inputs, &settings.inputs, &rates))
     }
 
     fn advance(
@@ -257,16 +238,13 @@ impl Unit for MapUnit {
         settings: &Settings,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), String> {
-        let wanted = settings.parameters.friction.pulley;
-        let friction = std::mem::replace(&mut self.law.parameters.friction.pulley, wanted);
-        let before = (self.state, self.time, self.acting);
-        let advanced = self.advance_to(to, inputs);
-        if advanced.is_err() {
-            (self.state, self.time, self.acting) = before;
-            self.law.parameters.friction.pulley = friction;
+        let before = (self.state, self.time, self.inputs);
+        self.law.parameters.friction.pulley = settings.parameters.friction.pulley;
+        if let Err(why) = self.advance_to(to, inputs) {
+            (self.state, self.time, self.inputs) = before;
+            return Err(why);
         }
-        advanced?;
-        self.log_limits(remarks);
+        self.observe(remarks);
         Ok(())
     }
 
@@ -274,13 +252,13 @@ impl Unit for MapUnit {
         Self::check(settings)?;
         Ok(Self {
             law: Law::new(settings)?,
-            state: State::default(),
-            time: 0.0,
-            acting: Acting {
-                inputs: settings.inputs,
+            state: State {
                 thrust_ratio: 1.0,
+                ..State::default()
             },
-            logged: false,
+            time: 0.0,
+            inputs: settings.inputs,
+            outside: false,
             opened: false,
             readings: Readings::default(),
         })
@@ -290,15 +268,18 @@ impl Unit for MapUnit {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
         archive.within(primary, -LARGEST, LARGEST);
         archive.within(secondary, -LARGEST, LARGEST);
-        let [least, most] = self.law.radii.stops;
+        let [least, most] = self.law.stops;
         archive.within(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
-        archive.within(&mut self.acting.thrust_ratio, least, most);
-        for value in self.acting.inputs.each_mut() {
+        archive.within(&mut self.state.thrust_ratio, least, most);
+        for value in self.inputs.each_mut() {
             archive.within(value, -LARGEST, LARGEST);
         }
-        archive.flag(&mut self.logged);
+        archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
+        if archive.is_reading() {
+            self.readings = self.read(&self.present());
+        }
     }
 }

@@ -86,12 +86,6 @@ impl<'a> Pulleys<'a> {
         Travel::new((of.min_radius, of.max_radius), self.belt.law.r0, tan_beta)
     }
 
-    /// Friction of the seals of a cylinder at the speed `z_dot` of its sheave, m/s; N.
-    fn rubbing(&self, pulley: Pulley, z_dot: f64) -> f64 {
-        let velocity = self.parameters.friction.velocity;
-        self.parameters.pulley(pulley).cylinder.drag(z_dot, velocity)
-    }
-
     /// Force of the end stops on a sheave, and its damping part.
     fn stop(&self, pulley: Pulley, view: View<'_>) -> StopForce<f64> {
         let z = self.layout().sheave(pulley);
@@ -132,13 +126,13 @@ impl<'a> Pulleys<'a> {
     /// Force of a cylinder on its sheave beside that of its pressure, N.
     fn cylinder(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let z_dot = view.y[self.layout().sheave(pulley)];
-        self.push(pulley, view) - self.rubbing(pulley, z_dot)
+        self.push(pulley, view) - self.parameters.rubbing(pulley, z_dot)
     }
 
     /// Loss by the friction of a pulley's seals at the speed `z_dot` of its sheave, m/s; W.
     #[must_use]
     pub fn seal_loss(&self, pulley: Pulley, z_dot: f64) -> f64 {
-        self.rubbing(pulley, z_dot) * z_dot
+        self.parameters.rubbing(pulley, z_dot) * z_dot
     }
 
     /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the

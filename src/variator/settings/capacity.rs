@@ -33,16 +33,7 @@ impl Demand {
     pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, at: [f64; 2]) -> Option<Self> {
         let [ratio, speed] = at;
         let (p, s) = (&parameters.primary, &parameters.secondary);
-        let torque = match (p.drive, s.drive) {
-            // Speeds in proportion: J_P ω̇_P = T_P + M, J_S ω̇_P/i = T_S − i M.
-            (Drive::Torque, Drive::Torque) => {
-                let own = p.inertia * ratio * inputs.secondary.torque;
-                (own - s.inertia * inputs.primary.torque) / (s.inertia + ratio * ratio * p.inertia)
-            }
-            (Drive::Torque, Drive::Speed) => -inputs.primary.torque,
-            (Drive::Speed, Drive::Torque) => inputs.secondary.torque / ratio,
-            (Drive::Speed, Drive::Speed) => return None,
-        };
+        let torque = parameters.steady_torque(PerPulley::from_fn(|j| inputs.pulley(j).torque), ratio)?;
         let (radius, _) = parameters.pitch_radii(ratio)?;
         let cos_beta = parameters.geometry.wedge_angle.cos();
         let force = parameters.closing_forces(inputs, at)[pulley];
@@ -126,6 +117,29 @@ impl std::fmt::Display for Demand {
 }
 
 impl Parameters {
+    /// Torque of the belt on the primary pulley, N·m, under which the free shafts accelerate together, from the other torques on them; none
+    /// where both speeds are given.
+    #[must_use]
+    pub fn steady_torque(&self, torques: PerPulley<f64>, ratio: f64) -> Option<f64> {
+        let (p, s) = (&self.primary, &self.secondary);
+        match (p.drive, s.drive) {
+            // Speeds in proportion: J_P ω̇_P = T_P + M, J_S ω̇_P/i = T_S − i M.
+            (Drive::Torque, Drive::Torque) => {
+                let own = p.inertia * ratio * torques.secondary;
+                Some((own - s.inertia * torques.primary) / (s.inertia + ratio * ratio * p.inertia))
+            }
+            (Drive::Torque, Drive::Speed) => Some(-torques.primary),
+            (Drive::Speed, Drive::Torque) => Some(torques.secondary / ratio),
+            (Drive::Speed, Drive::Speed) => None,
+        }
+    }
+
+    /// Friction of the seals of a cylinder at the speed `z_dot` of its sheave, m/s; N.
+    #[must_use]
+    pub fn rubbing(&self, pulley: Pulley, z_dot: f64) -> f64 {
+        self.pulley(pulley).cylinder.drag(z_dot, self.friction.velocity)
+    }
+
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
     #[inline]
     #[must_use]

@@ -1,17 +1,19 @@
-//! The variator from maps: equations, steps, stored states, tables. What the FMI layer does is tested with its own unit.
+//! Equations, steps, stored states, tables. What the FMI layer does is tested with its own unit.
 
 use std::path::{Path, PathBuf};
 
 use pushbelt::variator::settings::{Inputs, Outputs};
 use pushbelt_fmi::unit::{Experiment, Remark, Unit};
-use pushbelt_map_unit::settings::Settings;
-use pushbelt_map_unit::unit::MapUnit;
+
+use crate::settings::Settings;
+use crate::unit::MapUnit;
 
 mod cylinder;
 mod files;
 mod laws;
 mod runs;
 mod states;
+mod tables;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../resources/maps")
@@ -30,7 +32,7 @@ fn start(settings: &Settings) -> MapUnit {
 }
 
 /// A step to a time, s, with inputs that are held or change at `rates`.
-fn try_step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Remark>, String> {
+fn step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Remark>, String> {
     let mut changing = settings.clone();
     changing.inputs = rates.unwrap_or(Inputs::ZERO);
     let mut remarks = Vec::new();
@@ -40,13 +42,13 @@ fn try_step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inpu
     Ok(remarks)
 }
 
-/// Steps of a length over a duration, s; the outputs then, and all remarks.
-fn run(unit: &mut MapUnit, settings: &Settings, length: f64, duration: f64) -> (Outputs, Vec<Remark>) {
-    let (begin, mut remarks) = (unit.time(), Vec::new());
+/// Steps of a length over a duration, s; the outputs then.
+fn run(unit: &mut MapUnit, settings: &Settings, length: f64, duration: f64) -> Outputs {
+    let begin = unit.time();
     for k in 1..=(duration / length).round() as usize {
-        remarks.extend(try_step(unit, settings, begin + length * k as f64, None).expect("a step"));
+        step(unit, settings, begin + length * k as f64, None).expect("a step");
     }
-    (outputs(unit), remarks)
+    outputs(unit)
 }
 
 fn outputs(unit: &mut MapUnit) -> Outputs {
