@@ -1,10 +1,10 @@
 //! The state at the start of a run.
 
 use pushbelt::pulley::PerPulley;
-use pushbelt::variator::settings::{BEYOND_STOP, Drive, bisected};
+use pushbelt::variator::settings::{Axial, BEYOND_STOP, Drive, bisected};
 use pushbelt_fmi::unit::Remark;
 
-use crate::tuning::TOLERANCE;
+use crate::tuning::{ITERATIONS, TOLERANCE};
 use crate::unit::MapUnit;
 
 impl MapUnit {
@@ -26,6 +26,17 @@ impl MapUnit {
         let ([without_torque, ..], _) = self.law.tables.belt.at(&self.present().place, 0, 0.0);
         self.state.thrust_ratio = without_torque;
         let mut settled = self.settle();
+        // The force on a held secondary sheave follows from the thrust ratio, which depends on the slip.
+        if self.law.parameters.secondary.axial == Axial::Held {
+            for _ in 0..ITERATIONS {
+                let found = self.present().thrust_ratio;
+                if (found - self.state.thrust_ratio).abs() < TOLERANCE {
+                    break;
+                }
+                self.state.thrust_ratio = found;
+                settled = self.settle();
+            }
+        }
         if initial.steady && initial.equilibrium && !self.law.parameters.holds_a_sheave() {
             settled = self.balance();
         }

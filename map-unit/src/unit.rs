@@ -176,7 +176,6 @@ impl Unit for MapUnit {
         name: "PushbeltMap",
         description: "Pushbelt CVT variator from maps of the detailed model: speeds of both shafts and ratio as states. SI units; \
                       torques are positive in the direction of positive speed.",
-        author: "pushbelt",
         stop_time: 10.0,
         step_size: 1e-2,
         ..VariatorUnit::IDENTITY

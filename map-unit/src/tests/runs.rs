@@ -128,7 +128,10 @@ fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
     let mut settings = settings();
     settings.parameters.secondary.axial = Axial::Held;
     settings.parameters.primary.drive = Drive::Speed;
-    let found = run(&mut start(&settings), &settings, 1e-2, 0.5);
+    let mut unit = start(&settings);
+    let begin = outputs(&mut unit);
+    let found = run(&mut unit, &settings, 1e-2, 0.5);
+    assert!((found.slip - begin.slip).abs() < 1e-8, "{} {}", begin.slip, found.slip);
     assert!(unbalanced(&found).abs() < 1e-6);
     assert_eq!(found.ratio_geometric, 1.0);
     assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);
