@@ -2,9 +2,12 @@
 //! Left alone, it is [`Variator::advance_along`] to the last bit.
 
 use crate::pulley::{PerPulley, Pulley};
+use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::outcome::{Event, StepError};
+use crate::variator::run::simulation::Simulation;
+use crate::variator::run::stepper::Stepper;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Inputs;
@@ -12,14 +15,19 @@ use crate::variator::settings::signals::Inputs;
 /// An ongoing communication step.
 #[derive(Clone, Debug)]
 pub struct CommunicationStep {
-    /// Where it ends, s.
-    to: f64,
+    /// Where it begins and ends, s.
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) is_over: bool,
+    /// Until when loads and friction change alike, s; none before the first own step under them.
+    pub(super) smooth_until: Option<f64>,
     /// Inputs that were given last, and how they come into force.
     given: Inputs,
-    profile: InputProfile,
-    /// End stops that the sheaves were at in the beginning.
+    pub(super) profile: InputProfile,
+    /// In the beginning: end stops that the sheaves were at, work until then, preferred own step, s.
     stops: PerPulley<Option<Stop>>,
-    is_over: bool,
+    pub(super) before: Counts,
+    first_step: f64,
 }
 
 /// Whole communication steps.
@@ -56,19 +64,33 @@ impl CommunicationStep {
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
         variator.save();
+        variator.stepper.sdirk.newton.left = 0.0;
         let simulation = &variator.simulation;
-        let from = simulation.time;
         let ramp = simulation.system.parameters.solver.input_ramp;
-        let profile = InputProfile::new(ramp, [from, to], &simulation.inputs(), inputs, rates);
-        let stops = simulation.stops();
-        variator.stepper.begin(from);
-        Ok(Self {
+        let times = [simulation.time, to];
+        let profile = InputProfile::new(ramp, times, &simulation.inputs(), inputs, rates);
+        Ok(Self::new(simulation, &variator.stepper, to, inputs, profile))
+    }
+
+    /// From the present time on, with inputs that were given and come into force as `profile` says.
+    pub(super) fn new(
+        simulation: &Simulation,
+        stepper: &Stepper,
+        to: f64,
+        given: &Inputs,
+        profile: InputProfile,
+    ) -> Self {
+        Self {
+            from: simulation.time,
             to,
-            given: *inputs,
+            is_over: to - simulation.time < SHORTEST_STEP,
+            smooth_until: None,
+            given: *given,
             profile,
-            stops,
-            is_over: to - from < SHORTEST_STEP,
-        })
+            stops: simulation.stops(),
+            before: stepper.counts(),
+            first_step: stepper.sdirk.step,
+        }
     }
 
     /// Whether its end is reached.
@@ -83,42 +105,37 @@ impl CommunicationStep {
     /// The communication step can't be done: the variator is in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
-        match variator.stepper.step(&mut variator.simulation, &self.profile, self.to) {
-            Ok(is_over) => {
-                self.is_over = is_over;
-                Ok(())
-            }
-            Err(error) => {
-                variator.roll_back();
-                self.count_work(variator);
-                Err(error)
-            }
+        let outcome = variator.stepper.step(&mut variator.simulation, self);
+        if outcome.is_err() {
+            variator.roll_back(self.first_step);
+            self.count_work(variator);
         }
+        outcome
     }
 
     /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once.
     ///
     /// # Errors
     /// Inputs out of range; nothing was changed.
-    pub fn set_inputs(&mut self, variator: &mut Variator, inputs: &Inputs) -> Result<(), StepError> {
+    pub fn set_inputs(&mut self, inputs: &Inputs) -> Result<(), StepError> {
         if *inputs == self.given {
             return Ok(());
         }
         inputs.validate()?;
         self.profile.change(&self.given, inputs);
         self.given = *inputs;
-        variator.stepper.restart();
+        self.smooth_until = None;
         Ok(())
     }
 
     /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer.
-    pub fn end_at(&mut self, variator: &mut Variator, time: f64) {
+    pub fn end_at(&mut self, variator: &Variator, time: f64) {
         if time >= self.to {
             return;
         }
         let now = variator.simulation.time;
         self.to = time.max(now);
-        variator.stepper.restart();
+        self.smooth_until = None;
         self.is_over |= self.to - now < SHORTEST_STEP;
     }
 
@@ -137,14 +154,19 @@ impl CommunicationStep {
 
     /// Ends it at the time that it has reached.
     pub fn finish(&self, variator: &mut Variator) {
-        if variator.simulation.time == variator.stepper.from() {
+        let Variator {
+            simulation, stepper, ..
+        } = variator;
+        if simulation.time == self.from {
             return;
         }
+        if stepper.real_time.is_some() {
+            simulation.restore(self.profile);
+        }
+        variator.work = stepper.output(simulation.time);
         self.count_work(variator);
-        variator.work = variator.stepper.finish(&mut variator.simulation, &self.profile);
         variator.report_slip();
-        variator.report_buckling();
-        variator.warn_of_loads(false);
+        variator.warn(false);
         variator.stale = true;
     }
 
@@ -153,8 +175,8 @@ impl CommunicationStep {
         if variator.parameters().solver.mode == Mode::RealTime {
             return;
         }
-        let simulated = variator.time() - variator.stepper.from();
-        let (work, unknowns) = (variator.stepper.work(), variator.state().y.len());
+        let simulated = variator.time() - self.from;
+        let (work, unknowns) = (variator.counts() - self.before, variator.state().y.len());
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
         remark.into_iter().for_each(|text| variator.simulation.log(true, text));
     }

@@ -7,7 +7,7 @@
 //! | `stepper`, `real_time` | the integrator behind a communication step, and the bound on its work in real time |
 //! | `outcome` | remarks, errors, outputs around a moment |
 //! | `simulation` | what a stepper advances: equations, state, inputs in force |
-//! | `start`, `steady_start`, `soft_start` | the state that a run starts from |
+//! | `start`, `steady_start` | the state that a run starts from |
 //! | `tuning` | the numbers that all this is tuned with |
 //! | `pace` | the warning of a run that takes too much work |
 //! | `hints` | the warnings of loads and speeds that can hardly be meant |
@@ -18,7 +18,6 @@ mod outcome;
 pub(crate) mod pace;
 mod real_time;
 mod simulation;
-mod soft_start;
 mod start;
 mod steady_start;
 mod stepper;

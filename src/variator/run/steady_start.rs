@@ -7,7 +7,8 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, LEAST_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::run::tuning::{CLOSE_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::settings::FAR;
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::StartState;
@@ -144,7 +145,7 @@ impl Simulation {
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(reaction, share);
-            let is_least = share <= LEAST_SHARE;
+            let is_least = FAR * share <= 1.0;
             if let Some(demand) = demand {
                 self.guess_slip(&task, demand, share);
             }

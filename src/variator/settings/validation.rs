@@ -7,7 +7,7 @@ use crate::reference_curve::TwoPulley;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::{Setting, inputs, parameters};
-use crate::variator::settings::{BEYOND_STOP, RING_STEEL};
+use crate::variator::settings::{BEYOND_STOP, STEEL_SCATTER};
 use std::f64::consts::PI;
 
 /// A value out of its range.
@@ -74,15 +74,18 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of steel on the same
-    /// side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
+    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of the default ring on
+    /// the same side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
     pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
-        let area = 2.0 * f64::from(self.layers.count) * self.layers.width * self.layers.thickness;
-        let (modulus, density) = (self.ring.axial_stiffness / area, self.ring.mass_per_length / area);
-        let (steel_modulus, steel_density, scatter, _) = RING_STEEL;
-        let (stiff, heavy) = (modulus / steel_modulus, density / steel_density);
-        let off = stiff.max(heavy) < 1.0 - scatter || stiff.min(heavy) > 1.0 + scatter;
-        (area > 0.0 && off).then_some((modulus, density))
+        let steel = |of: &Self| {
+            let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
+            [of.ring.axial_stiffness / area, of.ring.mass_per_length / area]
+        };
+        let [modulus, density] = steel(self);
+        let [usual_modulus, usual_density] = steel(&Self::default());
+        let (stiff, heavy) = (modulus / usual_modulus, density / usual_density);
+        let off = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
+        (modulus.is_finite() && off).then_some((modulus, density))
     }
 
     /// Below the friction angle a sheave clamps the elements and never releases them.

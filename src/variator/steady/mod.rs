@@ -3,8 +3,7 @@
 //! The numbers of this search: "half" and "twice" are the changes of Jacobians and residuals, %, with half and twice the number, over forty random
 //! starts of `ALE0`, a third of them beyond capacity. Up to 2 % is noise. The same states are found.
 
-pub(crate) mod equilibrium;
-pub(crate) mod refine;
+mod refine;
 pub mod solve;
 pub mod start;
 

@@ -16,8 +16,8 @@ use crate::variator::settings::Inputs;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME, RUN_AWAY,
-    STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -128,8 +128,65 @@ impl SteadySolver<'_> {
         outcome
     }
 
+    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method on
+    /// ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the clamping
+    /// forces, and come to rest against a stop. Returns whether they do.
+    ///
+    /// # Errors
+    /// The report of the last solution, if an intermediate state was not found or the forces don't balance in the end.
+    pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, Settled> {
+        let defect = |system: &VariatorSystem, state: &State| {
+            let push = system.pulleys().push(task.reaction, state.view());
+            let holding = reaction(system, state.view(), task.reaction);
+            ((task.clamping[task.reaction] + push).max(1.0) / (holding + push).max(1.0)).ln()
+        };
+        let mut x = task.ratio.ln();
+        let mut f = defect(self.system, state);
+        // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
+        let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
+        let mut last = Settled::default();
+        for _ in 0..MOST_SOLVES {
+            let balances = f.abs() < FORCE_ERROR;
+            let wanted = x - f / slope;
+            let next = wanted.clamp(range.0.ln(), range.1.ln());
+            let is_at_end = next == x && next != wanted;
+            if is_at_end && !balances {
+                let sheave = task.clamping.map(SheaveMode::Force);
+                let released = Boundary {
+                    sheave,
+                    shaft: task.shaft,
+                };
+                self.settle(state, released, |_, _| Some(STEADY_TIME))?;
+            }
+            if is_at_end || balances {
+                let pulleys = self.system.pulleys();
+                let rests = |pulley| pulleys.stop_reached(pulley, state.view()).is_some();
+                return Ok(Pulley::BOTH.into_iter().any(rests));
+            }
+            let there = SteadyTask {
+                ratio: next.exp(),
+                ..*task
+            };
+            let mut speeds = self.system.belt.shaft_speeds(state.view());
+            if task.shaft.secondary != ShaftMode::Fixed {
+                speeds.secondary = speeds.primary / there.ratio;
+            }
+            if let Ok(kinematic) = cold_start(self.system, &there, speeds) {
+                *state = kinematic;
+            }
+            last = self.solve(state, &there)?;
+            let reached = defect(self.system, state);
+            let secant = (reached - f) / (next - x);
+            if secant * slope > 0.0 {
+                slope = secant;
+            }
+            (x, f) = (next, reached);
+        }
+        Err(last)
+    }
+
     /// Settles under boundary conditions, which `control` may correct.
-    pub(super) fn settle(
+    fn settle(
         &mut self,
         state: &mut State,
         boundary: Boundary,
@@ -147,11 +204,7 @@ impl SteadySolver<'_> {
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
-pub(super) fn cold_start(
-    system: &VariatorSystem,
-    task: &SteadyTask,
-    speeds: PerPulley<f64>,
-) -> Result<State, GeometryError> {
+fn cold_start(system: &VariatorSystem, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
     let belt = &system.belt;
     let pushes = system
         .parameters
