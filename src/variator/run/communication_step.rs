@@ -32,19 +32,14 @@ pub struct CommunicationStep {
 
 /// Whole communication steps.
 impl Variator {
-    /// Advances to time `to` with inputs that are held, after the ramp of `inputs.ramp`.
-    ///
-    /// # Errors
-    /// Inputs out of range, or a step that can't be done. The variator is then in the state of before.
+    /// Advances to time `to` with inputs that are held, after the ramp of `inputs.ramp`. After an error it is in the state of before.
     pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
         self.advance_along(to, inputs, &Inputs::ZERO)
     }
 
     /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
-    ///
-    /// # Errors
-    /// Inputs out of range, or a step that can't be done. The variator is then in the state of before.
+    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call. After an error the variator is in
+    /// the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {
@@ -58,9 +53,6 @@ impl Variator {
 impl CommunicationStep {
     /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
     /// is over, then [`CommunicationStep::finish`].
-    ///
-    /// # Errors
-    /// Inputs out of range.
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
         variator.save();
@@ -94,15 +86,11 @@ impl CommunicationStep {
     }
 
     /// Whether its end is reached.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// One own step of a communication step that is not over.
-    ///
-    /// # Errors
-    /// The communication step can't be done: the variator is in the state of before.
+    /// One own step of a communication step that is not over. After an error the variator is in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
         let outcome = variator.stepper.step(&mut variator.simulation, self);
@@ -113,10 +101,8 @@ impl CommunicationStep {
         outcome
     }
 
-    /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once.
-    ///
-    /// # Errors
-    /// Inputs out of range; nothing was changed.
+    /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once. None if one is
+    /// out of its range.
     pub fn set_inputs(&mut self, inputs: &Inputs) -> Result<(), StepError> {
         if *inputs == self.given {
             return Ok(());
@@ -140,7 +126,6 @@ impl CommunicationStep {
     }
 
     /// What has happened since it began, the first of what there is.
-    #[must_use]
     pub fn event(&self, variator: &Variator) -> Option<Event> {
         let slips = variator.simulation.slips(variator.macro_slip);
         if slips != variator.macro_slip {

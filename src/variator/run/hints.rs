@@ -45,7 +45,11 @@ impl Hints {
         [
             at_start(other_layers),
             at_start(slipping),
-            buckling(simulation, &mut self.buckled),
+            if starts {
+                None
+            } else {
+                buckling(simulation, &mut self.buckled)
+            },
             once(&mut self.fast, || fast_belt(simulation, starts)),
             once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
             once(&mut self.opens, || opening(simulation)),

@@ -40,10 +40,7 @@ impl Stepper {
         }
     }
 
-    /// One own step of a communication step.
-    ///
-    /// # Errors
-    /// A step that can't be done, or takes more work than it may. In real time each can be done.
+    /// One own step of a communication step. In real time each can be done.
     pub fn step(&mut self, simulation: &mut Simulation, of: &mut CommunicationStep) -> Result<(), StepError> {
         let CommunicationStep { from, to, profile, .. } = *of;
         if let Some(real_time) = &mut self.real_time {
@@ -105,13 +102,6 @@ impl Stepper {
     /// Work since the start.
     pub fn counts(&self) -> Counts {
         self.sdirk.newton.counts
-    }
-
-    /// Starts again from the simulation's state with this step, s, and nothing else from earlier steps. The counts remain.
-    pub fn start_again(&mut self, simulation: &Simulation, first_step: f64) {
-        let counts = self.counts();
-        *self = Self::new(simulation, first_step);
-        self.sdirk.newton.counts = counts;
     }
 
     /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation.

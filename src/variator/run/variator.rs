@@ -53,27 +53,18 @@ pub struct Variator {
 
 impl Variator {
     /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet initialised.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let ring = parameters.ring_of_model();
         Self::with_ring(parameters, ring)
     }
 
-    /// Checks parameters of a variator with this ring.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range or does not fit the ring.
+    /// Checks parameters of a variator with this ring: returns the first that is out of its range or does not fit the ring.
     pub fn check(parameters: &Parameters, ring: &dyn BeltRing) -> Result<(), ParameterError> {
         parameters.validate()?;
         ring.check(parameters)
     }
 
     /// A variator with these parameters and this ring, not yet initialised.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range or does not fit the ring.
     pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
         Self::check(&parameters, &*ring)?;
         let simulation = Simulation::new(&parameters, ring);
@@ -94,12 +85,8 @@ impl Variator {
         })
     }
 
-    /// Finds the state to start from at `time`.
-    ///
-    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
-    ///
-    /// # Errors
-    /// Inputs out of range, or no state found.
+    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it and
+    /// the reason.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         self.slipped = f64::NEG_INFINITY;
@@ -220,59 +207,50 @@ impl Variator {
         let saved = std::mem::take(&mut self.saved);
         self.serialize_values(&mut Archive::reader(&saved));
         self.saved = saved;
-        let of = &mut self.simulation;
+        let (of, counts) = (&mut self.simulation, self.stepper.counts());
         of.system.forget_derivatives();
         of.energy.last.update(&of.system, of.state.view());
-        self.stepper.start_again(&self.simulation, first_step);
+        self.stepper = Stepper::new(of, first_step);
+        self.stepper.sdirk.newton.counts = counts;
         self.stale = true;
     }
 
     /// Present time, s.
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.simulation.time
     }
 
     /// Parameters in force.
-    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.simulation.system.parameters
     }
 
     /// The assembled system, for reports and tests.
-    #[must_use]
     pub fn system(&self) -> &VariatorSystem {
         &self.simulation.system
     }
 
     /// The energy balance, and the belt at the end of the last step, for reports and tests.
-    #[must_use]
     pub fn energy_balance(&self) -> &EnergyBalance {
         &self.simulation.energy
     }
 
     /// The dynamic state, for reports and tests.
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.simulation.state
     }
 
     /// Work done since the start of the run.
-    #[must_use]
     pub fn counts(&self) -> Counts {
         self.stepper.counts()
     }
 
     /// Work of the search for the state that the run started from.
-    #[must_use]
     pub fn start_work(&self) -> Counts {
         self.simulation.start_work
     }
 
-    /// Changes the two tunable friction coefficients.
-    ///
-    /// # Errors
-    /// A coefficient out of its range; nothing was changed.
+    /// Changes the two tunable friction coefficients; neither if one is out of its range.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
         let of = &mut self.simulation;
         let mut changed = of.system.parameters.clone();

@@ -122,7 +122,6 @@ impl std::fmt::Display for Demand {
 impl Parameters {
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
     #[inline]
-    #[must_use]
     pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
         PerPulley::from_fn(|j| {
             let cylinder = &self.pulley(j).cylinder;
@@ -143,7 +142,6 @@ impl Parameters {
     }
 
     /// The pressure that opens a pulley at a time, s, under these [closing](Self::closing) forces, N.
-    #[must_use]
     pub fn opening(&self, inputs: &Inputs, closing: PerPulley<f64>, time: f64) -> Option<String> {
         let opens = |j: &Pulley| closing[*j] <= 0.0 && closing[*j] < inputs.pulley(*j).clamping_force;
         let pulley = clamped(self).find(opens)?;

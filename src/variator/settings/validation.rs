@@ -24,7 +24,6 @@ pub struct ParameterError {
 
 impl ParameterError {
     /// The error of a value that is out of its `range`, in words.
-    #[must_use]
     pub fn new(variable: impl Into<String>, value: impl ToString, range: impl Into<String>) -> Self {
         Self {
             variable: variable.into(),
@@ -35,10 +34,7 @@ impl ParameterError {
 }
 
 impl Parameters {
-    /// Checks every parameter against its range, and all against each other.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range.
+    /// Checks every parameter against its range, and all against each other; returns the first that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
@@ -60,9 +56,6 @@ impl Parameters {
     }
 
     /// Checks the two coefficients that may change in a run.
-    ///
-    /// # Errors
-    /// The one that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
         let mut tunable = parameters::<_, ()>().filter(Setting::is_tunable);
         tunable.try_for_each(|parameter| parameter.check(self))?;
@@ -100,9 +93,6 @@ impl Parameters {
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
-    ///
-    /// # Errors
-    /// The parameter that does not fit.
     pub fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;
@@ -144,7 +134,6 @@ impl Parameters {
     }
 
     /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
-    #[must_use]
     pub fn ratio_range(&self) -> (f64, f64) {
         let (p, s) = (&self.primary, &self.secondary);
         // A ratio at which no belt closes is an extreme one.
@@ -162,7 +151,6 @@ impl Parameters {
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.
-    #[must_use]
     pub fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
@@ -192,10 +180,7 @@ pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> 
 }
 
 impl Inputs {
-    /// Checks every input against its range.
-    ///
-    /// # Errors
-    /// The first input that is out of its range.
+    /// Checks every input against its range; returns the first that is out of it.
     pub fn validate(&self) -> Result<(), ParameterError> {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
     }

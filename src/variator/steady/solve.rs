@@ -53,10 +53,7 @@ pub struct SteadySolver<'a> {
 }
 
 impl SteadySolver<'_> {
-    /// Finds the steady state from `state`, in place.
-    ///
-    /// # Errors
-    /// The report of the solution, when there is no steady state near by; `state` is then the last one solved.
+    /// Finds the steady state from `state`, in place: the last one solved, with its report, if there is no steady state near by.
     pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<Settled, Settled> {
         let own = self.system.parameters.friction.velocity;
         let mut near = state.clone();
@@ -130,10 +127,7 @@ impl SteadySolver<'_> {
 
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method on
     /// ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the clamping
-    /// forces, and come to rest against a stop. Returns whether they do.
-    ///
-    /// # Errors
-    /// The report of the last solution, if an intermediate state was not found or the forces don't balance in the end.
+    /// forces, and come to rest against a stop. Returns whether they do, or the report of the last solution.
     pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, Settled> {
         let defect = |system: &VariatorSystem, state: &State| {
             let push = system.pulleys().push(task.reaction, state.view());
