@@ -93,11 +93,11 @@ impl Variator {
         self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
-        let is_cold = matches!(
-            self.start_state,
-            StartState::Unloaded | StartState::NotFound | StartState::Clamped
-        );
-        self.stepper = Stepper::new(simulation, if is_cold { COLD_STEP } else { FIRST_STEP });
+        let first_step = match self.start_state {
+            StartState::Unloaded | StartState::NotFound | StartState::Clamped => COLD_STEP,
+            _ => FIRST_STEP,
+        };
+        self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
         (self.pace, self.hints) = (Pace::new(inputs), Hints::NONE);
         simulation.apply(InputProfile::constant(inputs));
