@@ -38,8 +38,8 @@ impl Variator {
     }
 
     /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call. After an error the variator is in
-    /// the state of before.
+    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call. After an error the variator is
+    /// in the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {

@@ -1,5 +1,5 @@
-//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once in a run, slip at its start, strands that
-//! would buckle.
+//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once in a run, slip at its start, strands
+//! that would buckle.
 
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
@@ -45,11 +45,7 @@ impl Hints {
         [
             at_start(other_layers),
             at_start(slipping),
-            if starts {
-                None
-            } else {
-                buckling(simulation, &mut self.buckled)
-            },
+            (!starts).then(|| buckling(simulation, &mut self.buckled)).flatten(),
             once(&mut self.fast, || fast_belt(simulation, starts)),
             once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
             once(&mut self.opens, || opening(simulation)),

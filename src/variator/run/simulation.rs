@@ -25,8 +25,8 @@ pub(super) struct Simulation {
     pub state: State,
     /// s.
     pub time: f64,
-    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a standstill makes one cell after the other stick
-    /// and slide by turns: half of the Jacobians of a launch went there. So the friction velocity is large at first and falls.
+    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a standstill makes one cell after the other
+    /// stick and slide by turns: half of the Jacobians of a launch went there. So the friction velocity is large at first and falls.
     pub soft_since: f64,
     /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,

@@ -34,8 +34,8 @@ impl Simulation {
         Ok(found)
     }
 
-    /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop, and a set point of a shaft's speed comes
-    /// before `initial.primarySpeed`.
+    /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop, and a set point of a shaft's speed
+    /// comes before `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
         let (parameters, inputs) = (&mut self.system.parameters, &self.given);
         let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);

@@ -85,8 +85,8 @@ impl Variator {
         })
     }
 
-    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it and
-    /// the reason.
+    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it
+    /// and the reason.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         self.slipped = f64::NEG_INFINITY;

@@ -67,8 +67,8 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of the default ring on
-    /// the same side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
+    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of the default ring
+    /// on the same side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
     pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
         let steel = |of: &Self| {
             let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;

@@ -118,9 +118,9 @@ impl SteadySolver<'_> {
         outcome
     }
 
-    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method on
-    /// ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the clamping
-    /// forces, and come to rest against a stop. Returns whether they do, or the report of the last solution.
+    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method
+    /// on ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the
+    /// clamping forces, and come to rest against a stop. Returns whether they do, or the report of the last solution.
     pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, Settled> {
         let defect = |system: &VariatorSystem, state: &State| {
             let push = system.pulleys().push(task.reaction, state.view());
