@@ -1,34 +1,13 @@
 //! A communication step in own steps: a master can read outputs at the end of each, change inputs there or end the communication step.
 //! Left alone, it is [`Variator::advance_along`] to the last bit.
 
-use crate::pulley::{PerPulley, Pulley};
-use crate::solver::newton::Counts;
+use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
-use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::outcome::{Event, StepError};
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::stepper::Stepper;
+use crate::variator::run::stepper::CommunicationStep;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Inputs;
-
-/// An ongoing communication step.
-#[derive(Clone, Debug)]
-pub struct CommunicationStep {
-    /// Where it begins and ends, s.
-    pub(super) from: f64,
-    pub(super) to: f64,
-    pub(super) is_over: bool,
-    /// Until when loads and friction change alike, s; none before the first own step under them.
-    pub(super) smooth_until: Option<f64>,
-    /// Inputs that were given last, and how they come into force.
-    given: Inputs,
-    pub(super) profile: InputProfile,
-    /// In the beginning: end stops that the sheaves were at, work until then, preferred own step, s.
-    stops: PerPulley<Option<Stop>>,
-    pub(super) before: Counts,
-    first_step: f64,
-}
 
 /// Whole communication steps.
 impl Variator {
@@ -56,33 +35,11 @@ impl CommunicationStep {
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
         inputs.validate()?;
         variator.save();
-        variator.stepper.sdirk.newton.left = 0.0;
         let simulation = &variator.simulation;
         let ramp = simulation.system.parameters.solver.input_ramp;
         let times = [simulation.time, to];
         let profile = InputProfile::new(ramp, times, &simulation.inputs(), inputs, rates);
-        Ok(Self::new(simulation, &variator.stepper, to, inputs, profile))
-    }
-
-    /// From the present time on, with inputs that were given and come into force as `profile` says.
-    pub(super) fn new(
-        simulation: &Simulation,
-        stepper: &Stepper,
-        to: f64,
-        given: &Inputs,
-        profile: InputProfile,
-    ) -> Self {
-        Self {
-            from: simulation.time,
-            to,
-            is_over: to - simulation.time < SHORTEST_STEP,
-            smooth_until: None,
-            given: *given,
-            profile,
-            stops: simulation.stops(),
-            before: stepper.counts(),
-            first_step: stepper.sdirk.step,
-        }
+        Ok(variator.stepper.begin(simulation, to, inputs, profile))
     }
 
     /// Whether its end is reached.

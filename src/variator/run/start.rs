@@ -6,7 +6,6 @@ use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::run::communication_step::CommunicationStep;
 use crate::variator::run::outcome::{InitialisationError, StepError};
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::steady_start::NoSteadyState;
@@ -286,7 +285,7 @@ impl Simulation {
         (solver.mode, solver.tolerance) = (Mode::Accurate, solver.tolerance.max(SETTLING_TOLERANCE));
         change(&mut before);
         let mut stepper = Stepper::new(&before, COLD_STEP);
-        let mut step = CommunicationStep::new(&before, &stepper, self.time, inputs, InputProfile::constant(inputs));
+        let mut step = stepper.begin(&before, self.time, inputs, InputProfile::constant(inputs));
         let mut outcome = Ok(());
         while outcome.is_ok() && !step.is_over() {
             outcome = stepper.step(&mut before, &mut step);

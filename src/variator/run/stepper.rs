@@ -1,10 +1,11 @@
 //! How a simulation is advanced within a communication step: in steps as the error control requires or, in real time, of bounded work.
 
 use crate::archive::Archive;
+use crate::pulley::PerPulley;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
-use crate::variator::pulleys::loads::SHORTEST_STEP;
-use crate::variator::run::communication_step::CommunicationStep;
+use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
+use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::outcome::StepError;
 use crate::variator::run::real_time::RealTime;
 use crate::variator::run::simulation::Simulation;
@@ -12,7 +13,25 @@ use crate::variator::run::tuning::{
     NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND,
 };
 use crate::variator::settings::parameters::{Mode, Parameters};
-use crate::variator::settings::signals::Work;
+use crate::variator::settings::signals::{Inputs, Work};
+
+/// An ongoing communication step.
+#[derive(Clone, Debug)]
+pub struct CommunicationStep {
+    /// Where it begins and ends, s.
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) is_over: bool,
+    /// Until when loads and friction change alike, s; none before the first own step under them.
+    pub(super) smooth_until: Option<f64>,
+    /// Inputs that were given last, and how they come into force.
+    pub(super) given: Inputs,
+    pub(super) profile: InputProfile,
+    /// In the beginning: end stops that the sheaves were at, work until then, preferred own step, s.
+    pub(super) stops: PerPulley<Option<Stop>>,
+    pub(super) before: Counts,
+    pub(super) first_step: f64,
+}
 
 /// Advances a simulation to the end of a communication step in own steps.
 #[derive(Clone, Debug)]
@@ -37,6 +56,28 @@ impl Stepper {
             sdirk,
             real_time,
             shortening: share.recip().cbrt().max(1.0),
+        }
+    }
+
+    /// Begins a communication step to a time, s, with inputs that were given and come into force as `profile` says.
+    pub fn begin(
+        &mut self,
+        simulation: &Simulation,
+        to: f64,
+        given: &Inputs,
+        profile: InputProfile,
+    ) -> CommunicationStep {
+        self.sdirk.newton.left = 0.0;
+        CommunicationStep {
+            from: simulation.time,
+            to,
+            is_over: to - simulation.time < SHORTEST_STEP,
+            smooth_until: None,
+            given: *given,
+            profile,
+            stops: simulation.stops(),
+            before: self.counts(),
+            first_step: self.sdirk.step,
         }
     }
 
