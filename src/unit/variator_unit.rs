@@ -105,7 +105,7 @@ impl<R: Rings> Unit for UnitWith<R> {
         settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), String> {
-        let given = step.set_inputs(&mut self.variator, &settings.inputs);
+        let given = step.set_inputs(&settings.inputs);
         let advanced = given.and_then(|()| step.advance(&mut self.variator));
         self.move_messages(remarks);
         advanced.map_err(|error| error.to_string())
@@ -120,7 +120,7 @@ impl<R: Rings> Unit for UnitWith<R> {
     }
 
     fn end_at(&mut self, to: f64, step: &mut CommunicationStep) {
-        step.end_at(&mut self.variator, to);
+        step.end_at(&self.variator, to);
     }
 
     fn finish(&mut self, step: &CommunicationStep, remarks: &mut Vec<Remark>) {

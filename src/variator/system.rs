@@ -40,7 +40,6 @@ impl VariatorSystem {
     ///
     /// # Panics
     /// With parameters that [`Parameters::validate`] rejects.
-    #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         Self::with_ring(parameters, parameters.ring_of_model())
     }
@@ -49,7 +48,6 @@ impl VariatorSystem {
     ///
     /// # Panics
     /// With parameters that [`Parameters::validate`] or [`BeltRing::check`] rejects.
-    #[must_use]
     pub fn with_ring(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
         Self::with_belt(parameters, Belt::new(parameters, ring))
     }
@@ -67,7 +65,6 @@ impl VariatorSystem {
     }
 
     /// The pulleys: shafts and sheaves.
-    #[must_use]
     pub fn pulleys(&self) -> Pulleys<'_> {
         let inertia_factor = match self.loads {
             Loads::Inputs(..) => 1.0,
@@ -77,13 +74,11 @@ impl VariatorSystem {
     }
 
     /// Conditions of the pulleys at a time, s.
-    #[must_use]
     pub fn boundary(&self, time: f64) -> Boundary {
         self.loads.at(time, &self.parameters)
     }
 
     /// Friction in force.
-    #[must_use]
     pub fn friction(&self) -> Friction {
         let own = &self.parameters.friction;
         let softened = self.friction_velocity > own.velocity;
@@ -124,7 +119,6 @@ impl VariatorSystem {
     }
 
     /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
-    #[must_use]
     pub fn ring_energy(&self, view: View<'_>) -> [f64; 2] {
         self.assembly.ring_energy(&self.belt, view)
     }
@@ -158,7 +152,6 @@ impl VariatorSystem {
     }
 
     /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
-    #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
     }

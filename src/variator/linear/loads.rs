@@ -6,9 +6,8 @@ use crate::solver::System;
 use crate::variator::linear::SAME;
 use crate::variator::linear::working_point::WorkingPoint;
 use crate::variator::pulleys::loads::Loads;
-use crate::variator::run::pace::INPUTS;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::signals::{INPUTS, Inputs};
 
 /// An input of the linear model, by its place among the values of `Inputs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -71,7 +71,6 @@ impl Boundary {
     };
 
     /// Forces of clamps and pressures on the movable sheaves, N; 0 where they are held.
-    #[must_use]
     pub fn clamping_forces(&self) -> PerPulley<f64> {
         self.sheave.map(|sheave| match sheave {
             SheaveMode::Force(force) => force,
@@ -96,7 +95,6 @@ pub struct InputProfile {
 
 impl InputProfile {
     /// Inputs that stay as they are.
-    #[must_use]
     pub fn constant(inputs: &Inputs) -> Self {
         Self {
             kink: 0.0,
@@ -107,7 +105,6 @@ impl InputProfile {
 
     /// Inputs that go from `present` to those given over `time`, s: no longer than the step from `from` to `to`; a negative time
     /// stands for all of it. An input that has a rate starts at its value and changes at that rate.
-    #[must_use]
     pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
         let whole = time < 0.0 || time >= to - from - SHORTEST_STEP;
         let end = if whole { to } else { from + time };
@@ -141,7 +138,6 @@ impl InputProfile {
     }
 
     /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
-    #[must_use]
     pub fn at(&self, time: f64) -> Inputs {
         let rates = &self.rates[usize::from(time >= self.kink)];
         let mut inputs = self.inputs.after(time - self.kink, rates);
@@ -172,7 +168,6 @@ pub enum Loads {
 
 impl Loads {
     /// Inputs that are held.
-    #[must_use]
     pub fn held(inputs: &Inputs) -> Self {
         Self::Inputs(InputProfile::constant(inputs))
     }

@@ -50,7 +50,6 @@ pub enum Stop {
 
 impl Stop {
     /// Its name in a message.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Opening => "opening",
@@ -61,7 +60,6 @@ impl Stop {
 
 impl<'a> Pulleys<'a> {
     /// The pulleys of a belt, with their inertias times a factor.
-    #[must_use]
     pub(crate) fn new(parameters: &'a Parameters, belt: &'a Belt, inertia_factor: f64) -> Self {
         Self {
             parameters,
@@ -93,7 +91,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// The end stop that a sheave has reached, if any: it counts from the start of its compression.
-    #[must_use]
     pub fn stop_reached(&self, pulley: Pulley, view: View<'_>) -> Option<Stop> {
         let (z, travel) = (view.q[self.layout().sheave(pulley)], self.travel(pulley));
         let closed = (z >= travel.closed).then_some(Stop::Closing);
@@ -101,20 +98,17 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Force of the end stops on a sheave, N.
-    #[must_use]
     pub fn stop_force(&self, pulley: Pulley, view: View<'_>) -> f64 {
         self.stop(pulley, view).force
     }
 
     /// Force of clamp and pressure under which a sheave stands still, N: the belt's `axial` force on it, less those of an
     /// end stop, of spring and rotating oil.
-    #[must_use]
     pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
         axial - self.stop(pulley, view).force - self.push(pulley, view)
     }
 
     /// Force of spring and rotating oil on a sheave, N.
-    #[must_use]
     pub fn push(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let z = view.q[self.layout().sheave(pulley)];
         self.parameters
@@ -130,7 +124,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Loss by the friction of a pulley's seals at the speed `z_dot` of its sheave, m/s; W.
-    #[must_use]
     pub fn seal_loss(&self, pulley: Pulley, z_dot: f64) -> f64 {
         self.parameters.rubbing(pulley, z_dot) * z_dot
     }
@@ -168,7 +161,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
-    #[must_use]
     pub fn drag_torques(&self, view: View<'_>, resultants: PerPulley<[f64; 2]>) -> PerPulley<f64> {
         PerPulley::from_fn(|pulley| self.drag(pulley, view, resultants[pulley]).torque)
     }
@@ -351,7 +343,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. Drag of shafts and seals is not in it.
-    #[must_use]
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
         for pulley in Pulley::BOTH {
@@ -368,7 +359,6 @@ impl<'a> Pulleys<'a> {
 
     /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes up its clearance
     /// within a step. The work of the moment follows from the change of the tilt; the part that is not stored is lost.
-    #[must_use]
     pub fn tilt_loss_beyond_trapezoid(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64) -> f64 {
         let law = &self.parameters.pulley(pulley).tilt;
         if law.is_rigid() {
@@ -386,7 +376,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Energy of the pulleys: rotation, axial motion, tilt, end stops, springs, J.
-    #[must_use]
     pub fn energy(&self, view: View<'_>) -> f64 {
         let mut energy = 0.0;
         for pulley in Pulley::BOTH {
@@ -414,7 +403,6 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Loads from outside. `torques` are those of belt and drag on the shafts, N·m, and `axial` the belt's forces on the sheaves, N.
-    #[must_use]
     pub fn external(
         &self,
         boundary: &Boundary,
@@ -441,7 +429,6 @@ impl<'a> Pulleys<'a> {
 
     /// Power supplied at the shafts, W, without the power that accelerates a pulley in speed drive; `torques` are those of
     /// belt and drag.
-    #[must_use]
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
         let power = |j| Self::torque_supplied(boundary.shaft[j], torques[j]) * self.speed(j, view);
         Pulley::BOTH.map(power).iter().sum()

@@ -1,12 +1,14 @@
-//! Loads and speeds that can hardly be meant. Each is remarked upon once in a run.
+//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once in a run, slip at its start, strands
+//! that would buckle.
 
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{BALANCED, FASTEST, LASTING};
+use crate::variator::run::tuning::{BALANCED, BRIEF, FASTEST};
 use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
+use crate::variator::steady::solve::geometric_ratio;
 use std::f64::consts::PI;
 
 /// What was said.
@@ -15,8 +17,10 @@ pub(super) struct Hints {
     fast: bool,
     unit: bool,
     opens: bool,
-    /// Time since which a load has seemed to be in another unit, s; the largest number if none does.
-    since: f64,
+    /// Time since which a load has seemed to be in another unit, s; ∞ if none does.
+    doubtful_since: f64,
+    /// Last time at which a strand was in net compression, s; −∞ before.
+    buckled: f64,
 }
 
 /// What is found, unless it was said before.
@@ -31,16 +35,24 @@ impl Hints {
         fast: false,
         unit: false,
         opens: false,
-        since: f64::MAX,
+        doubtful_since: f64::INFINITY,
+        buckled: f64::NEG_INFINITY,
     };
 
     /// Hints for the present state that were not given before. `starts`: the run starts from it.
     pub fn new_at(&mut self, simulation: &Simulation, starts: bool) -> impl Iterator<Item = String> + use<> {
-        let fast = once(&mut self.fast, || fast_belt(simulation, starts));
-        let unit = once(&mut self.unit, || wrong_unit(simulation, &mut self.since));
-        let opens = once(&mut self.opens, || opening(simulation));
-        let sign = if starts { same_sign(simulation) } else { None };
-        [fast, unit, opens, sign].into_iter().flatten()
+        let at_start = |find: fn(&Simulation) -> Option<String>| if starts { find(simulation) } else { None };
+        [
+            at_start(other_layers),
+            at_start(slipping),
+            (!starts).then(|| buckling(simulation, &mut self.buckled)).flatten(),
+            once(&mut self.fast, || fast_belt(simulation, starts)),
+            once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
+            once(&mut self.opens, || opening(simulation)),
+            at_start(same_sign),
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// Writes to an archive, or reads from it.
@@ -48,15 +60,60 @@ impl Hints {
         for said in [&mut self.fast, &mut self.unit, &mut self.opens] {
             archive.flag(said);
         }
-        archive.real(&mut self.since);
+        for time in [&mut self.doubtful_since, &mut self.buckled] {
+            archive.within(time, f64::NEG_INFINITY, f64::INFINITY);
+        }
     }
+}
+
+/// Stiffness and mass of a ring with other layers.
+fn other_layers(simulation: &Simulation) -> Option<String> {
+    let (modulus, density) = simulation.system.parameters.steel_of_other_layers()?;
+    Some(format!(
+        "ring.axialStiffness, ring.bendingStiffness and ring.massPerLength do not follow from ring.layers, ring.layerThickness and \
+         ring.layerWidth: steel of {:.0} GPa and {density:.0} kg/m3; set them together",
+        1e-9 * modulus
+    ))
+}
+
+/// A belt that slips through.
+fn slipping(simulation: &Simulation) -> Option<String> {
+    let Simulation { system, state, .. } = simulation;
+    let speeds = system.belt.shaft_speeds(state.view());
+    simulation.slips(false).then(|| {
+        format!(
+            "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary pulley, {:.4} rad/s at \
+             the secondary, geometric ratio {:.4}",
+            speeds.primary,
+            speeds.secondary,
+            geometric_ratio(system, state.view())
+        )
+    })
+}
+
+/// A strand whose net force is compression, which was so `last`, s.
+fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
+    let (time, force) = (simulation.time, simulation.energy.last.sums.strand_force);
+    if force >= 0.0 {
+        return None;
+    }
+    let real = if simulation.system.belt.law.is_chain() {
+        "chain would be slack"
+    } else {
+        "push strand would buckle"
+    };
+    let is_new = time - std::mem::replace(last, time) > BRIEF;
+    is_new.then(|| {
+        format!(
+            "at {time} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {BRIEF} s without)"
+        )
+    })
 }
 
 /// A force or torque that has seemed to be in another unit for some time: `since` when, s.
 fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
-    let small = |pulley: &Pulley| Demand::may_be_another_unit(&inputs, *pulley);
-    let found = clamped(parameters).filter(small).find_map(|pulley| {
+    let found = clamped(parameters).find_map(|pulley| {
         let (belt, view) = (&simulation.system.belt, simulation.state.view());
         let at = [ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary];
         Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
@@ -64,9 +121,9 @@ fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     *since = if found.is_some() {
         since.min(simulation.time)
     } else {
-        f64::MAX
+        f64::INFINITY
     };
-    let lasting = found.filter(|_| simulation.time - *since >= LASTING);
+    let lasting = found.filter(|_| simulation.time - *since >= BRIEF);
     lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 

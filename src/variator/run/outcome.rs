@@ -76,7 +76,6 @@ impl Event {
     }
 
     /// The event in words.
-    #[must_use]
     pub fn text(self) -> String {
         match self {
             Self::Slips => "the belt begins to slip through (macro-slip)".into(),

@@ -5,19 +5,7 @@ use crate::archive::Archive;
 use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::SHORTEST_STEP;
 use crate::variator::run::tuning::{JUDGED, REAL_TIME, RESIDUAL};
-use crate::variator::settings::signals::Inputs;
-
-/// Names of the inputs in the order of [`Inputs::values`], their units, and a size of each: changes are counted in it.
-pub(crate) const INPUTS: [(&str, &str, f64); 8] = [
-    ("primary.torque", "N.m", 50.0),
-    ("primary.clampingForce", "N", 5.0e3),
-    ("primary.speedSetpoint", "rad/s", 100.0),
-    ("primary.pressure", "Pa", 5.0e5),
-    ("secondary.torque", "N.m", 50.0),
-    ("secondary.clampingForce", "N", 5.0e3),
-    ("secondary.speedSetpoint", "rad/s", 100.0),
-    ("secondary.pressure", "Pa", 5.0e5),
-];
+use crate::variator::settings::signals::{INPUTS, Inputs};
 
 /// Simulated time, work, and how much each input moved since the last judgement.
 #[derive(Clone, Debug, Default)]
@@ -41,9 +29,8 @@ impl Pace {
     /// Counts a communication step of `simulated` seconds under the inputs `given`, with its work on so many unknowns. Returns a remark
     /// after each second of simulation for which that was too much.
     pub fn count(&mut self, given: &Inputs, simulated: f64, work: Counts, unknowns: usize) -> Option<String> {
-        let sizes = INPUTS.iter().map(|(.., size)| size);
         let values = given.values().into_iter().zip(self.given.values());
-        for (moved, (size, (now, before))) in self.moved.iter_mut().zip(sizes.zip(values)) {
+        for ((moved, (.., size)), (now, before)) in self.moved.iter_mut().zip(INPUTS).zip(values) {
             *moved += (now - before).abs() / size;
         }
         self.given = *given;

@@ -172,13 +172,8 @@ mod tests {
     #[test]
     fn no_impulse_is_lost() {
         let ramp = |from: f64, present: f64, given: f64| {
-            InputProfile::new(
-                0.25e-3,
-                [from, from + 1e-3],
-                &torque(present),
-                &torque(given),
-                &Inputs::ZERO,
-            )
+            let [present, given] = [present, given].map(torque);
+            InputProfile::new(0.25e-3, [from, from + 1e-3], &present, &given, &Inputs::ZERO)
         };
         let (first, second) = (ramp(0.0, 0.0, 50.0), ramp(1e-3, 50.0, -50.0));
         let impulse = |profile: &InputProfile, from: f64, to: f64| {

@@ -11,7 +11,7 @@ use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::outcome::Message;
-use crate::variator::run::soft_start::SoftStart;
+use crate::variator::run::tuning::{RAMP, RAMP_PARTS, RAMP_VELOCITY};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
 use crate::variator::system::VariatorSystem;
@@ -25,7 +25,9 @@ pub(super) struct Simulation {
     pub state: State,
     /// s.
     pub time: f64,
-    pub soft_start: SoftStart,
+    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a standstill makes one cell after the other
+    /// stick and slide by turns: half of the Jacobians of a launch went there. So the friction velocity is large at first and falls.
+    pub soft_since: f64,
     /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,
     pub given: Inputs,
@@ -42,7 +44,7 @@ impl Simulation {
             energy: EnergyBalance::default(),
             system,
             time: 0.0,
-            soft_start: SoftStart::NONE,
+            soft_since: f64::NEG_INFINITY,
             start_work: Counts::default(),
             given: Inputs::ZERO,
             messages: Vec::new(),
@@ -59,8 +61,7 @@ impl Simulation {
         self.system.serialize(archive);
         archive.real(&mut self.time);
         self.energy.serialize(archive);
-        // −∞ where there was none.
-        archive.within(&mut self.soft_start.from, f64::NEG_INFINITY, f64::MAX);
+        archive.within(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
     }
 
     /// Equations and state for the solver.
@@ -72,10 +73,24 @@ impl Simulation {
         (problem, &mut self.state)
     }
 
-    /// Brings the friction velocity of the present time into force.
+    /// Time for which friction is held from now on, s.
+    pub fn friction_lasts(&self) -> f64 {
+        if self.time - self.soft_since < RAMP {
+            RAMP / RAMP_PARTS
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Brings the friction velocity of the present time into force: in a ramp, that of the middle of the part that begins.
     fn regularise(&mut self) {
         let own = self.system.parameters.friction.velocity;
-        let velocity = self.soft_start.friction_velocity(self.time, own);
+        let left = 1.0 - (self.time - self.soft_since + 0.5 * self.friction_lasts()) / RAMP;
+        let velocity = if left > 0.0 {
+            own * (own.max(RAMP_VELOCITY) / own).powf(left)
+        } else {
+            own
+        };
         if self.system.friction_velocity != velocity {
             self.system.friction_velocity = velocity;
             // All kept derivatives are of the same law, so a stored state holds one law only.
@@ -85,7 +100,7 @@ impl Simulation {
 
     /// Ends a soft start: its own friction velocity, no kept derivatives.
     pub fn end_soft_start(&mut self) {
-        self.soft_start = SoftStart::NONE;
+        self.soft_since = f64::NEG_INFINITY;
         self.regularise();
         self.system.forget_derivatives();
     }

@@ -8,7 +8,6 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::outcome::{InitialisationError, StepError};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::soft_start::SoftStart;
 use crate::variator::run::steady_start::NoSteadyState;
 use crate::variator::run::stepper::Stepper;
 use crate::variator::run::tuning::{
@@ -24,46 +23,40 @@ impl Simulation {
     /// gives it and the reason. Returns what it is.
     pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
         (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
-        self.clamp_initial_ratio();
         let start = self.start_point();
         let found = self.find_state(&start)?;
         self.warn_of_held_sheaves(found);
-        if self.system.parameters.solver.mode == Mode::RealTime && self.soft_start.from == time {
+        if self.system.parameters.solver.mode == Mode::RealTime && self.soft_since == time {
             // A ring without tension is a mechanism, too rough for steps of bounded work.
             self.clamp(RAMP);
         }
         Ok(found)
     }
 
-    /// Moves an initial ratio beyond an end stop to the stop.
-    fn clamp_initial_ratio(&mut self) {
-        let parameters = &mut self.system.parameters;
-        let (lowest, highest) = parameters.ratio_range();
-        let given = parameters.initial.ratio;
-        let ratio = given.clamp(lowest, highest);
-        if ratio != given {
-            parameters.initial.ratio = ratio;
-            let text = format!(
-                "initial.ratio = {given} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
-            );
-            self.log(false, text);
-        }
-    }
-
-    /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
+    /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop, and a set point of a shaft's speed
+    /// comes before `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
-        let (parameters, inputs) = (&self.system.parameters, &self.given);
-        let (ratio, given) = (parameters.initial.ratio, parameters.initial.primary_speed);
+        let (parameters, inputs) = (&mut self.system.parameters, &self.given);
+        let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);
+        let (lowest, highest) = parameters.ratio_range();
+        let ratio = given_ratio.clamp(lowest, highest);
+        parameters.initial.ratio = ratio;
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
             (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
-            (Drive::Torque, Drive::Torque) => given,
+            (Drive::Torque, Drive::Torque) => given_speed,
         };
         let clamping = parameters.closing_forces(inputs, [ratio, primary_speed]);
-        if primary_speed != given {
+        if ratio != given_ratio {
+            let text = format!(
+                "initial.ratio = {given_ratio} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
+            );
+            self.log(false, text);
+        }
+        if primary_speed != given_speed {
             let text = format!(
                 "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
-                 initial.primarySpeed = {given} rad/s"
+                 initial.primarySpeed = {given_speed} rad/s"
             );
             self.log(false, text);
         }
@@ -79,15 +72,15 @@ impl Simulation {
         if !self.system.parameters.holds_both_sheaves() {
             return;
         }
-        let text = if matches!(
-            found,
-            StartState::Steady | StartState::ReducedTorque | StartState::Clamped
-        ) {
-            "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
-             forces are ignored"
-        } else {
-            "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
-             forces are ignored"
+        let text = match found {
+            StartState::Unloaded | StartState::NotFound => {
+                "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
+                 forces are ignored"
+            }
+            _ => {
+                "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
+                 forces are ignored"
+            }
         };
         self.log(true, text.into());
     }
@@ -120,9 +113,7 @@ impl Simulation {
 
     /// Starts at a standstill: as a belt that crept, or else clamped from the unloaded state.
     fn start_at_rest(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
-        if self.may_creep(start)
-            && let Some(found) = self.stop_creeping(start)?
-        {
+        if let Some(found) = self.stop_creeping(start)? {
             return Ok(found);
         }
         if self.system.parameters.holds_both_sheaves() || !self.is_clamped() {
@@ -148,9 +139,12 @@ impl Simulation {
     }
 
     /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
-    /// open, so they are those of the motion before. None with a warning where there is no such state, and none where both sheaves are
-    /// under force and friction holds the torques: a belt that crept would roll back.
+    /// open, so they are those of the motion before. None where a belt may not creep, none with a warning where there is no such state,
+    /// and none where both sheaves are under force and friction holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
+        if !self.may_creep(start) {
+            return Ok(None);
+        }
         let primary_speed = creep_speed(start);
         let mut creeping = self.clone();
         creeping.state = self.kinematic_state(&Start {
@@ -202,7 +196,7 @@ impl Simulation {
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
         self.start_cold(&Start { clamping, ..*start })?;
-        self.soft_start = SoftStart { from: self.time };
+        self.soft_since = self.time;
         Ok(())
     }
 
@@ -212,7 +206,7 @@ impl Simulation {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
             let hangs = self.settle(RAMP, &Inputs::ZERO, |_| ());
-            self.soft_start = SoftStart { from: self.time };
+            self.soft_since = self.time;
             if hangs.is_err() {
                 self.start_unloaded(start)?;
             }
@@ -229,7 +223,7 @@ impl Simulation {
         let found = other.find_state(start);
         self.messages.append(&mut other.messages);
         let found = found?;
-        self.soft_start = other.soft_start;
+        self.soft_since = other.soft_since;
         self.start_work = other.start_work;
         let belt = &self.system.belt;
         self.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
@@ -275,7 +269,7 @@ impl Simulation {
         (still.primary.speed_setpoint, still.secondary.speed_setpoint) = (0.0, 0.0);
         let holds = self.system.parameters.holds_a_sheave();
         self.settle(if holds { RAMP / RAMP_PARTS } else { RAMP }, &still, |before| {
-            before.soft_start = SoftStart::NONE;
+            before.soft_since = f64::NEG_INFINITY;
             let p = &mut before.system.parameters;
             (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
         })
@@ -286,19 +280,16 @@ impl Simulation {
     fn settle(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
         let mut before = self.clone();
         before.time -= span;
-        before.soft_start = SoftStart { from: before.time };
+        before.soft_since = before.time;
         let solver = &mut before.system.parameters.solver;
-        solver.tolerance = solver.tolerance.max(SETTLING_TOLERANCE);
+        (solver.mode, solver.tolerance) = (Mode::Accurate, solver.tolerance.max(SETTLING_TOLERANCE));
         change(&mut before);
-        let mut stepper = Stepper::accurate(&before, COLD_STEP);
-        let profile = InputProfile::constant(inputs);
-        let outcome = loop {
-            match stepper.step(&mut before, &profile, self.time) {
-                Ok(false) => {}
-                Ok(true) => break Ok(()),
-                Err(error) => break Err(error),
-            }
-        };
+        let mut stepper = Stepper::new(&before, COLD_STEP);
+        let mut step = stepper.begin(&before, self.time, inputs, InputProfile::constant(inputs));
+        let mut outcome = Ok(());
+        while outcome.is_ok() && !step.is_over() {
+            outcome = stepper.step(&mut before, &mut step);
+        }
         before.start_work += stepper.counts();
         self.take_start(before);
         outcome

@@ -7,7 +7,8 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, LEAST_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::run::tuning::{CLOSE_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::settings::FAR;
 use crate::variator::settings::capacity::{Demand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::StartState;
@@ -81,26 +82,17 @@ impl Simulation {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let axial = self.sums().axial.primary;
-            let text = format!(
-                "steady start: primary clamping force less axial belt force is {:.1} N",
-                whole.clamping.primary + self.primary_push() - axial
-            );
+            let push = self.system.pulleys().push(Pulley::Primary, self.state.view());
+            let excess = whole.clamping.primary + push - self.sums().axial.primary;
+            let text = format!("steady start: primary clamping force less axial belt force is {excess:.1} N");
             self.log(false, text);
         }
         Ok(found)
     }
 
-    /// Force of spring and rotating oil on the primary sheave, N.
-    fn primary_push(&self) -> f64 {
-        let Simulation { system, state, .. } = self;
-        system.pulleys().push(Pulley::Primary, state.view())
-    }
-
     /// Speed of the primary pulley in the present state, rad/s.
     fn primary_speed(&self) -> f64 {
-        let Simulation { system, state, .. } = self;
-        system.belt.shaft_speeds(state.view()).primary
+        self.system.belt.shaft_speeds(self.state.view()).primary
     }
 
     /// The steady state with a share of the torques.
@@ -144,7 +136,7 @@ impl Simulation {
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(reaction, share);
-            let is_least = share <= LEAST_SHARE;
+            let is_least = FAR * share <= 1.0;
             if let Some(demand) = demand {
                 self.guess_slip(&task, demand, share);
             }
@@ -202,31 +194,29 @@ impl Simulation {
         let at_ratio = state.clone();
         let outcome = SteadySolver { system, newton }.balance(state, task, range);
         let ratio = geometric_ratio(system, state.view());
-        match outcome {
+        let (warning, text) = match outcome {
             Ok(true) => {
-                let text = "the clamping forces drive the variator to an end stop: the run starts at the ratio";
-                self.log(true, format!("{text} {ratio:.4}"));
-                StartState::Steady
+                let what = "the clamping forces drive the variator to an end stop: the run starts at the ratio";
+                (true, format!("{what} {ratio:.4}"))
             }
-            Ok(false) => {
-                self.log(
-                    false,
-                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
-                );
-                StartState::Steady
-            }
+            Ok(false) => (
+                false,
+                format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+            ),
             Err(_) => {
                 *state = at_ratio;
-                let holding = reaction(system, state.view(), Pulley::Primary) + self.primary_push();
-                let text = "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
+                let push = system.pulleys().push(Pulley::Primary, state.view());
+                let holding = push + reaction(system, state.view(), Pulley::Primary);
+                let what = "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
                             ratio, where the primary force would have to be";
-                self.log(true, format!("{text} {holding:.1} N"));
-                if found == StartState::Steady {
-                    StartState::NoEquilibrium
-                } else {
-                    found
-                }
+                (true, format!("{what} {holding:.1} N"))
             }
+        };
+        self.log(warning, text);
+        match (outcome, found) {
+            (Ok(_), _) => StartState::Steady,
+            (Err(_), StartState::Steady) => StartState::NoEquilibrium,
+            _ => found,
         }
     }
 }

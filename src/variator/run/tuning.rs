@@ -65,7 +65,8 @@ pub const REAL_TIME: RealTimeTuning = RealTimeTuning {
 };
 
 /// Start without load: friction velocity that it begins with, m/s, unless its own is larger; time over which that falls to its own, s, held
-/// over each of so many parts.
+/// over each of so many parts. Over 24 starts without load or at a standstill, with 0.15 s after each, half: -4, -1; -22, -17 (`ALE0` alone
+/// -6, +2); -2, -2. Twice: +4, +1; +3, +2 (`ALE0` +28, +17); -3, +1.
 pub const RAMP_VELOCITY: f64 = 0.02;
 pub const RAMP: f64 = 1.0e-2;
 pub const RAMP_PARTS: f64 = 32.0;
@@ -85,9 +86,8 @@ pub const CREEP_VELOCITY: f64 = 5.0e-5;
 pub const SETTLING: f64 = 0.2;
 pub const SETTLING_TOLERANCE: f64 = 1.0e-2;
 
-/// Share of the torques below which no smaller one is tried, factor to which the largest is found, and factor from one share to the next while
-/// there is none that is carried. Half (0.025, 1.02, 0.5): 0, 0; +15, +12; +1, +1. Twice (0.1, 1.1, 0.85): 0, 0; -10, -8; +11, +11.
-pub const LEAST_SHARE: f64 = 0.05;
+/// Factor to which the largest share of the torques is found that is carried, and factor from one share to the next while there is none.
+/// Half (1.02, 0.5): +15, +12; +1, +1. Twice (1.1, 0.85): -10, -8; +11, +11.
 pub const CLOSE_SHARE: f64 = 1.05;
 pub const NEXT_SHARE: f64 = 0.7;
 /// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %. Half and twice: 0, 0; without:
@@ -98,12 +98,9 @@ pub const SLIP_AT_CAPACITY: f64 = 0.015;
 /// ten loads on three meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
 pub const JUDGED: f64 = 1.0;
 pub const RESIDUAL: f64 = 36.0e-9;
-/// Time without net compression in a strand after which it is logged again, and the same for a change between gripping and slipping through,
-/// s: a strand at the limit does not fill the log.
-pub const QUIET: f64 = 1.0;
-pub const CHATTER: f64 = 0.1;
-/// Time for which a load seems to be in another unit before that is said, s: a force that comes in passes small values.
-pub const LASTING: f64 = 0.2;
+/// What comes and goes within this time, s, is logged once: net compression of a strand, slip. A load must seem to be in another unit for
+/// as long before that is said: a force that comes in passes small values.
+pub const BRIEF: f64 = 0.1;
 /// Belt speed above which no belt of a car runs, m/s: they run at up to about 50 m/s.
 pub const FASTEST: f64 = 60.0;
 /// Deviation from balance up to which one torque seems to have the wrong sign, as a share.

@@ -13,11 +13,10 @@ use crate::variator::run::outcome::{Event, InitialisationError, Message};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
-use crate::variator::run::tuning::{CHATTER, COLD_STEP, FIRST_STEP, MOMENT, QUIET};
+use crate::variator::run::tuning::{BRIEF, COLD_STEP, FIRST_STEP, MOMENT};
 use crate::variator::settings::ParameterError;
-use crate::variator::settings::parameters::{Mode, Parameters};
+use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
-use crate::variator::steady::solve::geometric_ratio;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -39,8 +38,6 @@ pub struct Variator {
     pub(super) stepper: Stepper,
     start_state: StartState,
     pub(super) macro_slip: bool,
-    /// Last time at which a strand was in net compression, s.
-    buckled: f64,
     /// Last time at which the belt began or ceased to slip through, s.
     slipped: f64,
     pub(super) work: Work,
@@ -54,48 +51,29 @@ pub struct Variator {
     profile_stale: bool,
 }
 
-/// The stepper that the parameters choose, for the state and time of a simulation.
-fn stepper(simulation: &Simulation, start: StartState) -> Stepper {
-    let is_cold = matches!(start, StartState::Unloaded | StartState::NotFound | StartState::Clamped);
-    match simulation.system.parameters.solver.mode {
-        Mode::Accurate => Stepper::accurate(simulation, if is_cold { COLD_STEP } else { FIRST_STEP }),
-        Mode::RealTime => Stepper::in_real_time(simulation),
-    }
-}
-
 impl Variator {
     /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet initialised.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let ring = parameters.ring_of_model();
         Self::with_ring(parameters, ring)
     }
 
-    /// Checks parameters of a variator with this ring.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range or does not fit the ring.
+    /// Checks parameters of a variator with this ring: returns the first that is out of its range or does not fit the ring.
     pub fn check(parameters: &Parameters, ring: &dyn BeltRing) -> Result<(), ParameterError> {
         parameters.validate()?;
         ring.check(parameters)
     }
 
     /// A variator with these parameters and this ring, not yet initialised.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range or does not fit the ring.
     pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
         Self::check(&parameters, &*ring)?;
         let simulation = Simulation::new(&parameters, ring);
         Ok(Self {
-            stepper: stepper(&simulation, StartState::Unloaded),
+            stepper: Stepper::new(&simulation, COLD_STEP),
             saved: Vec::new(),
             simulation,
             start_state: StartState::Unloaded,
             macro_slip: false,
-            buckled: f64::NEG_INFINITY,
             slipped: f64::NEG_INFINITY,
             work: Work::default(),
             pace: Pace::default(),
@@ -107,67 +85,35 @@ impl Variator {
         })
     }
 
-    /// Finds the state to start from at `time`.
-    ///
-    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
-    ///
-    /// # Errors
-    /// Inputs out of range, or no state found.
+    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it
+    /// and the reason.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
-        (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.slipped = f64::NEG_INFINITY;
         self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
-        self.stepper = stepper(simulation, self.start_state);
+        let first_step = match self.start_state {
+            StartState::Unloaded | StartState::NotFound | StartState::Clamped => COLD_STEP,
+            _ => FIRST_STEP,
+        };
+        self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
-        self.pace = Pace::new(inputs);
+        (self.pace, self.hints) = (Pace::new(inputs), Hints::NONE);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
         self.macro_slip = simulation.slips(false);
-        self.warn_of_layers();
-        self.warn_of_slip();
-        self.warn_of_loads(true);
+        self.warn(true);
         self.stale = true;
         self.save();
         Ok(())
     }
 
-    /// Warns of stiffness and mass of a ring with other layers.
-    fn warn_of_layers(&mut self) {
-        let parameters = &self.simulation.system.parameters;
-        if let Some((modulus, density)) = parameters.steel_of_other_layers() {
-            let text = format!(
-                "ring.axialStiffness, ring.bendingStiffness and ring.massPerLength do not follow from ring.layers, \
-                 ring.layerThickness and ring.layerWidth: steel of {:.0} GPa and {density:.0} kg/m3; set them together",
-                1e-9 * modulus
-            );
-            self.simulation.log(true, text);
-        }
-    }
-
-    /// Warns of loads and speeds that can hardly be meant. `starts`: in the state that the run starts from.
-    pub(super) fn warn_of_loads(&mut self, starts: bool) {
+    /// Warns of what is new in the present state. `starts`: the run starts from it.
+    pub(super) fn warn(&mut self, starts: bool) {
         for hint in self.hints.new_at(&self.simulation, starts) {
             self.simulation.log(true, hint);
         }
-    }
-
-    /// Warns where the belt slips through from the start.
-    fn warn_of_slip(&mut self) {
-        if !self.macro_slip {
-            return;
-        }
-        let Simulation { system, state, .. } = &self.simulation;
-        let speeds = system.belt.shaft_speeds(state.view());
-        let text = format!(
-            "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
-             pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
-            speeds.primary,
-            speeds.secondary,
-            geometric_ratio(system, state.view())
-        );
-        self.simulation.log(true, text);
     }
 
     /// Logs when the belt begins to slip through, and when it grips again.
@@ -178,53 +124,30 @@ impl Variator {
             return;
         }
         self.macro_slip = slips;
-        if to - self.slipped > CHATTER {
+        if to - self.slipped > BRIEF {
             self.simulation
                 .log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
         self.slipped = to;
     }
 
-    /// Warns of a strand whose net force is compression.
-    pub(super) fn report_buckling(&mut self) {
-        let to = self.simulation.time;
-        let force = self.simulation.energy.last.sums.strand_force;
-        if force >= 0.0 {
-            return;
-        }
-        if to - self.buckled > QUIET {
-            let real = if self.simulation.system.belt.law.is_chain() {
-                "chain would be slack"
-            } else {
-                "push strand would buckle"
-            };
-            let text = format!(
-                "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {QUIET} s without)"
-            );
-            self.simulation.log(true, text);
-        }
-        self.buckled = to;
-    }
-
     /// Outputs a moment before and after the present, and the time between them, s, for time derivatives: the state moves along y' = ẏ,
     /// q' = y, and ẏ as it did between the stages of the last step. Allocates.
     pub fn moment(&mut self) -> ([Box<Outputs>; 2], f64) {
         let present = self.outputs().clone();
-        let Simulation {
-            system, energy, time, ..
-        } = &self.simulation;
+        let of = &self.simulation;
         let outputs = [-MOMENT, MOMENT].map(|after| {
-            let mut state = self.simulation.state.clone();
+            let mut state = of.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
                 state.y[i] += after * state.y_dot[i];
-                state.y_dot[i] += after * self.stepper.slope_rate(i);
+                state.y_dot[i] += after * self.stepper.sdirk.slope_rate(i);
             }
-            let diagnostics = BeltDiagnostics::of(system, state.view());
+            let (time, view) = (of.time + after, state.view());
+            let belt = BeltDiagnostics::of(&of.system, view);
             let mut outputs = Box::new(present.clone());
-            self.observer
-                .observe(system, time + after, state.view(), &diagnostics, &mut outputs);
-            outputs.energy_residual = energy.residual(outputs.stored_energy);
+            self.observer.observe(&of.system, time, view, &belt, &mut outputs);
+            outputs.energy_residual = of.energy.residual(outputs.stored_energy);
             outputs
         });
         self.stale = true;
@@ -236,12 +159,10 @@ impl Variator {
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.serialize_values(archive);
         self.stepper.serialize(archive);
-        let Simulation {
-            system, energy, state, ..
-        } = &mut self.simulation;
-        system.serialize_derivatives(archive);
+        let of = &mut self.simulation;
+        of.system.serialize_derivatives(archive);
         if archive.is_reading() {
-            energy.last.update(system, state.view());
+            of.energy.last.update(&of.system, of.state.view());
             self.stale = true;
             self.save();
         }
@@ -250,23 +171,18 @@ impl Variator {
     /// The same without what the solver reuses from step to step.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
-        // Times that may lie at −∞.
-        for time in [&mut self.buckled, &mut self.slipped] {
-            archive.within(time, f64::NEG_INFINITY, f64::MAX);
-        }
-        let Work {
-            steps,
-            jacobians,
-            residuals,
-            defect,
-            behind,
-            rollbacks,
-        } = &mut self.work;
-        for count in [steps, jacobians, residuals, rollbacks] {
+        archive.within(&mut self.slipped, f64::NEG_INFINITY, f64::MAX);
+        let work = &mut self.work;
+        for count in [
+            &mut work.steps,
+            &mut work.jacobians,
+            &mut work.residuals,
+            &mut work.rollbacks,
+        ] {
             archive.integer(count);
         }
-        archive.real(defect);
-        archive.real(behind);
+        archive.real(&mut work.defect);
+        archive.real(&mut work.behind);
         self.pace.serialize(archive);
         self.hints.serialize(archive);
         archive.flag(&mut self.macro_slip);
@@ -285,80 +201,66 @@ impl Variator {
         self.saved = archive.into_bytes();
     }
 
-    /// Goes back to where the communication step began. Outputs have the same bits as there, and the work done since then remains counted.
-    pub(super) fn roll_back(&mut self) {
+    /// Goes back to where the communication step began, with the own step of then, s. Outputs have the same bits as there, and the work
+    /// done since then remains counted.
+    pub(super) fn roll_back(&mut self, first_step: f64) {
         let saved = std::mem::take(&mut self.saved);
         self.serialize_values(&mut Archive::reader(&saved));
         self.saved = saved;
-        let Simulation {
-            system, energy, state, ..
-        } = &mut self.simulation;
-        system.forget_derivatives();
-        energy.last.update(system, state.view());
-        self.stepper.start_again(&self.simulation);
+        let (of, counts) = (&mut self.simulation, self.stepper.counts());
+        of.system.forget_derivatives();
+        of.energy.last.update(&of.system, of.state.view());
+        self.stepper = Stepper::new(of, first_step);
+        self.stepper.sdirk.newton.counts = counts;
         self.stale = true;
     }
 
     /// Present time, s.
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.simulation.time
     }
 
     /// Parameters in force.
-    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.simulation.system.parameters
     }
 
     /// The assembled system, for reports and tests.
-    #[must_use]
     pub fn system(&self) -> &VariatorSystem {
         &self.simulation.system
     }
 
     /// The energy balance, and the belt at the end of the last step, for reports and tests.
-    #[must_use]
     pub fn energy_balance(&self) -> &EnergyBalance {
         &self.simulation.energy
     }
 
     /// The dynamic state, for reports and tests.
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.simulation.state
     }
 
     /// Work done since the start of the run.
-    #[must_use]
     pub fn counts(&self) -> Counts {
         self.stepper.counts()
     }
 
     /// Work of the search for the state that the run started from.
-    #[must_use]
     pub fn start_work(&self) -> Counts {
         self.simulation.start_work
     }
 
-    /// Changes the two tunable friction coefficients.
-    ///
-    /// # Errors
-    /// A coefficient out of its range; nothing was changed.
+    /// Changes the two tunable friction coefficients; neither if one is out of its range.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
-        let simulation = &mut self.simulation;
-        let mut changed = simulation.system.parameters.clone();
-        changed.friction.pulley = pulley;
-        changed.friction.ring = ring;
+        let of = &mut self.simulation;
+        let mut changed = of.system.parameters.clone();
+        (changed.friction.pulley, changed.friction.ring) = (pulley, ring);
         changed.validate_friction()?;
-        simulation.system.parameters.friction = changed.in_force().friction;
-        simulation
-            .energy
-            .last
-            .update(&simulation.system, simulation.state.view());
-        self.stepper.change_laws();
+        of.system.parameters.friction = changed.in_force().friction;
+        of.energy.last.update(&of.system, of.state.view());
+        self.stepper.sdirk.newton.forget_rate();
         // All kept derivatives are of the same law, as in a soft start.
-        simulation.system.forget_derivatives();
+        of.system.forget_derivatives();
         self.stale = true;
         Ok(())
     }
@@ -375,27 +277,17 @@ impl Variator {
 
     /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as much as all of them.
     pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
-        let Simulation {
-            system,
-            energy,
-            state,
-            time,
-            ..
-        } = &self.simulation;
-        let Readings {
-            outputs,
-            profile: fields,
-            ..
-        } = &mut *self.readings;
-        let (view, belt) = (state.view(), &energy.last);
+        let of = &self.simulation;
+        let (view, belt) = (of.state.view(), &of.energy.last);
+        let (outputs, fields) = (&mut self.readings.outputs, &mut self.readings.profile);
         if self.stale {
-            self.observer.observe(system, *time, view, belt, outputs);
+            self.observer.observe(&of.system, of.time, view, belt, outputs);
             (outputs.macro_slip, outputs.start_state, outputs.work) = (self.macro_slip, self.start_state, self.work);
-            outputs.energy_residual = energy.residual(outputs.stored_energy);
+            outputs.energy_residual = of.energy.residual(outputs.stored_energy);
             (self.stale, self.profile_stale) = (false, true);
         }
         if profile && self.profile_stale {
-            self.observer.profile(&system.belt, view, &belt.sums, fields);
+            self.observer.profile(&of.system.belt, view, &belt.sums, fields);
             self.profile_stale = false;
         }
         &self.readings

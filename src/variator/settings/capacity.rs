@@ -5,7 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::range_of;
-use crate::variator::settings::{BEYOND, FAR, PLAUSIBLE, RING_STEEL};
+use crate::variator::settings::{BEYOND, FAR, RUPTURE};
 
 /// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
 #[derive(Clone, Copy, Debug)]
@@ -14,8 +14,8 @@ pub(crate) struct Demand {
     pulley: Pulley,
     /// External torques on the primary and the secondary shaft, N·m.
     torques: [f64; 2],
-    /// Whether another unit may be meant.
-    doubtful: bool,
+    /// Clamping force that was given, N.
+    given: f64,
     /// Force of clamp and cylinder, N, and the name of its variable.
     force: f64,
     name: &'static str,
@@ -41,7 +41,7 @@ impl Demand {
         Some(Self {
             pulley,
             torques: [inputs.primary.torque, inputs.secondary.torque],
-            doubtful: Self::may_be_another_unit(inputs, pulley),
+            given: inputs.pulley(pulley).clamping_force,
             force,
             name: parameters.name_of_closing(pulley),
             ratio,
@@ -65,23 +65,17 @@ impl Demand {
         share * self.torque.abs() > BEYOND * self.carried() + self.drag
     }
 
-    /// Whether a force is so small, or a torque so large, that another unit may be meant.
-    pub fn may_be_another_unit(inputs: &Inputs, pulley: Pulley) -> bool {
-        let force = inputs.pulley(pulley).clamping_force;
-        let torque = inputs.primary.torque.abs().max(inputs.secondary.torque.abs());
-        force > 0.0 && (force < PLAUSIBLE.0 || torque >= PLAUSIBLE.1)
-    }
-
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
         let (carried, torque) = (self.carried(), self.torque.abs());
-        self.doubtful && torque > FAR * carried + self.drag && 1.0e-3 * torque <= BEYOND * carried
+        self.given > 0.0 && torque > FAR * carried + self.drag && 1.0e-3 * torque <= BEYOND * carried
     }
 
-    /// The unit that is meant then.
+    /// The unit that is meant then: that of the force where loads are smaller than those of the default start, else that of the torques.
     fn other_unit(&self) -> String {
         let (force, torque, pulley) = (self.force, self.torque.abs(), self.pulley.name());
-        if force < PLAUSIBLE.0 {
+        let usual = Inputs::default().primary;
+        if force * torque < usual.clamping_force * usual.torque {
             let carried = short(1.0e3 * self.carried());
             return format!("is {pulley}.clampingForce in kN? {force} kN carry {carried} N·m");
         }
@@ -142,7 +136,6 @@ impl Parameters {
 
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
     #[inline]
-    #[must_use]
     pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
         PerPulley::from_fn(|j| {
             let cylinder = &self.pulley(j).cylinder;
@@ -163,7 +156,6 @@ impl Parameters {
     }
 
     /// The pressure that opens a pulley at a time, s, under these [closing](Self::closing) forces, N.
-    #[must_use]
     pub fn opening(&self, inputs: &Inputs, closing: PerPulley<f64>, time: f64) -> Option<String> {
         let opens = |j: &Pulley| closing[*j] <= 0.0 && closing[*j] < inputs.pulley(*j).clamping_force;
         let pulley = clamped(self).find(opens)?;
@@ -202,14 +194,13 @@ pub(crate) fn excessive_speed(parameters: &Parameters, inputs: &Inputs, [ratio, 
     let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
     let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
     let (name, value) = given_speed(parameters, inputs);
-    let (.., most) = RING_STEEL;
-    let [belt, ratio, percent, slower] =
-        [belt, ratio, 100.0 * stretch, value.abs() * (most / stretch).sqrt()].map(short);
-    (stretch > most).then(|| {
+    let slower = value.abs() * (RUPTURE / stretch).sqrt();
+    let [belt, ratio, percent, slower] = [belt, ratio, 100.0 * stretch, slower].map(short);
+    (stretch > RUPTURE).then(|| {
         format!(
             "{name} = {value} rad/s is a belt speed of {belt} m/s at ratio {ratio}, whose centrifugal tension stretches the ring by \
              {percent} %: below {slower} rad/s it stretches by less than {} %",
-            100.0 * most
+            100.0 * RUPTURE
         )
     })
 }

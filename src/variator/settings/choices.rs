@@ -21,7 +21,6 @@ macro_rules! choice {
             };
 
             /// The item with this number.
-            #[must_use]
             pub fn from_number(number: i32) -> Option<Self> {
                 match number {
                     $($number => Some(Self::$item),)+

@@ -74,7 +74,6 @@ pub struct Mesh {
 
 impl Mesh {
     /// Every element divided by `factor`.
-    #[must_use]
     pub fn refined(&self, factor: i32) -> Self {
         let [primary_arc, secondary_arc, strand] =
             [self.primary_arc, self.secondary_arc, self.strand].map(|elements| factor * elements);
@@ -131,20 +130,17 @@ impl Parameters {
     }
 
     /// Whether the belt is a pull chain.
-    #[must_use]
     pub fn is_chain(&self) -> bool {
         self.kind == BeltKind::PullChain
     }
 
     /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch the sheaves at its centre line.
-    #[must_use]
     pub fn pitch_offset(&self) -> f64 {
         if self.is_chain() { 0.0 } else { self.belt.pitch_offset }
     }
 
     /// The parameters that the laws use. A pull chain has no stack, no layers and no ring that slides on elements; its contact
     /// is at its centre line, and its whole mass is that of the ring.
-    #[must_use]
     pub fn in_force(&self) -> Self {
         let mut of = self.clone();
         if self.is_chain() {
@@ -157,7 +153,6 @@ impl Parameters {
     }
 
     /// Parameters of a pulley.
-    #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyParameters {
         match pulley {
             Pulley::Secondary => &self.secondary,
@@ -166,13 +161,11 @@ impl Parameters {
     }
 
     /// Whether a sheave does not move.
-    #[must_use]
     pub fn holds_a_sheave(&self) -> bool {
         self.primary.axial == Axial::Held || self.secondary.axial == Axial::Held
     }
 
     /// Whether no sheave moves.
-    #[must_use]
     pub fn holds_both_sheaves(&self) -> bool {
         self.primary.axial == Axial::Held && self.secondary.axial == Axial::Held
     }

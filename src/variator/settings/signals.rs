@@ -9,6 +9,18 @@ pub use crate::variator::settings::choices::StartState;
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
 
+/// Names of the inputs in the order of [`Inputs::values`], their units, and a size of each, in which changes are counted.
+pub(crate) const INPUTS: [(&str, &str, f64); 8] = [
+    ("primary.torque", "N.m", 50.0),
+    ("primary.clampingForce", "N", 5.0e3),
+    ("primary.speedSetpoint", "rad/s", 100.0),
+    ("primary.pressure", "Pa", 5.0e5),
+    ("secondary.torque", "N.m", 50.0),
+    ("secondary.clampingForce", "N", 5.0e3),
+    ("secondary.speedSetpoint", "rad/s", 100.0),
+    ("secondary.pressure", "Pa", 5.0e5),
+];
+
 /// Inputs of one pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "said once, in the table of variables")]
@@ -21,7 +33,6 @@ pub struct PulleyInputs {
 
 impl PulleyInputs {
     /// Force of clamp and pressure on the movable sheave, N.
-    #[must_use]
     pub fn force(&self, cylinder: &Cylinder) -> f64 {
         self.clamping_force + cylinder.area * self.pressure
     }
@@ -53,17 +64,15 @@ impl Inputs {
 
     /// The values, the primary pulley's first.
     pub fn each_mut(&mut self) -> [&mut f64; 8] {
-        let [primary, secondary] = [&mut self.primary, &mut self.secondary];
-        [
-            &mut primary.torque,
-            &mut primary.clamping_force,
-            &mut primary.speed_setpoint,
-            &mut primary.pressure,
-            &mut secondary.torque,
-            &mut secondary.clamping_force,
-            &mut secondary.speed_setpoint,
-            &mut secondary.pressure,
-        ]
+        let [[a, b, c, d], [e, f, g, h]] = [&mut self.primary, &mut self.secondary].map(|of| {
+            [
+                &mut of.torque,
+                &mut of.clamping_force,
+                &mut of.speed_setpoint,
+                &mut of.pressure,
+            ]
+        });
+        [a, b, c, d, e, f, g, h]
     }
 
     /// The values, the primary pulley's first.
@@ -72,7 +81,6 @@ impl Inputs {
     }
 
     /// The inputs after a time, s, in which they change at `rates`.
-    #[must_use]
     pub fn after(mut self, time: f64, rates: &Self) -> Self {
         for (value, rate) in self.each_mut().into_iter().zip(rates.values()) {
             *value += time * rate;
@@ -81,7 +89,6 @@ impl Inputs {
     }
 
     /// Inputs of a pulley.
-    #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyInputs {
         match pulley {
             Pulley::Secondary => &self.secondary,
@@ -125,7 +132,6 @@ pub struct Losses<L = f64> {
 
 impl Losses {
     /// Sum of all losses, W.
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin + self.joints + self.seals
     }

@@ -61,13 +61,11 @@ pub struct Setting<S, Q = ()> {
 
 impl<S, Q> Setting<S, Q> {
     /// The variable.
-    #[must_use]
     pub fn variable(self) -> Variable<S, Q> {
         self.row.variable(self.owner)
     }
 
     /// Name in the interface.
-    #[must_use]
     pub fn name(&self) -> String {
         self.row.0.replace("{}", self.owner.0)
     }
@@ -77,7 +75,6 @@ impl<S, Q> Setting<S, Q> {
     }
 
     /// Smallest and largest value of a number; infinity where there is no limit.
-    #[must_use]
     pub fn range(&self) -> Option<[f64; 2]> {
         match self.row.4 {
             Kind::Real { range, .. } => Some([range.min?, range.max.unwrap_or(f64::INFINITY)]),
@@ -87,9 +84,6 @@ impl<S, Q> Setting<S, Q> {
     }
 
     /// Checks the value against its range, without memory from the heap: inputs are checked in each step.
-    ///
-    /// # Errors
-    /// It is out of its range.
     pub(crate) fn check(&self, of: &S) -> Result<(), ParameterError> {
         let value = match &self.row.4 {
             Kind::Real {
@@ -117,7 +111,6 @@ impl<S, Q> Setting<S, Q> {
 
 /// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
 /// there is no limit.
-#[must_use]
 pub fn range_of(name: &str) -> Option<(f64, f64)> {
     let [min, max] = match parameters::<Parameters, ()>().find(|one| one.name() == name) {
         Some(parameter) => parameter.range(),

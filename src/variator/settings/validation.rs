@@ -7,7 +7,7 @@ use crate::reference_curve::TwoPulley;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::{Setting, inputs, parameters};
-use crate::variator::settings::{BEYOND_STOP, RING_STEEL};
+use crate::variator::settings::{BEYOND_STOP, STEEL_SCATTER};
 use std::f64::consts::PI;
 
 /// A value out of its range.
@@ -24,7 +24,6 @@ pub struct ParameterError {
 
 impl ParameterError {
     /// The error of a value that is out of its `range`, in words.
-    #[must_use]
     pub fn new(variable: impl Into<String>, value: impl ToString, range: impl Into<String>) -> Self {
         Self {
             variable: variable.into(),
@@ -35,10 +34,7 @@ impl ParameterError {
 }
 
 impl Parameters {
-    /// Checks every parameter against its range, and all against each other.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range.
+    /// Checks every parameter against its range, and all against each other; returns the first that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
@@ -60,9 +56,6 @@ impl Parameters {
     }
 
     /// Checks the two coefficients that may change in a run.
-    ///
-    /// # Errors
-    /// The one that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
         let mut tunable = parameters::<_, ()>().filter(Setting::is_tunable);
         tunable.try_for_each(|parameter| parameter.check(self))?;
@@ -74,15 +67,18 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of steel on the same
-    /// side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
+    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of the default ring
+    /// on the same side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
     pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
-        let area = 2.0 * f64::from(self.layers.count) * self.layers.width * self.layers.thickness;
-        let (modulus, density) = (self.ring.axial_stiffness / area, self.ring.mass_per_length / area);
-        let (steel_modulus, steel_density, scatter, _) = RING_STEEL;
-        let (stiff, heavy) = (modulus / steel_modulus, density / steel_density);
-        let off = stiff.max(heavy) < 1.0 - scatter || stiff.min(heavy) > 1.0 + scatter;
-        (area > 0.0 && off).then_some((modulus, density))
+        let steel = |of: &Self| {
+            let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
+            [of.ring.axial_stiffness / area, of.ring.mass_per_length / area]
+        };
+        let [modulus, density] = steel(self);
+        let [usual_modulus, usual_density] = steel(&Self::default());
+        let (stiff, heavy) = (modulus / usual_modulus, density / usual_density);
+        let off = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
+        (modulus.is_finite() && off).then_some((modulus, density))
     }
 
     /// Below the friction angle a sheave clamps the elements and never releases them.
@@ -97,9 +93,6 @@ impl Parameters {
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
-    ///
-    /// # Errors
-    /// The parameter that does not fit.
     pub fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;
@@ -141,7 +134,6 @@ impl Parameters {
     }
 
     /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
-    #[must_use]
     pub fn ratio_range(&self) -> (f64, f64) {
         let (p, s) = (&self.primary, &self.secondary);
         // A ratio at which no belt closes is an extreme one.
@@ -159,7 +151,6 @@ impl Parameters {
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.
-    #[must_use]
     pub fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
@@ -189,10 +180,7 @@ pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> 
 }
 
 impl Inputs {
-    /// Checks every input against its range.
-    ///
-    /// # Errors
-    /// The first input that is out of its range.
+    /// Checks every input against its range; returns the first that is out of it.
     pub fn validate(&self) -> Result<(), ParameterError> {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
     }

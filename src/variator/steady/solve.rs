@@ -13,11 +13,12 @@ use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::Inputs;
+use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME, RUN_AWAY,
-    STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -53,68 +54,57 @@ pub struct SteadySolver<'a> {
 }
 
 impl SteadySolver<'_> {
-    /// Finds the steady state from `state`, in place.
-    ///
-    /// # Errors
-    /// The report of the solution, when there is no steady state near by; `state` is then the last one solved.
+    /// Finds the steady state from `state`, in place: the last one solved, with its report, if there is no steady state near by. From a
+    /// kinematic state by way of a coarse mesh, else of a firmer clamping force, else directly, which reverse running needs.
     pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<Settled, Settled> {
         let own = self.system.parameters.friction.velocity;
-        let mut near = state.clone();
         if task.warm {
-            if let Ok(settled) = self.continuation(&mut near, task, own) {
-                *state = near;
-                return Ok(settled);
+            return self.continuation(state, task, own);
+        }
+        let kinematic = state.clone();
+        if let Some(coarse) = coarser(&self.system.parameters) {
+            let warm = SteadyTask { warm: true, ..*task };
+            let mut outcome = self.solve_coarsely(&coarse, state, task);
+            outcome = outcome.and_then(|_| self.solve(state, &warm));
+            let factor = FIRM / task.clamping[task.reaction.other()];
+            if outcome.is_err() && factor > 1.0 {
+                state.copy_from(&kinematic);
+                let clamping = task.clamping.map(|force| factor * force);
+                outcome = self.solve(state, &SteadyTask { clamping, ..*task });
+                outcome = outcome.and_then(|_| self.solve(state, &warm));
             }
-        } else {
-            let from_there = SteadyTask { warm: true, ..*task };
-            for start in [Self::start_on_coarse_mesh, Self::start_at_firmer_force] {
-                near.copy_from(state);
-                if start(self, &mut near, task)
-                    && let Ok(settled) = self.solve(&mut near, &from_there)
-                {
-                    *state = near;
-                    return Ok(settled);
-                }
+            if outcome.is_ok() {
+                return outcome;
             }
         }
+        *state = kinematic;
         self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
     }
 
-    /// Moves a kinematic state of a loose belt to the steady one under a firmer clamping force; returns whether there is one. Not on the
-    /// coarse mesh itself, which is solved for directly.
-    fn start_at_firmer_force(&mut self, state: &mut State, task: &SteadyTask) -> bool {
-        let factor = FIRM / task.clamping[task.reaction.other()];
-        let firmer = SteadyTask {
-            clamping: task.clamping.map(|force| factor * force),
-            ..*task
-        };
-        let is_loose = factor > 1.0 && coarser(&self.system.parameters).is_some();
-        is_loose && self.solve(state, &firmer).is_ok()
-    }
-
-    /// Moves a kinematic state near the steady one of a mesh with fewer elements; returns whether there is one.
-    fn start_on_coarse_mesh(&mut self, state: &mut State, task: &SteadyTask) -> bool {
+    /// Moves a kinematic state near the steady one of a mesh with fewer elements.
+    fn solve_coarsely(
+        &mut self,
+        parameters: &Parameters,
+        state: &mut State,
+        task: &SteadyTask,
+    ) -> Result<Settled, Settled> {
         let Self { system, newton } = self;
-        let Some(parameters) = coarser(&system.parameters) else {
-            return false;
-        };
-        let mut coarse = VariatorSystem::with_ring(&parameters, system.belt.ring.clone());
-        let Ok(kinematic) = cold_start(&coarse, task, system.belt.shaft_speeds(state.view())) else {
-            return false;
-        };
+        let mut coarse = VariatorSystem::with_ring(parameters, system.belt.ring.clone());
+        let speeds = system.belt.shaft_speeds(state.view());
+        let kinematic = cold_start(&coarse, task, speeds).map_err(|_| Settled::default())?;
         let (mut found, mut of_coarse) = (kinematic.clone(), Newton::new(&coarse));
         of_coarse.bound = newton.bound;
         let mut solver = SteadySolver {
             system: &mut coarse,
             newton: &mut of_coarse,
         };
-        let is_found = solver.solve(&mut found, task).is_ok();
+        let settled = solver.solve(&mut found, task);
         newton.counts += of_coarse.counts;
         newton.bound = of_coarse.bound;
-        if is_found {
+        if settled.is_ok() {
             prolong(&coarse.belt, [&kinematic, &found], &system.belt, state);
         }
-        is_found
+        settled
     }
 
     /// Pseudo-transient continuation, with the friction velocity `velocity` at first, m/s.
@@ -128,8 +118,62 @@ impl SteadySolver<'_> {
         outcome
     }
 
+    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method
+    /// on ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the
+    /// clamping forces, and come to rest against a stop. Returns whether they do, or the report of the last solution.
+    pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, Settled> {
+        let defect = |system: &VariatorSystem, state: &State| {
+            let push = system.pulleys().push(task.reaction, state.view());
+            let holding = reaction(system, state.view(), task.reaction);
+            ((task.clamping[task.reaction] + push).max(1.0) / (holding + push).max(1.0)).ln()
+        };
+        let mut x = task.ratio.ln();
+        let mut f = defect(self.system, state);
+        // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
+        let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
+        let mut last = Settled::default();
+        for _ in 0..MOST_SOLVES {
+            let balances = f.abs() < FORCE_ERROR;
+            let wanted = x - f / slope;
+            let next = wanted.clamp(range.0.ln(), range.1.ln());
+            let is_at_end = next == x && next != wanted;
+            if is_at_end && !balances {
+                let sheave = task.clamping.map(SheaveMode::Force);
+                let released = Boundary {
+                    sheave,
+                    shaft: task.shaft,
+                };
+                self.settle(state, released, |_, _| Some(STEADY_TIME))?;
+            }
+            if is_at_end || balances {
+                let pulleys = self.system.pulleys();
+                let rests = |pulley| pulleys.stop_reached(pulley, state.view()).is_some();
+                return Ok(Pulley::BOTH.into_iter().any(rests));
+            }
+            let there = SteadyTask {
+                ratio: next.exp(),
+                ..*task
+            };
+            let mut speeds = self.system.belt.shaft_speeds(state.view());
+            if task.shaft.secondary != ShaftMode::Fixed {
+                speeds.secondary = speeds.primary / there.ratio;
+            }
+            if let Ok(kinematic) = cold_start(self.system, &there, speeds) {
+                *state = kinematic;
+            }
+            last = self.solve(state, &there)?;
+            let reached = defect(self.system, state);
+            let secant = (reached - f) / (next - x);
+            if secant * slope > 0.0 {
+                slope = secant;
+            }
+            (x, f) = (next, reached);
+        }
+        Err(last)
+    }
+
     /// Settles under boundary conditions, which `control` may correct.
-    pub(super) fn settle(
+    fn settle(
         &mut self,
         state: &mut State,
         boundary: Boundary,
@@ -147,11 +191,7 @@ impl SteadySolver<'_> {
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
-pub(super) fn cold_start(
-    system: &VariatorSystem,
-    task: &SteadyTask,
-    speeds: PerPulley<f64>,
-) -> Result<State, GeometryError> {
+fn cold_start(system: &VariatorSystem, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
     let belt = &system.belt;
     let pushes = system
         .parameters

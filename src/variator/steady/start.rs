@@ -20,10 +20,7 @@ pub struct Start {
     pub clamping: PerPulley<f64>,
 }
 
-/// The kinematic state.
-///
-/// # Errors
-/// The belt does not close at this ratio.
+/// The kinematic state, if the belt closes at this ratio.
 pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryError> {
     let layout = &belt.layout;
     let mut state = State::zero(layout.len());
