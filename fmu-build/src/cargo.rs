@@ -264,17 +264,19 @@ mod tests {
         assert!(Artifact::of_line("no JSON").is_err());
     }
 
-    /// Crates that the library is built from, with their features in it.
-    fn features(workspace: &Workspace, also_development: bool) -> BTreeSet<String> {
-        let edges = if also_development {
-            "normal,build,dev"
-        } else {
-            "normal,build"
-        };
-        let mut tree = command(workspace);
-        tree.args(["tree", "--locked", "--package", MODEL_PACKAGE, "--edges", edges]);
-        let output = tree
-            .args(["--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"])
+    /// Crates of cargo's `tree`, with their features in it.
+    fn features(workspace: &Workspace, tree: &[&str]) -> BTreeSet<String> {
+        let output = command(workspace)
+            .args([
+                "tree",
+                "--locked",
+                "--prefix",
+                "none",
+                "--no-dedupe",
+                "--format",
+                "{p} [{f}]",
+            ])
+            .args(tree)
             .output();
         let output = output.expect("cargo starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -288,7 +290,9 @@ mod tests {
     #[test]
     fn development_dependencies_change_no_feature_of_the_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let (alone, beside) = (features(&workspace, false), features(&workspace, true));
+        let alone = features(&workspace, &["--package", MODEL_PACKAGE, "--edges", "normal,build"]);
+        let tests = ["--workspace", "--exclude", env!("CARGO_PKG_NAME")];
+        let beside = features(&workspace, &tests);
         assert!(alone.len() > 20, "{alone:?}");
         let changed: Vec<_> = alone.difference(&beside).collect();
         assert!(
