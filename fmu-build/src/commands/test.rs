@@ -26,7 +26,7 @@ const TOOL: &str = env!("CARGO_PKG_NAME");
 const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
 
 /// Files of Rust tests of other packages that are in the second tier only: they take long, or need valgrind.
-const SECOND_TIER: [&str; 3] = ["sequences", "variator_real_time", "variator_starts"];
+const SECOND_TIER: [&str; 2] = ["bounded_work", "sequences"];
 
 /// Options of the tests.
 #[derive(Args)]
@@ -146,8 +146,8 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
         return test(&arguments.passed_on);
     }
     if arguments.all {
-        // All targets except the examples, which have no tests; clippy compiles them.
-        test(&words(&format!("--workspace --exclude {TOOL} --lib --tests")))?;
+        // All targets with tests; clippy compiles the others.
+        test(&words(&format!("--workspace --exclude {TOOL} --tests")))?;
         test(&words(&format!("--workspace --exclude {TOOL} --doc")))?;
         return test(&words(&format!(
             "--package {TOOL} --profile tool --all-features -- --include-ignored"
