@@ -1,9 +1,9 @@
 //! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU, in two tiers.
 //!
 //! The first tier is for every edit: each part of the code, the packed FMU, one report of each kind. Its Rust tests link the
-//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything:
-//! Rust in the dev profile, with debug assertions and checks of overflow, the programs under valgrind, the paper's belts,
-//! documentation and the slow Python tests.
+//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything: the
+//! programs under valgrind, the paper's belts, documentation and the slow Python tests; and of the crates beside the belt, which are
+//! compiled in seconds, the dev profile with debug assertions and checks of overflow.
 
 use std::num::NonZero;
 use std::thread;
@@ -147,8 +147,9 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
     }
     if arguments.all {
         // All targets with tests; clippy compiles the others.
-        test(&words(&format!("--workspace --exclude {TOOL} --tests")))?;
-        test(&words(&format!("--workspace --exclude {TOOL} --doc")))?;
+        test(&words(&format!("--release --workspace --exclude {TOOL} --tests")))?;
+        test(&words(&format!("--release --workspace --exclude {TOOL} --doc")))?;
+        test(&words("--tests -p pushbelt-archive -p pushbelt-fmi -p pushbelt-solver"))?;
         return test(&words(&format!(
             "--package {TOOL} --profile tool --all-features -- --include-ignored"
         )));
