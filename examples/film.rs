@@ -9,7 +9,7 @@
 use std::error::Error;
 
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_support::film::{FilmBench, Load, RATIOS, SHARES, film as film_of};
+use pushbelt_support::film::{self, Load, RATIOS, SHARES, film_variator};
 
 /// Suction, thickness, roughness and the two dampings of the rows: the default, and changes of it.
 const TRIED: [[f64; 5]; 11] = [
@@ -34,36 +34,36 @@ fn heading() {
     println!("|---|{}", "---|".repeat(19));
 }
 
-fn row(film: [f64; 5], ring: RingModel) -> Result<(), Box<dyn Error>> {
-    let mut bench = FilmBench::new(ring);
-    for (parameter, value) in film_of(&mut bench.parameters).into_iter().zip(film) {
+fn row(oil: [f64; 5], ring: RingModel) -> Result<(), Box<dyn Error>> {
+    let mut variator = film_variator(ring);
+    for (parameter, value) in film::film(&mut variator).into_iter().zip(oil) {
         *parameter = value;
     }
-    let [suction, thickness, roughness, damping, squeeze] = film;
+    let [suction, thickness, roughness, damping, squeeze] = oil;
     print!(
         "| {} | {suction} | {:.3} | {:.3} | {damping} | {squeeze} | {:.1} |",
         if ring == RingModel::Ale0 { "`ALE0`" } else { "`ALE`" },
         1e6 * thickness,
         1e6 * roughness,
-        bench.least_push()?
+        film::least_push(&variator)?
     );
     for share in SHARES {
-        print!(" {:.2} |", bench.onset(share)?);
+        print!(" {:.2} |", film::onset(&variator, share)?);
     }
-    let slips = [bench.slip(2e-4)?, bench.slip(4e-4)?];
+    let slips = [film::slip(&variator, 2e-4)?, film::slip(&variator, 4e-4)?];
     print!(" {:.2} % | {:+.2} |", 1e2 * slips[0], 1e2 * (slips[1] - slips[0]));
     let mut peaks = String::new();
-    for (_, ratio) in RATIOS {
-        let [slip, peak] = bench.near_peak(ratio)?;
+    for ratio in RATIOS {
+        let [slip, peak] = film::near_peak(&variator, ratio)?;
         print!(" {:.2} % |", 1e2 * slip);
         peaks += &format!(" {peak:.3}");
     }
     print!("{peaks} |");
-    for (_, ratio) in RATIOS {
-        let outputs = bench.outputs(ratio, 15e3, Load::Share(0.6))?;
+    for ratio in RATIOS {
+        let outputs = film::outputs(&variator, ratio, 15e3, Load::Share(0.6))?;
         print!(" {:.3} |", outputs.map_or(f64::NAN, |o| o.thrust_ratio));
     }
-    let outputs = bench.outputs(RATIOS[2].1, 15e3, Load::Share(0.0))?;
+    let outputs = film::outputs(&variator, RATIOS[2], 15e3, Load::Share(0.0))?;
     println!(" {:.3} |", outputs.map_or(f64::NAN, |o| o.thrust_ratio));
     Ok(())
 }
@@ -72,16 +72,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments.is_empty() {
         heading();
-        for film in TRIED {
-            row(film, RingModel::Ale)?;
-            row(film, RingModel::Ale0)?;
+        for oil in TRIED {
+            row(oil, RingModel::Ale)?;
+            row(oil, RingModel::Ale0)?;
         }
         return Ok(());
     }
-    let mut film = film_of(&mut Parameters::default()).map(|value| *value);
-    for (value, text) in film.iter_mut().zip(&arguments) {
+    let mut oil = film::film(&mut Parameters::default()).map(|value| *value);
+    for (value, text) in oil.iter_mut().zip(&arguments) {
         *value = text.parse()?;
     }
     let of_circles = arguments.get(5).is_some_and(|name| name == "ALE0");
-    row(film, if of_circles { RingModel::Ale0 } else { RingModel::Ale })
+    row(oil, if of_circles { RingModel::Ale0 } else { RingModel::Ale })
 }

@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 use clap::Parser;
 use pushbelt::variator::linear::{LinearError, modes};
 use pushbelt::variator::settings::Inputs;
-use pushbelt::variator::settings::{Parameters, RIGID_TILT_STIFFNESS, RingModel};
+use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt_support::variators::rigid;
 
 const RATIOS: [f64; 7] = [0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2];
 /// N·m.
@@ -40,8 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
     let mut parameters = Parameters::default();
     if options.rigid {
-        parameters.primary.tilt.stiffness = RIGID_TILT_STIFFNESS;
-        parameters.secondary.tilt.stiffness = RIGID_TILT_STIFFNESS;
+        parameters = rigid(parameters);
     }
     if options.finer {
         parameters.mesh = parameters.mesh.refined(2);

@@ -12,7 +12,7 @@ use pushbelt::variator::linear::modes;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters};
-use pushbelt_support::inside::stations;
+use pushbelt_support::steady::stations;
 
 /// A working point: the primary sheave is held, the secondary shaft has a constant speed.
 #[derive(Clone, Copy)]
@@ -201,8 +201,9 @@ fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Er
         let slip = variator.outputs().slip;
         (least, most) = (least.min(slip), most.max(slip));
         if k % LOOK == 0 {
-            let stations = stations(&variator, variator.state());
-            gaps.extend(stations.iter().map(|s| [time, s.xi, s.weight, 1.0 - s.density]));
+            let stations = stations(variator.system(), variator.state());
+            let samples = stations.iter().map(|at| &at.sample);
+            gaps.extend(samples.map(|s| [time, s.xi, s.weight, 1.0 - s.density]));
         }
     }
     let counts = variator.counts();

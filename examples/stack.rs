@@ -11,10 +11,9 @@ use std::error::Error;
 use clap::Parser;
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Outputs, RingModel};
-use pushbelt_support::film::{FilmBench, Load, RATIOS};
+use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
+use pushbelt_support::film::{Load, RATIOS, film_variator, lowest_push, outputs, steady};
 use pushbelt_support::fingerprint::STEP;
-use pushbelt_support::inside::stations;
 use pushbelt_support::loads::{Driven, LOADS};
 use pushbelt_support::manoeuvre::Manoeuvre;
 use pushbelt_support::variators::variator;
@@ -37,18 +36,12 @@ struct Options {
 
 type Outcome = Result<(), Box<dyn Error>>;
 
-/// The least push force anywhere, N.
-fn least(variator: &Variator) -> f64 {
-    let stations = stations(variator, variator.state());
-    stations.iter().map(|s| s.push).fold(f64::INFINITY, f64::min)
-}
-
-fn bench(ring: RingModel, finer: bool) -> FilmBench {
-    let mut bench = FilmBench::new(ring);
+fn meshed(ring: RingModel, finer: bool) -> Parameters {
+    let mut parameters = film_variator(ring);
     if finer {
-        bench.parameters.mesh = bench.parameters.mesh.refined(2);
+        parameters.mesh = parameters.mesh.refined(2);
     }
-    bench
+    parameters
 }
 
 fn manoeuvre(ring: RingModel) -> Outcome {
@@ -58,7 +51,7 @@ fn manoeuvre(ring: RingModel) -> Outcome {
     let mut low = f64::INFINITY;
     for (k, inputs) in trace.iter().enumerate() {
         variator.advance((k + 1) as f64 * STEP, inputs)?;
-        low = low.min(least(&variator));
+        low = low.min(lowest_push(&variator));
     }
     println!("{ring:?}: {:?}, least push force {low:.1} N", variator.counts());
     Ok(())
@@ -70,9 +63,8 @@ fn loads(ring: RingModel, letters: &str) -> Outcome {
             let mut driven = Driven::new(load, variator(ring), ratio);
             let (start, mut low) = (driven.variator.counts(), f64::INFINITY);
             while driven.until() < SPAN + 0.5 * load.step() {
-                let inputs = driven.inputs();
-                driven.variator.advance(driven.until(), &inputs)?;
-                low = low.min(least(&driven.variator));
+                driven.step();
+                low = low.min(lowest_push(&driven.variator));
             }
             let counts = driven.variator.counts() - start;
             println!(
@@ -84,14 +76,14 @@ fn loads(ring: RingModel, letters: &str) -> Outcome {
     Ok(())
 }
 
-fn states(bench: &FilmBench) -> Outcome {
+fn states(parameters: &Parameters) -> Outcome {
     for speed in [52.36, 209.44, 400.0, 733.0] {
         let (mut low, mut none) = (f64::INFINITY, 0);
-        for (_, ratio) in RATIOS {
+        for ratio in RATIOS {
             for share in [-0.6, 0.0, 0.4, 0.8] {
                 for force in [2e3, 12e3] {
-                    let found = bench.steady(ratio, speed, force, Load::Share(share))?;
-                    low = low.min(found.as_ref().map_or(f64::INFINITY, least));
+                    let found = steady(parameters, ratio, speed, force, Load::Share(share))?;
+                    low = low.min(found.as_ref().map_or(f64::INFINITY, lowest_push));
                     none += i32::from(found.is_none());
                 }
             }
@@ -115,14 +107,14 @@ fn differences(a: &Outputs, b: &Outputs) -> (f64, Option<f64>, Vec<f64>) {
     (b.thrust_ratio / a.thrust_ratio - 1.0, slip, idle)
 }
 
-fn levels(pair: &[FilmBench; 2]) -> Outcome {
+fn levels(pair: &[Parameters; 2]) -> Outcome {
     let (mut thrust, mut slips, mut arcs) = (Vec::new(), Vec::new(), Vec::new());
     for ratio in [2.25, 1.5, 1.0, 1.0 / 1.5, 1.0 / 2.25] {
         for force in [6e3, 15e3, 30e3] {
             for share in [-0.5, 0.0, 0.3, 0.6, 0.8] {
                 let found = [
-                    pair[0].outputs(ratio, force, Load::Share(share))?,
-                    pair[1].outputs(ratio, force, Load::Share(share))?,
+                    outputs(&pair[0], ratio, force, Load::Share(share))?,
+                    outputs(&pair[1], ratio, force, Load::Share(share))?,
                 ];
                 let [Some(a), Some(b)] = &found else {
                     println!("{ratio:.3} {force} N {share}: not steady");
@@ -157,11 +149,11 @@ fn levels(pair: &[FilmBench; 2]) -> Outcome {
     Ok(())
 }
 
-fn mirror(bench: &FilmBench) -> Outcome {
+fn mirror(parameters: &Parameters) -> Outcome {
     for ratio in [2.25, 1.5] {
         let mut product = 1.0;
         for ratio in [ratio, 1.0 / ratio] {
-            let outputs = bench.outputs(ratio, 15e3, Load::Share(0.0))?;
+            let outputs = outputs(parameters, ratio, 15e3, Load::Share(0.0))?;
             product *= outputs.map_or(f64::NAN, |o| o.thrust_ratio);
         }
         println!("{ratio}: z(i) z(1/i) - 1 = {:+.1} %", 1e2 * (product - 1.0));
@@ -175,10 +167,10 @@ fn main() -> Outcome {
     match what.split_once('=').unwrap_or((&what, "")) {
         ("manoeuvre", _) => manoeuvre(ring),
         ("loads", letters) => loads(ring, letters),
-        ("states", _) => states(&bench(ring, finer)),
-        ("levels", _) if finer => levels(&[bench(ring, false), bench(ring, true)]),
-        ("levels", _) => levels(&[RingModel::Ale, RingModel::Ale0].map(|ring| bench(ring, false))),
-        ("mirror", _) => mirror(&bench(ring, finer)),
+        ("states", _) => states(&meshed(ring, finer)),
+        ("levels", _) if finer => levels(&[meshed(ring, false), meshed(ring, true)]),
+        ("levels", _) => levels(&[RingModel::Ale, RingModel::Ale0].map(|ring| meshed(ring, false))),
+        ("mirror", _) => mirror(&meshed(ring, finer)),
         _ => Err(format!("{what}: manoeuvre, loads=LETTERS, states, levels or mirror").into()),
     }
 }

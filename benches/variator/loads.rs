@@ -28,7 +28,7 @@ pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
 }
 
 /// The rings that are compared, by name.
-fn rings() -> [(&'static str, Parameters); 3] {
+pub fn rings() -> [(&'static str, Parameters); 3] {
     [
         ("ALE", variator(RingModel::Ale)),
         ("ALE, one cell", one_cell(RingModel::Ale)),

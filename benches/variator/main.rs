@@ -32,6 +32,7 @@ use pushbelt::scalar::LANES;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
 
+use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Parameters, RingModel};
@@ -39,7 +40,6 @@ use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
-use pushbelt_support::inside::thrust_ratio;
 use pushbelt_support::load_cases::{LoadCase, pair, transmitted};
 use pushbelt_support::manoeuvre::Manoeuvre;
 use pushbelt_support::variators::{SPEED, variator};
@@ -326,7 +326,10 @@ fn nine_steady_states(mut parameters: Parameters, refinement: i32) -> (f64, (Cou
             newton: &mut newton,
         };
         let found = solver.solve(&mut state, &task);
-        ratios.push(found.ok().map(|_| thrust_ratio(&system, &state)));
+        ratios.push(found.ok().map(|_| {
+            let axial = BeltDiagnostics::of(&system, state.view()).sums.axial;
+            axial.primary / axial.secondary
+        }));
         total += newton.counts;
     }
     (start.elapsed().as_secs_f64(), (total, ratios))

@@ -2,16 +2,17 @@
 //! and overlay would take, and how many modes an overlay by proper orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use pushbelt::solver::State;
+use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::sdirk::GAMMA;
+use pushbelt::solver::{State, System};
+use pushbelt::variator::mesh::layout::Layout;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::RingModel;
 use pushbelt_support::bench::STEP;
-use pushbelt_support::inside::{overlay, stations};
 use pushbelt_support::load_cases::LoadCase;
 use pushbelt_support::manoeuvre::Manoeuvre;
-use pushbelt_support::steady::load_case;
+use pushbelt_support::steady::{Steady, load_case, stations};
 use pushbelt_support::variators::variator;
 use serde_json::json;
 
@@ -34,8 +35,11 @@ fn separated(table: &mut Table) {
     let [_, medium, _] = LoadCase::three(&parameters, 50.0);
     let mut steady = load_case(&parameters, &medium);
     let n = steady.state.y.len();
-    let (reference, overlay) = (steady.reference_places(), steady.overlay_places());
-    let jacobians = STEPS.map(|h| steady.jacobian(1.0 / (GAMMA * h)));
+    let layout = steady.system.belt.layout;
+    let reference = vec![layout.drift(), layout.theta()];
+    let gauge = [0, 1].map(|condition| layout.gauge(condition));
+    let overlay = overlay(&layout).map(|(place, _)| place).chain(gauge).collect();
+    let jacobians = STEPS.map(|h| jacobian(&mut steady, 1.0 / (GAMMA * h)));
     let rest = |part: &[usize]| (0..n).filter(|i| !part.contains(i)).collect::<Vec<_>>();
     for (name, part) in [("s and Theta | all else", reference), ("overlay | all else", overlay)] {
         let other = rest(&part);
@@ -57,6 +61,26 @@ fn separated(table: &mut Table) {
     }
 }
 
+/// Indices of the overlay's unknowns, with the order of the derivative: 0 for a deflection, 1 for a slope.
+fn overlay(layout: &Layout) -> impl Iterator<Item = (usize, usize)> {
+    (0..layout.elements).flat_map(move |node| [0, 1, 2, 3].map(|k| (layout.node(node, k), k % 2)))
+}
+
+/// The Jacobian of a stage, in full; `alpha` = 1/(γh) of a step h.
+fn jacobian(steady: &mut Steady, alpha: f64) -> DMatrix<f64> {
+    let n = steady.state.y.len();
+    let mut arrow = Arrow::new(steady.system.shape());
+    let state = steady.state.view();
+    steady.system.jacobian(0.0, state, alpha, 1.0 / alpha, &mut arrow);
+    let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
+    for (k, mut column) in matrix.column_iter_mut().enumerate() {
+        unit[k] = 1.0;
+        arrow.multiply(&unit, column.as_mut_slice());
+        unit[k] = 0.0;
+    }
+    matrix
+}
+
 fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let eigenvalues = matrix.complex_eigenvalues();
     eigenvalues.iter().fold(0.0, |most, x| most.max(x.norm()))
@@ -75,8 +99,7 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     // A slope counts with the length of an element, some 10 mm.
-    let overlay: Vec<(usize, f64)> = overlay(&variator)
-        .into_iter()
+    let overlay: Vec<(usize, f64)> = overlay(&variator.system().belt.layout)
         .map(|(place, order)| (place, if order == 0 { 1.0 } else { 1e-2 }))
         .collect();
     let (mut training, mut tests) = (Vec::new(), Vec::new());
@@ -105,8 +128,8 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
     let mut order: Vec<usize> = (0..overlay.len()).collect();
     order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
     let tensions = |state: &State| -> Vec<f64> {
-        let stations = stations(&variator, state);
-        stations.iter().map(|sample| sample.tension).collect()
+        let stations = stations(variator.system(), state);
+        stations.iter().map(|at| at.sample.tension).collect()
     };
     for count in MODES {
         let basis = eigenvectors.select_columns(&order[..count]);

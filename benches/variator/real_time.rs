@@ -1,13 +1,13 @@
 //! Real time beside accurate runs: work and processor time of a millisecond, how far outputs are off, and how late they are.
 
 use cpu_time::ThreadTime;
-use pushbelt::variator::settings::{Mode, Parameters, RingModel};
+use pushbelt::variator::settings::{Mode, Parameters};
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_support::meter::Meter;
 use pushbelt_support::tracking::{Trace, trace};
-use pushbelt_support::variators::{one_cell, variator};
 use serde_json::json;
 
+use crate::loads::rings;
 use crate::tracked::{errors, exact};
 use crate::{Table, quantiles};
 
@@ -28,11 +28,7 @@ struct Found {
 
 /// Rows of the table: each load at each ratio for `seconds`, with each ring and effort.
 pub fn measure(table: &mut Table, letters: &str, efforts: &[i32], seconds: f64) {
-    let rings = [
-        ("ALE", variator(RingModel::Ale)),
-        ("ALE, one cell", one_cell(RingModel::Ale)),
-        ("ALE0", variator(RingModel::Ale0)),
-    ];
+    let rings = rings();
     let mut sums: Vec<_> = rings
         .iter()
         .map(|_| efforts.iter().map(|_| Found::default()).collect::<Vec<_>>())

@@ -11,9 +11,6 @@ use serde_json::Value;
 use crate::platform::Version;
 use crate::workspace::{LIBRARY_PACKAGE, MAP_PACKAGE, MODEL_PACKAGE, PAPER_LIBRARY_PACKAGE, PAPER_PACKAGE, Workspace};
 
-/// The example that prints the model description.
-pub const DESCRIPTION_EXAMPLE: &str = "model_description";
-
 /// A cargo command at the top level of the workspace, with the cargo that started this tool.
 pub fn command(workspace: &Workspace) -> Command {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -52,16 +49,15 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A program that comes with the model's library.
-#[derive(Clone, Copy)]
-pub enum Program {
-    /// In `examples/`.
-    Example(&'static str),
-    /// In `benches/`.
-    Bench(&'static str),
-    /// In `paper/examples/`.
-    OfPaper(&'static str),
-}
+/// An example or a benchmark: its package, cargo's option for its kind, its name.
+pub type Program = [&'static str; 3];
+
+/// The example that prints generated files.
+pub const DESCRIPTION: Program = [MODEL_PACKAGE, "--example", "model_description"];
+/// The benchmark of the variator.
+pub const BENCHMARK: Program = [MODEL_PACKAGE, "--bench", "variator"];
+/// The example that runs the tests of rings alone.
+pub const RINGS: Program = [PAPER_PACKAGE, "--example", "paper_rings"];
 
 /// Compiles the model's shared library, optimised for this machine, and returns its path.
 ///
@@ -132,8 +128,11 @@ fn compile_library(build: &mut Command, package: &str, mut others: impl FnMut(Ar
     })
 }
 
-/// What a program prints.
-fn printed(program: &mut Command) -> anyhow::Result<String> {
+/// What a program prints; its messages go to the terminal.
+///
+/// # Errors
+/// The program fails, or prints no text.
+pub fn printed(program: &mut Command) -> anyhow::Result<String> {
     let output = program.stderr(Stdio::inherit()).output()?;
     ensure!(
         output.status.success(),
@@ -147,12 +146,7 @@ fn printed(program: &mut Command) -> anyhow::Result<String> {
 ///
 /// # Errors
 /// The compilation fails.
-pub fn build_program(workspace: &Workspace, program: Program) -> anyhow::Result<PathBuf> {
-    let (package, kind, name) = match program {
-        Program::Example(name) => (MODEL_PACKAGE, "--example", name),
-        Program::Bench(name) => (MODEL_PACKAGE, "--bench", name),
-        Program::OfPaper(name) => (PAPER_PACKAGE, "--example", name),
-    };
+pub fn build_program(workspace: &Workspace, [package, kind, name]: Program) -> anyhow::Result<PathBuf> {
     let mut executable = None;
     compile(release(workspace, package).args([kind, name]), |artifact| {
         if artifact.name == name {
@@ -160,22 +154,6 @@ pub fn build_program(workspace: &Workspace, program: Program) -> anyhow::Result<
         }
     })?;
     executable.with_context(|| format!("cargo built no program `{name}`"))
-}
-
-/// Compiles and starts an example, optimised for this machine; its messages go to the terminal. Returns what it prints.
-///
-/// # Errors
-/// The compilation or the example fails, or its output is not text.
-pub fn example_output(workspace: &Workspace, name: &'static str, arguments: &[String]) -> anyhow::Result<String> {
-    let mut example = Command::new(build_program(workspace, Program::Example(name))?);
-    let output = example
-        .current_dir(workspace.root())
-        .args(arguments)
-        .stderr(Stdio::inherit())
-        .output()
-        .with_context(|| format!("can't start `{name}`"))?;
-    ensure!(output.status.success(), "`{name}` failed ({})", output.status);
-    String::from_utf8(output.stdout).with_context(|| format!("`{name}` prints no UTF-8"))
 }
 
 /// The build command of everything that is optimised for this machine. Library, examples and benchmarks share one compiled
@@ -286,17 +264,19 @@ mod tests {
         assert!(Artifact::of_line("no JSON").is_err());
     }
 
-    /// Crates that a library is built from, with their features in it.
-    fn features(workspace: &Workspace, package: &str, also_development: bool) -> BTreeSet<String> {
-        let edges = if also_development {
-            "normal,build,dev"
-        } else {
-            "normal,build"
-        };
-        let mut tree = command(workspace);
-        tree.args(["tree", "--locked", "--package", package, "--edges", edges]);
-        let output = tree
-            .args(["--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"])
+    /// Crates of cargo's `tree`, with their features in it.
+    fn features(workspace: &Workspace, tree: &[&str]) -> BTreeSet<String> {
+        let output = command(workspace)
+            .args([
+                "tree",
+                "--locked",
+                "--prefix",
+                "none",
+                "--no-dedupe",
+                "--format",
+                "{p} [{f}]",
+            ])
+            .args(tree)
             .output();
         let output = output.expect("cargo starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -308,20 +288,17 @@ mod tests {
     }
 
     #[test]
-    fn development_dependencies_change_no_feature_of_a_library() {
+    fn development_dependencies_change_no_feature_of_the_library() {
         let workspace = Workspace::find().expect("the workspace");
-        for package in [MODEL_PACKAGE, PAPER_PACKAGE] {
-            let (alone, beside) = (
-                features(&workspace, package, false),
-                features(&workspace, package, true),
-            );
-            assert!(alone.len() > 20, "{alone:?}");
-            let changed: Vec<_> = alone.difference(&beside).collect();
-            assert!(
-                changed.is_empty(),
-                "other features beside development dependencies: {changed:?}"
-            );
-        }
+        let alone = features(&workspace, &["--package", MODEL_PACKAGE, "--edges", "normal,build"]);
+        let tests = ["--workspace", "--exclude", env!("CARGO_PKG_NAME")];
+        let beside = features(&workspace, &tests);
+        assert!(alone.len() > 20, "{alone:?}");
+        let changed: Vec<_> = alone.difference(&beside).collect();
+        assert!(
+            changed.is_empty(),
+            "other features beside development dependencies: {changed:?}"
+        );
     }
 
     /// The paper's library has the model without the C functions of the other one.

@@ -5,18 +5,12 @@ use std::fmt::Write as _;
 use anyhow::Context;
 use roxmltree::{Document, Node};
 
-/// A variable in the documentation. Every field is text of the model description; missing attributes are empty.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A variable in the documentation.
+#[derive(Debug, PartialEq, Eq)]
 pub struct Variable {
-    name: String,
     causality: String,
-    variability: String,
-    kind: String,
-    unit: String,
-    start: String,
-    min: String,
-    max: String,
-    description: String,
+    /// Text below each of the [`HEADINGS`]; missing attributes are empty.
+    cells: [String; HEADINGS.len()],
 }
 
 /// The parts of a model description that are in the documentation.
@@ -96,8 +90,8 @@ impl Description {
                 "---|".repeat(HEADINGS.len())
             );
             for variable in self.of(causality) {
-                let cells = variable.cells().map(|cell| cell.replace('|', "\\|"));
-                let _ = writeln!(page, "| `{}` | {} |", variable.name, cells[1..].join(" | "));
+                let [name, others @ ..] = variable.cells.each_ref().map(|cell| cell.replace('|', "\\|"));
+                let _ = writeln!(page, "| `{name}` | {} |", others.join(" | "));
             }
         }
         page
@@ -114,8 +108,8 @@ impl Description {
             html.push_str("</tr>\n");
             for variable in self.of(causality) {
                 html.push_str("<tr>");
-                for cell in variable.cells() {
-                    let _ = write!(html, "<td>{}</td>", escape(&cell));
+                for cell in &variable.cells {
+                    let _ = write!(html, "<td>{}</td>", escape(cell));
                 }
                 html.push_str("</tr>\n");
             }
@@ -131,24 +125,6 @@ impl Description {
     }
 }
 
-impl Variable {
-    fn cells(&self) -> [String; HEADINGS.len()] {
-        let kind = match self.variability.as_str() {
-            "tunable" => format!("{}, tunable", self.kind),
-            _ => self.kind.clone(),
-        };
-        [
-            self.name.clone(),
-            kind,
-            self.unit.clone(),
-            self.start.clone(),
-            self.min.clone(),
-            self.max.clone(),
-            self.description.clone(),
-        ]
-    }
-}
-
 fn variable(node: Node, enumerations: &[(&str, String)]) -> anyhow::Result<Variable> {
     let name = attribute(node, "name");
     let typed = node
@@ -159,20 +135,18 @@ fn variable(node: Node, enumerations: &[(&str, String)]) -> anyhow::Result<Varia
         .attribute("declaredType")
         .and_then(|declared| enumerations.iter().find(|(name, _)| *name == declared))
         .map(|(_, items)| items.as_str());
-    let description = attribute(node, "description");
+    let mut kind = typed.tag_name().name().to_owned();
+    if node.attribute("variability") == Some("tunable") {
+        kind += ", tunable";
+    }
+    let [unit, start, min, max] = ["unit", "start", "min", "max"].map(|name| attribute(typed, name));
+    let mut description = attribute(node, "description");
+    if let Some(choices) = choices {
+        description += &format!(" ({choices})");
+    }
     Ok(Variable {
         causality: attribute(node, "causality"),
-        variability: attribute(node, "variability"),
-        kind: typed.tag_name().name().to_owned(),
-        unit: attribute(typed, "unit"),
-        start: attribute(typed, "start"),
-        min: attribute(typed, "min"),
-        max: attribute(typed, "max"),
-        description: match choices {
-            Some(choices) => format!("{description} ({choices})"),
-            None => description,
-        },
-        name,
+        cells: [name, kind, unit, start, min, max, description],
     })
 }
 
@@ -190,19 +164,20 @@ fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
     let mut collapsed: Vec<Variable> = Vec::new();
     let mut open: Option<(String, u32)> = None;
     for mut variable in variables {
-        let element = variable
-            .name
+        let [name, .., description] = &mut variable.cells;
+        let element = name
             .strip_suffix(']')
             .and_then(|name| name.rsplit_once('['))
             .and_then(|(array, index)| Some((array.to_owned(), index.parse().ok()?)));
         match (element, &mut open, collapsed.last_mut()) {
             (Some((array, index)), Some((current, last)), Some(line)) if array == *current && index == *last + 1 => {
                 *last = index;
-                line.name = format!("{array}[1…{index}]");
+                line.cells[0] = format!("{array}[1…{index}]");
             }
             (element, ..) => {
-                if let Some((_, index)) = &element {
-                    generalise(&mut variable.description, *index);
+                // The description of the first element, with its index `0/n`, applies to all.
+                if let Some(before) = element.as_ref().and_then(|(_, index)| index.checked_sub(1)) {
+                    *description = description.replace(&format!(" {before}/"), " (k−1)/");
                 }
                 open = element;
                 collapsed.push(variable);
@@ -210,13 +185,6 @@ fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
         }
     }
     collapsed
-}
-
-/// Replaces the index of the first element, `0/n`, in its description, so that the text applies to all elements.
-fn generalise(description: &mut String, index: u32) {
-    if let Some(before) = index.checked_sub(1) {
-        *description = description.replace(&format!(" {before}/"), " (k−1)/");
-    }
 }
 
 fn attribute(node: Node, name: &str) -> String {
@@ -268,17 +236,17 @@ mod tests {
     fn variables_are_read_with_unit_start_and_choices() {
         let description = Description::parse(XML).unwrap();
         assert_eq!(description.about, "A model");
-        assert_eq!(description.variables[0].unit, "N.m");
-        assert_eq!(description.variables[1].description, "Drive (1 Torque, 2 Speed)");
+        assert_eq!(description.variables[0].cells[2], "N.m");
+        assert_eq!(description.variables[1].cells[6], "Drive (1 Torque, 2 Speed)");
     }
 
     #[test]
     fn arrays_take_one_line() {
         let description = Description::parse(XML).unwrap();
-        let names: Vec<_> = description.of("local").map(|v| v.name.as_str()).collect();
+        let names: Vec<_> = description.of("local").map(|v| v.cells[0].as_str()).collect();
         assert_eq!(names, ["x[1…2]", "y[1]"]);
         let field = description.of("local").next().unwrap();
-        assert_eq!(field.description, "Field at (k−1)/2");
+        assert_eq!(field.cells[6], "Field at (k−1)/2");
     }
 
     #[test]

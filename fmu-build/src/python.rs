@@ -3,13 +3,14 @@
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 
 use crate::cargo;
+use crate::platform::Version;
 use crate::progress;
-use crate::workspace::Workspace;
+use crate::workspace::{MODEL_IDENTIFIER, Workspace};
 
 /// Oldest Python that the tests and the demo run on.
 const OLDEST: (u32, u32) = (3, 10);
@@ -75,7 +76,7 @@ impl Environment {
         let environment = Self {
             interpreter: interpreter_in(&folder),
             root: workspace.root().to_owned(),
-            fmu: workspace.fmu(),
+            fmu: workspace.fmu(MODEL_IDENTIFIER, Version::Two),
         };
         let read = |lock: &str| {
             let path = workspace.root().join(lock);
@@ -146,40 +147,30 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("can't remove {}", folder.display()))?;
     }
-    let output = Command::new(python)
-        .args(["-m", "venv"])
-        .arg(folder)
-        .output()
-        .context("can't start Python")?;
-    if !output.status.success() {
-        bail!(
-            "{} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv):\n{}{}",
-            python.to_string_lossy(),
-            String::from_utf8_lossy(&output.stdout),
-            String::from_utf8_lossy(&output.stderr)
-        );
-    }
-    Ok(())
+    let made = Command::new(python).args(["-m", "venv"]).arg(folder).output();
+    shown_if_failed(made, || {
+        let python = python.to_string_lossy();
+        format!("{python} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv)")
+    })
 }
 
 fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
-    let output = Command::new(interpreter)
+    let pip = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
         // The lock file names every required package; missing dependencies are left out deliberately.
         .args(["--no-deps", "--no-input", "--retries", "5"])
         // Most modules are never imported, so they are compiled when they are.
         .args(["--no-compile", "--requirement"])
         .arg(lock_file)
-        .output()
-        .context("can't start pip")?;
-    if !output.status.success() {
-        bail!(
-            "pip can't install {}:\n{}{}",
-            lock_file.display(),
-            String::from_utf8_lossy(&output.stdout),
-            String::from_utf8_lossy(&output.stderr)
-        );
-    }
+        .output();
+    shown_if_failed(pip, || format!("pip can't install {}", lock_file.display()))
+}
+
+/// An error with what a program has printed, if it has failed.
+fn shown_if_failed(output: std::io::Result<Output>, error: impl Fn() -> String) -> anyhow::Result<()> {
+    let output = output.with_context(&error)?;
+    let [said, errors] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    ensure!(output.status.success(), "{}:\n{said}{errors}", error());
     Ok(())
 }
 

@@ -66,25 +66,10 @@ impl Workspace {
         &self.target
     }
 
-    /// The packed FMU.
-    pub fn fmu(&self) -> PathBuf {
-        self.target.join(format!("{MODEL_IDENTIFIER}.fmu"))
-    }
-
-    /// The same for FMI 3.0.
-    pub fn fmu3(&self) -> PathBuf {
-        self.target.join(format!("{MODEL_IDENTIFIER}3.fmu"))
-    }
-
-    /// The packed FMU of the paper's belts.
-    pub fn paper_fmu(&self) -> PathBuf {
-        self.target.join(format!("{PAPER_IDENTIFIER}.fmu"))
-    }
-
-    /// The packed FMU of maps, of FMI 2.0 or 3.0.
-    pub fn map_fmu(&self, version: Version) -> PathBuf {
+    /// The packed FMU of a model.
+    pub fn fmu(&self, identifier: &str, version: Version) -> PathBuf {
         let number = if version == Version::Three { "3" } else { "" };
-        self.target.join(format!("{MAP_IDENTIFIER}{number}.fmu"))
+        self.target.join(format!("{identifier}{number}.fmu"))
     }
 
     /// The folder with the tables of the published variator, checked in.
@@ -92,14 +77,12 @@ impl Workspace {
         self.root.join("resources").join("maps")
     }
 
-    /// The model description of FMI 2.0, checked in at the top level.
-    pub fn model_description(&self) -> PathBuf {
-        self.root.join("modelDescription.xml")
-    }
-
-    /// The model description of FMI 3.0, checked in.
-    pub fn model_description3(&self) -> PathBuf {
-        self.root.join("resources").join("modelDescription3.xml")
+    /// The checked-in model description, that of FMI 2.0 at the top level.
+    pub fn model_description(&self, version: Version) -> PathBuf {
+        self.root.join(match version {
+            Version::Two => "modelDescription.xml",
+            Version::Three => "resources/modelDescription3.xml",
+        })
     }
 
     /// The connections and their places on the icon, checked in.
@@ -141,26 +124,18 @@ impl Workspace {
         metadata(&["--no-deps"])
     }
 
-    /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints them: for every machine, or for
-    /// this one alone. For every machine cargo downloads more than it needs to compile for this one.
+    /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints them: for every machine if they are
+    /// `portable`, or for this one alone. For every machine cargo downloads more than it needs to compile for this one.
     ///
     /// # Errors
     /// Cargo can't resolve the dependencies.
-    pub fn packages(&self, machines: Machines) -> anyhow::Result<Value> {
-        match machines {
-            Machines::All => metadata(&[]),
-            Machines::This => metadata(&["--filter-platform", &host()?]),
+    pub fn packages(&self, portable: bool) -> anyhow::Result<Value> {
+        if portable {
+            metadata(&[])
+        } else {
+            metadata(&["--filter-platform", &host()?])
         }
     }
-}
-
-/// The machines that dependencies are resolved for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Machines {
-    /// Every machine that a dependency names.
-    All,
-    /// The one that this tool runs on.
-    This,
 }
 
 /// Copies a folder with its content, except Python's compiled files.

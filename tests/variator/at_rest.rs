@@ -76,38 +76,28 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
     }
 }
 
-/// What a launch under torque loses depends on the friction velocity by less than 5 %, and the belt does not slip through.
+/// What a launch loses depends on the friction velocity by less than 5 %, under a torque from the start on. After a start without torque
+/// the primary pulley slips at first, as after a stop, and the default loses less.
 #[test]
 fn a_launch_loses_as_much_under_sharp_friction() {
     for model in MODELS {
-        let lost = VELOCITIES.map(|velocity| {
-            let mut run = Run::new(held(variator(model), 0.0, velocity), torque(60.0));
-            run.go(0.5, 1e-2);
-            run.assert_balances();
-            run.variator.energy_balance().lost
-        });
-        println!("{model:?}: {lost:.2?} J in 0.5 s");
-        assert_close(lost[1], lost[2], 0.05, "sharp friction");
-        assert_close(lost[0], lost[2], 0.05, "the default");
-    }
-}
-
-/// A torque that is stepped up after a start without torque makes the primary pulley slip at first, as after a stop. What is lost
-/// hardly depends on how sharp the friction is; the default loses less.
-#[test]
-fn a_stepped_launch_loses_as_much_under_sharp_friction() {
-    for model in MODELS {
-        let lost = VELOCITIES.map(|velocity| {
-            let mut parameters = held(variator(model), 0.0, velocity);
-            parameters.secondary.inertia = 1.0;
-            let mut run = Run::new(parameters, torque(0.0));
-            run.inputs = torque(60.0);
-            run.go(0.2, 1e-3);
-            run.variator.energy_balance().lost
-        });
-        println!("{model:?}: {lost:.2?} J in 0.2 s");
-        assert_close(lost[1], lost[2], 0.05, "sharp friction");
-        assert!(lost[0] < 1.05 * lost[2], "the default");
+        for (at_start, inertia, span, step) in [(60.0, 4.0, 0.5, 1e-2), (0.0, 1.0, 0.2, 1e-3)] {
+            let lost = VELOCITIES.map(|velocity| {
+                let mut parameters = held(variator(model), 0.0, velocity);
+                parameters.secondary.inertia = inertia;
+                let mut run = Run::new(parameters, torque(at_start));
+                run.inputs = torque(60.0);
+                run.go(span, step);
+                if at_start > 0.0 {
+                    run.assert_balances();
+                }
+                run.variator.energy_balance().lost
+            });
+            println!("{model:?}: {lost:.2?} J in {span} s");
+            assert_close(lost[1], lost[2], 0.05, "sharp friction");
+            assert!(lost[0] < 1.05 * lost[2], "the default");
+            assert!(at_start == 0.0 || lost[0] > 0.95 * lost[2], "the default");
+        }
     }
 }
 

@@ -3,7 +3,6 @@
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::{Axial, BeltKind, Drive, Outputs, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
-use pushbelt_support::inside::sliding;
 use pushbelt_support::load_cases::{pair, speeds};
 use pushbelt_support::run::Run;
 use pushbelt_support::shift::unloaded_shift;
@@ -89,14 +88,16 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
 /// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have gaps
 /// before the entry: they move with the sheave until they reach the pushing stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
-    let sliding = sliding(&run.variator);
-    let (sliding, pulley) = if sliding.primary.mean.abs() > sliding.secondary.mean.abs() {
-        (sliding.primary, &outputs.primary)
-    } else {
-        (sliding.secondary, &outputs.secondary)
-    };
     // Strand elements beside the arc hardly press, and their sliding is not considered.
-    let full = sliding.forward.max(1.0 - sliding.forward) > 0.999 && sliding.mean.abs() > 1.0;
+    let sliding = &run.variator.energy_balance().last.sums.sliding;
+    let mean = |pulley: Pulley| sliding[pulley].weighted / sliding[pulley].load;
+    let (of, pulley) = if mean(Pulley::Primary).abs() > mean(Pulley::Secondary).abs() {
+        (Pulley::Primary, &outputs.primary)
+    } else {
+        (Pulley::Secondary, &outputs.secondary)
+    };
+    let forward = sliding[of].forward / sliding[of].load;
+    let full = forward.max(1.0 - forward) > 0.999 && mean(of).abs() > 1.0;
     full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
 }
 

@@ -16,8 +16,7 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
         let mut driven = Driven::new(load, variator(model), 1.0);
         let start = driven.variator.counts().factorizations;
         while driven.until() < SPAN - 1e-9 {
-            let inputs = driven.inputs();
-            driven.variator.advance(driven.until(), &inputs).expect("a step");
+            driven.step();
         }
         driven.variator.counts().factorizations - start
     });

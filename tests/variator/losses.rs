@@ -83,6 +83,12 @@ fn loss_of_the_layers_is_that_of_their_law() {
             let weaker = sums.primary.min(sums.secondary);
             let expected = layers.friction * slip * 0.5 * f64::from(layers.count - 1) * weaker;
             assert_close(o.losses.layers, expected, 0.04, "loss of the layers");
+            if torque == 0.0 {
+                // In overdrive drag is a third of the loss and layers a tenth: the power balance closes only with them.
+                let supplied = state.external_torques().primary * SPEED;
+                assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
+                assert_close(o.losses.total(), supplied, 0.01, "lost power");
+            }
         }
         let even = idling(&parameters, 1.0, 20e3, SPEED).outputs;
         assert!(even.losses.layers >= 0.0 && even.losses.layers < 1e-2, "{model:?}");
@@ -132,33 +138,22 @@ fn loss_of_turning_elements_is_that_of_their_law() {
     }
 }
 
-/// Without load in overdrive drag is a third of the loss and layers a tenth: the power balance closes only with them.
-#[test]
-fn power_closes_with_drag_and_layers() {
-    for model in MODELS {
-        let state = idling(&variator(model), 0.45, 20e3, SPEED);
-        let o = &state.outputs;
-        let external = state.external_torques();
-        let supplied = external.primary * o.primary.speed + external.secondary * o.secondary.speed;
-        assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
-        assert_close(o.losses.total(), supplied, 0.01, "lost power");
-    }
-}
-
 /// A variator with its shafts has a smaller loss than that measured on a whole transmission at the same ratios, speeds and
 /// torques (NREL ADVISOR, TX_CVT50_SUBARU), with 1.3 times the clamping force of full slip and at least 4 kN. The loss of
 /// turning elements is left out, since it is an upper bound: with it the variator has 0.945 at ratio 0.5 and 41 N·m.
 #[test]
 fn a_variator_loses_less_than_a_whole_transmission() {
-    let parameters = variator(RingModel::Ale);
-    for (ratio, rpm, torque, measured) in [
+    let measured = [
         (2.5, 2000.0, 41.0, 0.851),
         (2.5, 1500.0, 14.0, 0.752),
         (1.0, 2500.0, 81.0, 0.924),
         (1.0, 2000.0, 41.0, 0.923),
         (0.5, 2000.0, 41.0, 0.947),
         (0.5, 3000.0, 27.0, 0.795),
-    ] {
+    ];
+    for (model, (ratio, rpm, torque, measured)) in MODELS.into_iter().flat_map(|model| measured.map(|row| (model, row)))
+    {
+        let parameters = variator(model);
         let force = clamping(&parameters, ratio, 1.3e3) * torque / 1e3;
         let state = transmitting(&parameters, ratio, force.max(4e3), torque, rpm * RPM);
         let with_spin = state.outputs.efficiency;

@@ -11,7 +11,7 @@ use crate::archive::Archive;
 use crate::description::{self, Description};
 use crate::platform::{Platform, Version};
 use crate::portable::Binary;
-use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
+use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
 /// The documentation in the FMU; values from the model description replace `{{…}}`.
@@ -35,13 +35,6 @@ pub struct Arguments {
     /// machine
     #[arg(long)]
     pub portable: bool,
-}
-
-impl Arguments {
-    /// The machines whose dependencies are in the binaries.
-    fn machines(self) -> Machines {
-        if self.portable { Machines::All } else { Machines::This }
-    }
 }
 
 /// What `cargo fmu build` builds.
@@ -73,9 +66,7 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     if options.map {
         return run_map(workspace, version).map(drop);
     }
-    let _alone = workspace.lock("build")?;
-    let binaries = compile(workspace, options.machines, version)?;
-    pack(workspace, &binaries, options.machines.machines(), version).map(drop)
+    run_versions(workspace, options.machines, &[version])
 }
 
 /// Builds the FMU of FMI 2.0 and returns its path.
@@ -83,9 +74,8 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
 /// # Errors
 /// As [`run_options`].
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathBuf> {
-    let _alone = workspace.lock("build")?;
-    let binaries = compile(workspace, *arguments, Version::Two)?;
-    pack(workspace, &binaries, arguments.machines(), Version::Two)
+    run_versions(workspace, *arguments, &[Version::Two])?;
+    Ok(workspace.fmu(MODEL_IDENTIFIER, Version::Two))
 }
 
 /// Builds the FMUs of both versions from the same binaries.
@@ -93,16 +83,22 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
 /// # Errors
 /// As [`run_options`].
 pub fn run_both(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    run_versions(workspace, *arguments, &[Version::Two, Version::Three])
+}
+
+/// Builds the FMUs of versions from the binaries of the first.
+fn run_versions(workspace: &Workspace, machines: Arguments, versions: &[Version]) -> anyhow::Result<()> {
     let _alone = workspace.lock("build")?;
-    let binaries = compile(workspace, *arguments, Version::Two)?;
-    for version in [Version::Two, Version::Three] {
-        pack(workspace, &binaries, arguments.machines(), version)?;
+    let binaries = compile(workspace, machines, versions[0])?;
+    for &version in versions {
+        let archive = collect(workspace, &binaries, machines, version)?;
+        write(archive, &workspace.fmu(MODEL_IDENTIFIER, version))?;
     }
     Ok(())
 }
 
-fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> anyhow::Result<Vec<Binary>> {
-    if arguments.portable {
+fn compile(workspace: &Workspace, machines: Arguments, version: Version) -> anyhow::Result<Vec<Binary>> {
+    if machines.portable {
         return portable::build(workspace, version);
     }
     progress::headline("Compiling the FMU's binary");
@@ -113,25 +109,15 @@ fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> any
     }])
 }
 
-fn pack(workspace: &Workspace, binaries: &[Binary], machines: Machines, version: Version) -> anyhow::Result<PathBuf> {
-    let archive = collect(workspace, binaries, machines, version)?;
-    let path = match version {
-        Version::Two => workspace.fmu(),
-        Version::Three => workspace.fmu3(),
-    };
-    write(archive, &path)?;
-    Ok(path)
-}
-
 /// Builds the portable FMU of FMI 2.0 at `path` and leaves the one in the target directory alone.
 ///
 /// # Errors
 /// As [`run_options`].
 pub fn run_portable(workspace: &Workspace, path: &Path) -> anyhow::Result<()> {
     let _alone = workspace.lock("build")?;
-    let arguments = Arguments { portable: true };
-    let binaries = compile(workspace, arguments, Version::Two)?;
-    write(collect(workspace, &binaries, arguments.machines(), Version::Two)?, path)
+    let machines = Arguments { portable: true };
+    let binaries = compile(workspace, machines, Version::Two)?;
+    write(collect(workspace, &binaries, machines, Version::Two)?, path)
 }
 
 /// Writes an FMU and prints its path and size.
@@ -165,7 +151,7 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     archive.add(binary, read(&library)?)?;
     archive.add("modelDescription.xml", description.into_bytes())?;
     add_resources(&mut archive, workspace)?;
-    let path = workspace.paper_fmu();
+    let path = workspace.fmu(PAPER_IDENTIFIER, Version::Two);
     write(archive, &path)?;
     Ok(path)
 }
@@ -177,7 +163,10 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
 pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     let _alone = workspace.lock("variables")?;
     let mut archive = Archive::default();
-    archive.add("modelDescription.xml", read(&workspace.model_description())?)?;
+    archive.add(
+        "modelDescription.xml",
+        read(&workspace.model_description(Version::Two))?,
+    )?;
     let path = workspace.target().join("variables.fmu");
     save(archive, &path)?;
     Ok(path)
@@ -199,10 +188,8 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     archive.add("modelDescription.xml", description.into_bytes())?;
     archive.add("resources/maps.json", read(&workspace.map_tables().join("maps.json"))?)?;
     add_licenses(&mut archive, workspace)?;
-    archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
-    let third_party = licenses::third_party(&workspace.packages(Machines::This)?)?;
-    archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;
-    let path = workspace.map_fmu(version);
+    add_third_party(&mut archive, workspace, false)?;
+    let path = workspace.fmu(MAP_IDENTIFIER, version);
     write(archive, &path)?;
     Ok(path)
 }
@@ -227,10 +214,17 @@ fn add_licenses(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<
     Ok(())
 }
 
+/// Adds the licences of what is linked.
+fn add_third_party(archive: &mut Archive, workspace: &Workspace, portable: bool) -> anyhow::Result<()> {
+    archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
+    let third_party = licenses::third_party(&workspace.packages(portable)?)?;
+    archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())
+}
+
 fn collect(
     workspace: &Workspace,
     binaries: &[Binary],
-    machines: Machines,
+    machines: Arguments,
     version: Version,
 ) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
@@ -240,14 +234,14 @@ fn collect(
         binary::clear_time_stamp(&mut bytes);
         archive.add(platform.binary(version, name), bytes)?;
     }
-    let (xml, interface) = match version {
+    let interface = match version {
         Version::Two => {
             archive.add("model.png", icons::MODEL.to_vec())?;
-            (workspace.model_description(), FMI2)
+            FMI2
         }
-        Version::Three => (workspace.model_description3(), FMI3),
+        Version::Three => FMI3,
     };
-    let xml = read(&xml)?;
+    let xml = read(&workspace.model_description(version))?;
     let dated = match date::of_content(workspace)? {
         Some(date) => description::with_date(std::str::from_utf8(&xml)?, &date)?.into_bytes(),
         None => xml,
@@ -259,7 +253,7 @@ fn collect(
     }
 
     // The variables are the same in both versions.
-    let description = read(&workspace.model_description())?;
+    let description = read(&workspace.model_description(Version::Two))?;
     let description = Description::parse(std::str::from_utf8(&description)?)?;
     archive.add("documentation/index.html", documentation(&description, interface))?;
     archive.add("documentation/fmi-ls-ref.html", REFERENCE_PAGE.as_bytes().to_vec())?;
@@ -273,9 +267,7 @@ fn collect(
     archive.add("documentation/pushbelt.h", header)?;
 
     add_resources(&mut archive, workspace)?;
-    archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
-    let third_party = licenses::third_party(&workspace.packages(machines)?)?;
-    archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;
+    add_third_party(&mut archive, workspace, machines.portable)?;
     Ok(archive)
 }
 

@@ -2,11 +2,13 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::Context;
 
 use crate::cargo;
 use crate::description::Description;
+use crate::platform::Version;
 use crate::progress;
 use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
@@ -21,19 +23,16 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The model doesn't compile, a file can't be written, or Python's packages can't be installed.
 pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     progress::headline("Reading the variable table");
+    let program = cargo::build_program(workspace, cargo::DESCRIPTION)?;
     let mut written = Vec::new();
     for path in [
-        workspace.model_description(),
-        workspace.model_description3(),
+        workspace.model_description(Version::Two),
+        workspace.model_description(Version::Three),
         workspace.terminals(),
         workspace.exports(),
     ] {
-        let name = path
-            .file_name()
-            .context("a file has a name")?
-            .to_string_lossy()
-            .into_owned();
-        let xml = cargo::example_output(workspace, cargo::DESCRIPTION_EXAMPLE, &[name])?;
+        let name = path.file_name().context("a file has a name")?;
+        let xml = cargo::printed(Command::new(&program).arg(name))?;
         written.push((path, xml));
     }
     let derived = derived(workspace, &written[0].1)?;
@@ -55,7 +54,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
 /// # Errors
 /// `modelDescription.xml` can't be read.
 pub fn outdated(workspace: &Workspace) -> anyhow::Result<Vec<String>> {
-    let path = workspace.model_description();
+    let path = workspace.model_description(Version::Two);
     let xml = fs::read_to_string(&path).with_context(|| format!("can't read {}", path.display()))?;
     let mut outdated = Vec::new();
     if Description::parse(&xml)?.version != VERSION {

@@ -5,11 +5,12 @@ use std::process::Command;
 
 use anyhow::Context;
 
-use crate::cargo::{self, Program as Compiled};
+use crate::cargo;
 use crate::commands::{build, side_by_side};
+use crate::platform::Version;
 use crate::progress;
 use crate::python::{DEMO, Environment, Packages, RUNNING};
-use crate::workspace::Workspace;
+use crate::workspace::{MODEL_IDENTIFIER, Workspace};
 
 /// A command.
 pub struct Program {
@@ -141,12 +142,6 @@ pub const PROGRAMS: [Program; 12] = [
     },
 ];
 
-/// The program in `benches/` that measures the variator: `cargo fmu bench` without an option of another program.
-const BENCHMARK: Compiled = Compiled::Bench("variator");
-
-/// The example that runs the tests of rings alone.
-const RINGS: Compiled = Compiled::OfPaper("paper_rings");
-
 impl Program {
     /// The program of a command.
     pub fn of(name: &str) -> Option<&'static Self> {
@@ -177,7 +172,7 @@ impl Program {
     pub fn run(&self, workspace: &Workspace, words: &[String]) -> anyhow::Result<()> {
         let (module, words) = self.chosen(words);
         let Some(module) = module else {
-            let program = cargo::build_program(workspace, BENCHMARK)?;
+            let program = cargo::build_program(workspace, cargo::BENCHMARK)?;
             progress::headline("Measuring");
             return cargo::run(Command::new(program).current_dir(workspace.root()).args(words));
         };
@@ -195,7 +190,9 @@ impl Program {
             .arg(workspace.target().join(self.name))
             .env("PUSHBELT_COMMAND", command_line(std::env::args().skip(1)));
         if self.fmu == Fmu::OfPaper && !has_one(&words, &HELP) {
-            program.arg("--rings").arg(cargo::build_program(workspace, RINGS)?);
+            program
+                .arg("--rings")
+                .arg(cargo::build_program(workspace, cargo::RINGS)?);
         }
         cargo::run(program.args(words))
     }
@@ -206,7 +203,7 @@ impl Program {
             (Fmu::OfPaper, true) => build::run_paper(workspace),
             (Fmu::Variables, true) => build::run_description(workspace),
             // The same option in the words comes later and counts.
-            (_, false) => Ok(workspace.fmu()),
+            (_, false) => Ok(workspace.fmu(MODEL_IDENTIFIER, Version::Two)),
         }
     }
 }

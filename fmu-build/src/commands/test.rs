@@ -1,9 +1,9 @@
 //! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU, in two tiers.
 //!
 //! The first tier is for every edit: each part of the code, the packed FMU, one report of each kind. Its Rust tests link the
-//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything:
-//! Rust in the dev profile, with debug assertions and checks of overflow, the programs under valgrind, the paper's belts,
-//! documentation and the slow Python tests.
+//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything: the
+//! programs under valgrind, the paper's belts, documentation and the slow Python tests; and of the crates beside the belt, which are
+//! compiled in seconds, the dev profile with debug assertions and checks of overflow.
 
 use std::num::NonZero;
 use std::thread;
@@ -26,7 +26,7 @@ const TOOL: &str = env!("CARGO_PKG_NAME");
 const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
 
 /// Files of Rust tests of other packages that are in the second tier only: they take long, or need valgrind.
-const SECOND_TIER: [&str; 3] = ["sequences", "variator_real_time", "variator_starts"];
+const SECOND_TIER: [&str; 2] = ["bounded_work", "sequences"];
 
 /// Options of the tests.
 #[derive(Args)]
@@ -63,8 +63,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.windows {
         return windows_tests(workspace, &arguments.passed_on);
     }
-    // Beside each other, since packages wait for downloads, and the model takes one core: it is one unit of compilation. The second
-    // tier's Rust tests have another profile, so cargo's lock on the other one's folder does not hold them.
+    // Beside each other, since packages wait for downloads, and the model takes one core: it is one unit of compilation. Cargo
+    // compiles for one of them at a time.
     let (environment, ()) = side_by_side(
         || {
             if arguments.rust {
@@ -151,9 +151,10 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
         return test(&arguments.passed_on);
     }
     if arguments.all {
-        // All targets except the examples, which have no tests; clippy compiles them.
-        test(&words(&format!("--workspace --exclude {TOOL} --lib --tests")))?;
-        test(&words(&format!("--workspace --exclude {TOOL} --doc")))?;
+        // All targets with tests; clippy compiles the others.
+        test(&words(&format!("--release --workspace --exclude {TOOL} --tests")))?;
+        test(&words(&format!("--release --workspace --exclude {TOOL} --doc")))?;
+        test(&words("--tests -p pushbelt-archive -p pushbelt-fmi -p pushbelt-solver"))?;
         return test(&words(&format!(
             "--package {TOOL} --profile tool --all-features -- --include-ignored"
         )));

@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::commands::build;
 use crate::python::{Environment, PACKING};
-use crate::workspace::{MODEL_IDENTIFIER, Machines, Workspace, copy_tree};
+use crate::workspace::{MODEL_IDENTIFIER, Workspace, copy_tree};
 use crate::{cargo, licenses, progress};
 
 /// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on the date of its build.
@@ -95,7 +95,7 @@ fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()>
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root.join(license), &tree.join(license))?;
     }
-    let third_party = licenses::third_party(&workspace.packages(Machines::All)?)?;
+    let third_party = licenses::third_party(&workspace.packages(true)?)?;
     let path = tree.join("LICENSE-third-party.txt");
     fs::write(&path, third_party).with_context(|| format!("can't write {}", path.display()))
 }

@@ -27,6 +27,8 @@ pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
         ("push force", 1.0, |o| o.push_force_max),
         ("tension", 1.0, |o| o.ring_tension_max),
         ("losses", 1.0, |o| o.losses.total()),
+        ("primary idle arc", 1.0, |o| o.primary.idle_arc),
+        ("secondary idle arc", 1.0, |o| o.secondary.idle_arc),
     ] {
         let (found, expected) = (read(reverse), sign * read(forward));
         let off = (found - expected).abs();

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::hash::{DefaultHasher, Hasher};
 
-use pushbelt::fmi::table::{Table, Value};
+use pushbelt::fmi::table::{Table, Value, Variable};
 use pushbelt::fmi::unit::Unit;
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::Variator;
@@ -13,70 +13,64 @@ use pushbelt::variator::settings::{Inputs, Outputs, Profile, Readings};
 pub const STEP: f64 = 1e-3;
 
 /// Outputs of a run, one row per step.
-struct Figures {
-    table: Table<Settings, Readings>,
-    rows: Vec<Vec<f64>>,
+type Rows = Vec<Vec<f64>>;
+
+/// A hash of all bits.
+fn hash(rows: &[Vec<f64>]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    rows.iter()
+        .flatten()
+        .for_each(|value| hasher.write_u64(value.to_bits()));
+    hasher.finish()
 }
 
-impl Figures {
-    /// A hash of all bits.
-    fn hash(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        self.rows
-            .iter()
-            .flatten()
-            .for_each(|value| hasher.write_u64(value.to_bits()));
-        hasher.finish()
-    }
-
-    /// Largest difference from the outputs of another build, as a share of the range of the output in this run.
-    fn difference(&self, other: &[Vec<f64>]) -> f64 {
-        let columns = self.rows.first().map_or(0, Vec::len);
-        let of_column = |k: usize| {
-            let values = || self.rows.iter().filter_map(move |row| row.get(k));
-            let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(*x), high.max(*x))
-            });
-            // The difference of a constant output is a share of its size.
-            let range = (high - low).max(1e-3 * high.abs().max(low.abs())).max(1e-12);
-            let off = values()
-                .zip(other.iter().filter_map(|row| row.get(k)))
-                .map(|(a, b)| (a - b).abs());
-            off.fold(0.0, f64::max) / range
-        };
-        (0..columns).map(of_column).fold(0.0, f64::max)
-    }
-
-    /// The FMU's numbers, without those of the work and of the profile.
-    fn add_outputs(&mut self, outputs: &Outputs) {
-        let (settings, readings) = (Settings::default(), Readings::from(outputs.clone()));
-        let row = self.table.variables().iter().filter_map(|variable| {
-            let is_left_out = variable.causality.is_setting()
-                || ["solver.", "profile."].iter().any(|of| variable.name.starts_with(of));
-            match variable.value(&settings, Some(&readings)) {
-                Some(Value::Real(value)) if !is_left_out => Some(value),
-                _ => None,
-            }
+/// Largest difference from the outputs of another build, as a share of the range of the output in this run.
+fn difference(rows: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
+    let columns = rows.first().map_or(0, Vec::len);
+    let of_column = |k: usize| {
+        let values = || rows.iter().filter_map(move |row| row.get(k));
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
         });
-        self.rows.push(row.collect());
-    }
+        // The difference of a constant output is a share of its size.
+        let range = (high - low).max(1e-3 * high.abs().max(low.abs())).max(1e-12);
+        let off = values()
+            .zip(other.iter().filter_map(|row| row.get(k)))
+            .map(|(a, b)| (a - b).abs());
+        off.fold(0.0, f64::max) / range
+    };
+    (0..columns).map(of_column).fold(0.0, f64::max)
+}
 
-    fn add_profile(&mut self, p: &Profile) {
-        let fields = [
-            &p.push_force,
-            &p.ring_tension,
-            &p.normal_force,
-            &p.radial_deviation,
-            &p.sliding_speed,
-            &p.lateral_deflection,
-            &p.ring_stress,
-        ];
-        self.rows.push(fields.into_iter().flatten().copied().collect());
-    }
+/// The FMU's numbers, without those of the work and of the profile.
+fn row(table: &Table<Settings, Readings>, outputs: &Outputs) -> Vec<f64> {
+    let (settings, readings) = (Settings::default(), Readings::from(outputs.clone()));
+    let of = |variable: &Variable<Settings, Readings>| {
+        let is_left_out =
+            variable.causality.is_setting() || ["solver.", "profile."].iter().any(|of| variable.name.starts_with(of));
+        match variable.value(&settings, Some(&readings)) {
+            Some(Value::Real(value)) if !is_left_out => Some(value),
+            _ => None,
+        }
+    };
+    table.variables().iter().filter_map(of).collect()
+}
+
+fn profile_row(p: &Profile) -> Vec<f64> {
+    let fields = [
+        &p.push_force,
+        &p.ring_tension,
+        &p.normal_force,
+        &p.radial_deviation,
+        &p.sliding_speed,
+        &p.lateral_deflection,
+        &p.ring_stress,
+    ];
+    fields.into_iter().flatten().copied().collect()
 }
 
 /// All cases of a build: name and outputs.
-type Cases = Vec<(String, Vec<Vec<f64>>)>;
+type Cases = Vec<(String, Rows)>;
 
 /// Destination of the outputs, and the outputs that they are compared with.
 #[derive(Default)]
@@ -125,26 +119,20 @@ impl Report {
         trace: &[Inputs],
         steps: usize,
     ) -> Result<(), Box<dyn Error>> {
-        let mut figures = Figures {
-            table: VariatorUnit::table(),
-            rows: Vec::new(),
-        };
+        let table = VariatorUnit::table();
         variator.initialise(0.0, &trace[0])?;
-        figures.add_outputs(variator.outputs());
+        let mut rows = vec![row(&table, variator.outputs())];
         for (k, inputs) in trace.iter().take(steps).enumerate() {
             variator.advance((k + 1) as f64 * STEP, inputs)?;
-            figures.add_outputs(variator.outputs());
+            rows.push(row(&table, variator.outputs()));
         }
-        let off = self
-            .other
-            .as_ref()
-            .and_then(|cases| cases.iter().find(|(case, _)| case == name));
-        let off = off.map_or(String::new(), |(_, rows)| {
-            format!("  off by {:.1e} of the range", figures.difference(rows))
+        let other = self.other.iter().flatten().find(|(case, _)| case == name);
+        let off = other.map_or(String::new(), |(_, other)| {
+            format!("  off by {:.1e} of the range", difference(&rows, other))
         });
-        figures.add_profile(variator.profile());
-        println!("{name:<34} {:016x}  {:?}{off}", figures.hash(), variator.counts());
-        self.kept.push((name.to_string(), figures.rows));
+        rows.push(profile_row(variator.profile()));
+        println!("{name:<34} {:016x}  {:?}{off}", hash(&rows), variator.counts());
+        self.kept.push((name.to_string(), rows));
         Ok(())
     }
 }

@@ -7,7 +7,6 @@ pub mod differences;
 pub mod disturbed;
 pub mod film;
 pub mod fingerprint;
-pub mod inside;
 pub mod laws;
 pub mod load_cases;
 pub mod loads;

@@ -150,6 +150,12 @@ impl Driven {
         inputs((torques[0], primary), (torques[1], secondary))
     }
 
+    /// A communication step.
+    pub fn step(&mut self) {
+        let inputs = self.inputs();
+        self.variator.advance(self.until(), &inputs).expect("a step");
+    }
+
     /// Torques on P and S, N·m.
     fn torques(&self, time: f64, outputs: &Outputs) -> [f64; 2] {
         let (p, s) = (outputs.primary.speed, outputs.secondary.speed);

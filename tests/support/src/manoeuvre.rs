@@ -22,11 +22,6 @@ impl Manoeuvre {
         Self { rows: rows.collect() }
     }
 
-    /// Its end, s.
-    pub fn end(&self) -> f64 {
-        self.rows[self.rows.len() - 1][0]
-    }
-
     /// Inputs at time `t`.
     pub fn at(&self, t: f64) -> Inputs {
         let right = self
@@ -41,7 +36,8 @@ impl Manoeuvre {
 
     /// Inputs at the start of every step of `step`, s.
     pub fn trace(&self, step: f64) -> Vec<Inputs> {
-        let count = (self.end() / step).round() as u32;
+        let end = self.rows[self.rows.len() - 1][0];
+        let count = (end / step).round() as u32;
         (0..count).map(|k| self.at(f64::from(k) * step)).collect()
     }
 
@@ -50,14 +46,6 @@ impl Manoeuvre {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = 2.2;
         parameters.initial.primary_speed = 0.0;
-        parameters
-    }
-
-    /// The same, in the steady state near that of the manoeuvre before the over-torque.
-    pub fn before_over_torque(parameters: Parameters) -> Parameters {
-        let mut parameters = Self::variator(parameters);
-        parameters.initial.ratio = 0.8;
-        parameters.initial.primary_speed = 120.0;
         parameters
     }
 }

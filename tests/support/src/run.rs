@@ -14,6 +14,13 @@ pub fn started(parameters: Parameters, inputs: &Inputs) -> Variator {
     variator
 }
 
+/// The residuals that a start takes, and its error.
+pub fn tried(parameters: Parameters, inputs: &Inputs) -> (u64, Option<String>) {
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    let error = variator.initialise(0.0, inputs).err();
+    (variator.start_work().residuals, error.map(|error| error.to_string()))
+}
+
 /// A new variator with these parameters and the state of another one, through its bytes.
 pub fn restored(variator: &mut Variator, parameters: Parameters) -> Variator {
     let mut restored = Variator::new(parameters).expect("valid parameters");

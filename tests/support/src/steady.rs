@@ -42,19 +42,24 @@ pub struct At {
     pub sample: Sample,
 }
 
+/// Every station around the loop.
+pub fn stations(system: &VariatorSystem, state: &State) -> Vec<At> {
+    let mesh = &system.belt.mesh;
+    let diagnostics = BeltDiagnostics::of(system, state.view());
+    diagnostics
+        .stations(mesh)
+        .map(|(cell, sample)| At {
+            segment: mesh.elements[cell.element].segment,
+            element: cell.element,
+            sample,
+        })
+        .collect()
+}
+
 impl Steady {
     /// Every station around the loop.
     pub fn stations(&self) -> Vec<At> {
-        let mesh = &self.system.belt.mesh;
-        let diagnostics = BeltDiagnostics::of(&self.system, self.state.view());
-        diagnostics
-            .stations(mesh)
-            .map(|(cell, sample)| At {
-                segment: mesh.elements[cell.element].segment,
-                element: cell.element,
-                sample,
-            })
-            .collect()
+        stations(&self.system, &self.state)
     }
 
     /// External torques that hold the state, N·m.

@@ -43,8 +43,7 @@ pub fn trace(
     let mut driven = Driven::new(load, parameters.clone(), ratio);
     let mut trace = Trace::default();
     for _ in 0..(seconds / load.step()).round() as usize {
-        let inputs = driven.inputs();
-        driven.variator.advance(driven.until(), &inputs).expect("a step");
+        driven.step();
         see(&mut driven);
         let outputs = driven.variator.outputs();
         trace.rows.push(TRACKED.map(|(_, read)| read(outputs)));

@@ -24,12 +24,6 @@ fn meshes() -> [Parameters; 3] {
     [variator(Ale0), one_cell(Ale), variator(Ale)]
 }
 
-/// A step of a variator under a load.
-fn step(driven: &mut Driven) {
-    let inputs = driven.inputs();
-    driven.variator.advance(driven.until(), &inputs).expect("a step");
-}
-
 /// Every load at every ratio: work within the bound in each communication step, its mean as well; no step fails, all outputs are finite,
 /// and the energy balance holds: within a share of the transmitted energy, which is almost zero in the first moments of a launch.
 fn assert_work_is_bounded(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
@@ -266,7 +260,7 @@ fn a_run_continues_after_steps_without_a_solution() {
                 let mut driven = Driven::new(load, parameters, ratio);
                 let (mut before, mut held) = (0.0, 0);
                 while driven.until() < 0.8 {
-                    step(&mut driven);
+                    driven.step();
                     let speed = driven.variator.outputs().primary.speed;
                     held = if speed == before { held + 1 } else { 0 };
                     assert!(held < 6, "{model:?} {load:?} {ratio} stands at {}", driven.until());
@@ -410,7 +404,7 @@ fn copies_and_stored_states_continue_alike() {
                 break;
             }
             assert!(k < 300, "no step of {load:?} was open");
-            step(&mut driven);
+            driven.step();
         }
         let mut variator = driven.variator.clone();
         assert_continues_alike(&mut variator, parameters, |variator| {
