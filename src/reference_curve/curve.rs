@@ -60,10 +60,4 @@ pub trait ReferenceCurve: Clone + Send + 'static {
         }
         (last, (rest / Self::segment_length(frame, last).v).min(1.0))
     }
-
-    /// The curve at the place ξ, m, taken around the loop.
-    fn at(&self, frame: &Self::Frame<f64>, xi: f64) -> ReferencePoint<f64> {
-        let (segment, fraction) = self.locate(frame, xi);
-        Self::point(frame, segment, fraction)
-    }
 }

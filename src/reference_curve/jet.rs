@@ -15,15 +15,23 @@ pub struct Jet<T> {
     pub dd: T,
 }
 
+impl<V> Jet<V> {
+    /// `f` of the quantity and of both derivatives, for a linear `f`.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(V) -> U) -> Jet<U> {
+        Jet {
+            v: f(self.v),
+            d: f(self.d),
+            dd: f(self.dd),
+        }
+    }
+}
+
 impl Jet<f64> {
     /// The same in the scalar `T`, as a constant.
     #[inline(always)]
     pub fn lifted<T: Real>(self) -> Jet<T> {
-        Jet {
-            v: T::from(self.v),
-            d: T::from(self.d),
-            dd: T::from(self.dd),
-        }
+        self.map(T::from)
     }
 }
 
@@ -70,27 +78,6 @@ impl<T: Real> Jet<T> {
             dd: self.dd * other.v + self.d * other.d * 2.0 + self.v * other.dd,
         }
     }
-
-    /// `factor`·`self`.
-    #[inline(always)]
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
-        Self {
-            v: self.v * factor,
-            d: self.d * factor,
-            dd: self.dd * factor,
-        }
-    }
-
-    /// `self` + `constant`.
-    #[inline(always)]
-    #[must_use]
-    pub fn raised(self, constant: f64) -> Self {
-        Self {
-            v: self.v + constant,
-            ..self
-        }
-    }
 }
 
 impl<V: Add<Output = V>> Jet<V> {
@@ -119,16 +106,6 @@ impl<T: Real> Jet<Vector2<T>> {
             v: e * rho.v,
             d: e * rho.d + t * (rho.v * chi.d),
             dd: e * (rho.dd - rho.v * chi.d * chi.d) + t * (rho.d * chi.d * 2.0 + rho.v * chi.dd),
-        }
-    }
-
-    /// From its components.
-    #[inline(always)]
-    pub(super) fn of([x, y]: [Jet<T>; 2]) -> Self {
-        Self {
-            v: Vector2::new(x.v, y.v),
-            d: Vector2::new(x.d, y.d),
-            dd: Vector2::new(x.dd, y.dd),
         }
     }
 }

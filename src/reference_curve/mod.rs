@@ -11,6 +11,6 @@ mod jet;
 mod two_pulley;
 
 pub use curve::{ReferenceCurve, ReferencePoint};
-pub use frame::{COORDINATES, CoordinateSlopes, MeshCurve, Path, PointSlopes, TwoPulleyFrame};
+pub use frame::{COORDINATES, CoordinateDerivatives, MeshCurve, Path, PointDerivatives, TwoPulleyFrame};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};

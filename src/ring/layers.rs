@@ -55,29 +55,14 @@ impl Layers {
         let lean = sharper * inverse;
         [half * (lean + 1.0), half * (-lean + 1.0)]
     }
-
-    /// Slip of the layers of a ring that moves along itself at `speed`, m/s.
-    #[must_use]
-    pub fn slip(&self, radii: [f64; 2], speed: f64) -> Slip {
-        let [sharper, inverse] = sharper(radii);
-        let lean = sharper * inverse;
-        Slip {
-            pulley: usize::from(lean < 0.0),
-            share: (lean * direction(speed)).abs(),
-            rate: self.friction * speed.signum(),
-        }
-    }
 }
 
-/// Slip of the layers on one of the pulleys.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slip {
-    /// The pulley: 0 the secondary, 1 the primary.
-    pub pulley: usize,
-    /// Share of the layers that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
-    pub share: f64,
-    /// Rate ±μ_l per angle at which the tension of outer layers falls there in the direction of ξ.
-    pub rate: f64,
+/// The pulley on which the layers of a ring with this `speed` along itself, m/s, slip: 0 the secondary, 1 the primary; and the share of
+/// them that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
+pub(super) fn slip(radii: [f64; 2], speed: f64) -> (usize, f64) {
+    let [sharper, inverse] = sharper(radii);
+    let lean = sharper * inverse;
+    (usize::from(lean < 0.0), (lean * direction(speed)).abs())
 }
 
 /// Difference of the curvatures of secondary and primary arc, 1/m, and a factor that makes it their lean: from −1 to 1, the

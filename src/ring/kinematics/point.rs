@@ -1,6 +1,6 @@
 //! The ring at a mesh point.
 
-use super::{ElementMotion, Hermite, ReferenceMotion, combine, cross, embed, inward_normal};
+use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, inward_normal};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
@@ -28,8 +28,8 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub inverse_stretch: T,
     /// Tangent t̂ = r'/|r'|.
     pub t: SVector<T, D>,
-    /// Inward normal n̂, in the plane of the drive.
-    pub n: SVector<T, D>,
+    /// Normals: n̂, inwards in the plane of the drive, and in space b̂ = t̂ × n̂.
+    pub normals: [SVector<T, D>; 2],
     /// Material speed through the mesh w = ṡ − ξ̇_η, m/s.
     pub w: T,
     /// ẇ at fixed η, m/s².
@@ -42,57 +42,55 @@ impl<T: Real> RingPoint<T> {
     /// Kinematics of a ring that follows the reference curve, which has this growth δ.
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>, growth: &Jet<T>) -> Self {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
+        let rate = motion.theta.rate;
+        let [r, r_dot, r_ddot, ..] = Self::on_curve(&reference, &motion.theta);
         let (w, w_dot) = motion.material_speed(&reference.xi);
         let stretch = growth.v * reference.kappa + 1.0;
         let stretch_dot = (growth.d * reference.kappa + growth.v * reference.kappa_theta) * rate;
         Self {
-            reference,
-            r: reference.r,
-            r_dot: reference.r_theta * rate,
-            r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
+            r,
+            r_dot,
+            r_ddot,
             slope: reference.t * stretch,
             slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
             bend: reference.n * (reference.kappa * stretch),
             stretch,
             inverse_stretch: stretch.recip(),
             t: reference.t,
-            n: reference.n,
+            normals: [reference.n, zero_vector()],
             w,
             w_dot,
             strain_gradient: T::zero(),
+            reference,
         }
     }
 }
 
 impl<T: Real, const D: usize> RingPoint<T, D> {
-    /// Kinematics of an element where its shape functions are `shape`.
+    /// r, ṙ, r̈, r', (r')˙ and r'' of the reference curve (28).
     #[inline(always)]
-    pub fn new(
+    pub fn on_curve(reference: &ReferencePoint<T>, theta: &Motion<T>) -> [SVector<T, D>; 6] {
+        let (rate, acceleration) = (theta.rate, theta.acceleration);
+        [
+            embed(reference.r),
+            embed(reference.r_theta * rate),
+            embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration),
+            embed(reference.t),
+            embed(reference.n * (reference.chi_theta * rate)),
+            embed(reference.n * reference.kappa),
+        ]
+    }
+
+    /// The ring with these r, ṙ, r̈, r', (r')˙ and r''.
+    #[inline(always)]
+    pub fn of_motion(
         reference: ReferencePoint<T>,
-        shape: &Hermite<T::Constant>,
-        element: &ElementMotion<T, D>,
+        [r, r_dot, r_ddot, slope, slope_dot, bend]: [SVector<T, D>; 6],
         motion: &ReferenceMotion<T>,
     ) -> Self {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let mut r: SVector<T, D> = embed(reference.r);
-        let mut r_dot: SVector<T, D> = embed(reference.r_theta * rate);
-        let mut r_ddot: SVector<T, D> = embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration);
-        let mut slope: SVector<T, D> = embed(reference.t);
-        let mut slope_dot: SVector<T, D> = embed(reference.n * (reference.chi_theta * rate));
-        let mut bend: SVector<T, D> = embed(reference.n * reference.kappa);
-        if let Some(overlay) = &element.overlay {
-            let g = element.length.v.recip() * 2.0;
-            let u_slope = combine(&shape.dn, &overlay.d) * g;
-            r += combine(&shape.n, &overlay.d);
-            r_dot += combine(&shape.n, &overlay.rate);
-            r_ddot += combine(&shape.n, &overlay.acceleration);
-            slope += u_slope;
-            slope_dot += combine(&shape.dn, &overlay.rate) * g - u_slope * (element.length.d * rate * g * 0.5);
-            bend += combine(&shape.ddn, &overlay.d) * (g * g);
-        }
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
+        let n = inward_normal(&t);
         let (w, w_dot) = motion.material_speed(&reference.xi);
         Self {
             reference,
@@ -105,18 +103,24 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             stretch,
             inverse_stretch,
             t,
-            n: inward_normal(&t),
+            normals: [n, if D == 3 { cross(&t, &n) } else { zero_vector() }],
             w,
             w_dot,
             strain_gradient: t.dot(&bend),
         }
     }
 
-    /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
+    /// The ring in an element where its shape functions are `shape`: reference curve and overlay (10).
     #[inline(always)]
-    pub fn normals(&self) -> [SVector<T, D>; 2] {
-        let binormal = if D == 3 { cross(&self.t, &self.n) } else { zero_vector() };
-        [self.n, binormal]
+    pub fn new(
+        reference: ReferencePoint<T>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        motion: &ReferenceMotion<T>,
+    ) -> Self {
+        let curve = Self::on_curve(&reference, &motion.theta);
+        let overlay = element.overlay(shape);
+        Self::of_motion(reference, std::array::from_fn(|k| curve[k] + overlay[k]), motion)
     }
 
     /// Ring velocity v (12), m/s.

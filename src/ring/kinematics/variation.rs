@@ -1,6 +1,6 @@
 //! The derivatives of a point in one direction.
 
-use super::{ElementMotion, Hermite, Motion, ReferenceMotion, RingPoint, cross, embed, in_plane};
+use super::{ElementMotion, Hermite, RingPoint, cross, embed, in_plane};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
@@ -23,7 +23,7 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
     pub stretch: T,
     /// δt̂.
     pub t: SVector<T, D>,
-    /// Variations of the [`RingPoint::normals`].
+    /// δn̂ and δb̂.
     pub normals: [SVector<T, D>; 2],
     /// δγ'.
     pub strain_gradient: T,
@@ -55,25 +55,17 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         point: &RingPoint<T, D>,
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
-        motion: &ReferenceMotion<T>,
         [m, k]: [usize; 2],
         [alpha, beta]: [f64; 2],
     ) -> Self {
-        let l = element.length;
-        let Motion { rate, acceleration, .. } = motion.theta;
+        let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
         // d = b l for the slope of a node, d = a for its deflection.
         let (d, d_dot, d_ddot) = if m % 2 == 1 {
-            let l_dot = l.d * rate;
-            let l_ddot = l.dd * rate * rate + l.d * acceleration;
-            (
-                l.v * beta,
-                l.v + l_dot * beta,
-                l.v * alpha + l_dot * 2.0 + l_ddot * beta,
-            )
+            (l * beta, l + l_dot * beta, l * alpha + l_dot * 2.0 + l_ddot * beta)
         } else {
             (T::from(beta), T::one(), T::from(alpha))
         };
-        let g = l.v.recip() * 2.0;
+        let g = l.recip() * 2.0;
         let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
         let mut v = Self::none();
         let slope = d * dn * g;
@@ -81,26 +73,20 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         v.r_dot[k] = d_dot * n;
         v.r_ddot[k] = d_ddot * n;
         v.slope[k] = slope;
-        v.slope_dot[k] = d_dot * dn * g - slope * (l.d * rate * g * 0.5);
+        v.slope_dot[k] = d_dot * dn * g - slope * (l_dot * g * 0.5);
         v.bend[k] = d * ddn * (g * g);
         v.stretch = point.t[k] * slope;
         v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
         v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
-        v.vary_normals(point);
-        v
-    }
-
-    /// Sets the variation of the normals from that of the tangent.
-    #[inline(always)]
-    fn vary_normals(&mut self, point: &RingPoint<T, D>) {
-        let turned = turn_right(in_plane(&self.t));
+        let turned = turn_right(in_plane(&v.t));
         if D == 2 {
-            self.normals[0] = embed(turned);
+            v.normals[0] = embed(turned);
         } else {
-            let (t, n) = (&point.t, in_plane(&point.n));
+            let (t, n) = (&point.t, in_plane(&point.normals[0]));
             let inverse = in_plane(t).dot(&in_plane(t)).sqrt().recip();
-            self.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
-            self.normals[1] = cross(&self.t, &point.n) + cross(t, &self.normals[0]);
+            v.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
+            v.normals[1] = cross(&v.t, &point.normals[0]) + cross(t, &v.normals[0]);
         }
+        v
     }
 }

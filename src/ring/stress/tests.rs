@@ -20,60 +20,61 @@ const MOTION: RingMotion = RingMotion {
     speed: 15.0,
     radii: [0.033, 0.077],
 };
-/// Number of parts and size of half the secondary arc, rad, of a strand, m, and of the primary arc, rad.
-const SECTIONS: [(usize, f64); 3] = [(40, 1.3), (10, 0.16), (120, std::f64::consts::TAU - 2.6)];
-
 /// Wrap angles, secondary first, rad.
-fn wraps() -> [f64; 2] {
-    let [(_, half), _, (_, arc)] = SECTIONS;
-    [2.0 * half, arc]
-}
+const WRAPS: [f64; 2] = [2.6, std::f64::consts::TAU - 2.6];
+/// Number of parts of half the secondary arc, of a strand, and of the primary arc.
+const COUNTS: [usize; 3] = [40, 10, 120];
 
 /// The loop with a tension that is a function of pulley and angle; strands continue the arc before them.
 fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
-    let [(halves, half), (strands, strand), (arcs, arc)] = SECTIONS;
+    let [secondary, primary] = WRAPS;
+    let [halves, strands, arcs] = COUNTS;
     // Pulley, number of parts, turning, and the angle at the start.
     let sections = [
-        (0, halves, half, half),
-        (0, strands, 0.0, 2.0 * half),
-        (1, arcs, arc, 0.0),
-        (1, strands, 0.0, arc),
-        (0, halves, half, 0.0),
+        (0, halves, 0.5 * secondary, 0.5 * secondary),
+        (0, strands, 0.0, secondary),
+        (1, arcs, primary, 0.0),
+        (1, strands, 0.0, primary),
+        (0, halves, 0.5 * secondary, 0.0),
     ];
-    let mut parts = Vec::new();
-    for (number, count, turning, start) in sections {
+    let of_section = |(number, count, turning, start): (usize, usize, f64, f64)| {
         let turning = turning / count as f64;
         let on_arc = turning * (MOTION.radii[number] + 1e-3);
-        let length = if turning > 0.0 { on_arc } else { strand / count as f64 };
-        parts.extend((0..count).map(|k| RingPart {
+        let length = if turning > 0.0 { on_arc } else { 0.16 / count as f64 };
+        let part = |k: usize| RingPart {
             xi: 0.0,
             length,
             tension: tension(number, start + turning * (k as f64 + 0.5)),
             curvature: turning / length,
             turning,
             number,
-        }));
-    }
-    parts
+        };
+        (0..count).map(part).collect::<Vec<_>>()
+    };
+    sections.into_iter().flat_map(of_section).collect()
 }
 
 /// A tension that falls on the secondary pulley and returns on the primary one.
 fn usual() -> Vec<RingPart> {
+    let [secondary, primary] = WRAPS;
     parts_with(|pulley, angle| {
-        if pulley == 0 {
-            3.0e3 - 100.0 * angle
-        } else {
-            let [secondary, primary] = wraps();
-            3.0e3 - 100.0 * secondary * (1.0 - angle / primary)
-        }
+        3.0e3
+            - 100.0
+                * if pulley == 0 {
+                    angle
+                } else {
+                    secondary * (1.0 - angle / primary)
+                }
     })
 }
 
 fn tensions(layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Vec<[f64; 2]> {
-    let mut shapes = vec![0.0; parts.len()];
-    let layered = LayerTension::new(&RING, layers, motion, parts, &mut shapes);
-    let tensions = parts.iter().zip(shapes);
-    tensions.map(|(part, shape)| layered.at(part.tension, shape)).collect()
+    let mut outer = vec![0.0; parts.len()];
+    outer_tension(&RING, layers, motion, parts, &mut outer);
+    let of_parts = parts.iter().zip(outer);
+    of_parts
+        .map(|(part, outer)| of_layers(part.tension, outer, layers.count))
+        .collect()
 }
 
 fn mean(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
@@ -93,7 +94,7 @@ fn with(friction: f64) -> Layers {
 
 /// The part at the middle of a strand: 0 follows the secondary arc.
 fn strand(number: usize) -> usize {
-    let [(halves, _), (strands, _), (arcs, _)] = SECTIONS;
+    let [halves, strands, arcs] = COUNTS;
     halves + strands / 2 + number * (strands + arcs)
 }
 
@@ -119,7 +120,7 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
     let parts = usual();
     let centrifugal = RING.mass_per_length * MOTION.speed.powi(2) / 9.0;
     let pressing = |motion: &RingMotion, number| tensions(&LAYERS, motion, &parts)[strand(number)][1] - centrifugal;
-    let factor = (-LAYERS.friction * wraps()[0]).exp();
+    let factor = (-LAYERS.friction * WRAPS[0]).exp();
     let reverse = RingMotion {
         speed: -MOTION.speed,
         ..MOTION
@@ -135,7 +136,7 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
 fn with_the_same_friction_everywhere_all_layers_are_equal() {
     let centrifugal = RING.mass_per_length * MOTION.speed.powi(2);
     let rate = LAYERS.friction;
-    let [secondary, primary] = wraps();
+    let [secondary, primary] = WRAPS;
     let end = (-rate * secondary).exp();
     let parts = parts_with(|pulley, angle| {
         let shape = if pulley == 0 {
@@ -170,7 +171,7 @@ fn layers_that_stick_share_the_tension() {
         .map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
     let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * MOTION.speed.powi(2);
-    close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * wraps()[0]);
+    close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);
 }
 
 fn stress(layers: &Layers, parts: &[RingPart]) -> (RingStress, DVector<f64>) {
