@@ -26,7 +26,7 @@ impl MeshCurve for Unaligned<TwoPulley> {
         let of = |segment| {
             let (f, df) = Self::within(frame, segment, fraction);
             let mut derivatives = TwoPulley::derivatives(&frame.frame, segment, df + T::constant(f), point);
-            for by in &mut derivatives.shape {
+            for by in &mut derivatives.0 {
                 by.r -= point.t * ((point.kappa * frame.frame.growth.v + 1.0) * by.xi);
                 (by.xi, by.dilation) = (T::zero(), T::zero());
             }

@@ -17,9 +17,7 @@
 //! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
 //! first derivatives with respect to each coordinate: [`CoordinateDerivatives`].
 
-use super::curve::{ReferenceCurve, ReferencePoint};
-use super::jet::Jet;
-use super::two_pulley::TwoPulley;
+use super::{Jet, ReferenceCurve, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -50,6 +48,14 @@ const OF_SHAPE: usize = 2;
 
 /// Coordinates with their first and second derivatives along a path.
 pub type Path<T> = [Jet<T>; COORDINATES];
+
+/// The path whose variable is Θ.
+#[inline(always)]
+pub fn along_theta<T: Real>(theta: T) -> Path<T> {
+    let mut path = [Jet::constant(0.0); COORDINATES];
+    (path[0].v, path[0].d) = (theta, T::one());
+    path
+}
 
 /// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
@@ -86,14 +92,9 @@ struct ShapeDerivatives<T: Real> {
     strands: [(Vector2<T>, Vector2<T>); 2],
 }
 
-/// Derivatives of the curve at a mesh point with respect to its coordinates.
-#[derive(Clone, Copy, Debug)]
-pub struct CoordinateDerivatives<T: Real> {
-    /// With respect to Θ and to the spread.
-    pub shape: [PointDerivatives<T>; OF_SHAPE],
-    /// ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of them changes ξ or κ.
-    pub turn: Vector2<T>,
-}
+/// Derivatives of the curve at a mesh point with respect to Θ and to the spread, and ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the
+/// outward normal; none of the three changes ξ or κ.
+pub type CoordinateDerivatives<T> = ([PointDerivatives<T>; OF_SHAPE], Vector2<T>);
 
 /// Derivatives with respect to a coordinate at fixed η.
 #[derive(Clone, Copy, Debug)]
@@ -111,8 +112,8 @@ pub struct PointDerivatives<T: Real> {
 /// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their derivatives with respect to Θ and
 /// spread.
 fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T>; 4], [[T; 4]; OF_SHAPE]) {
-    let ratio = ratio(theta);
-    let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
+    let (ratio, i_theta) = ratio(theta);
+    let i = ratio.v;
     // Solved for plain numbers, and extended to `T` by the first derivatives.
     let (i0, d0) = (i.re(), d.v.re());
     let r0 = if d0 > 0.0 {
@@ -166,21 +167,17 @@ fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T
     ([r_p, ratio.times(r_p), phi, b], by_shape)
 }
 
-/// di_g/dΘ.
-fn ratio_slope<T: Real>(theta: T) -> T {
-    let inverse = (theta + 1.0).recip();
-    -(inverse * inverse * 2.0)
-}
-
-/// i_g on a path through Θ.
-fn ratio<T: Real>(theta: &Jet<T>) -> Jet<T> {
-    let slope = ratio_slope(theta.v);
-    let bend = -(slope * (theta.v + 1.0).recip() * 2.0);
-    Jet {
+/// i_g on a path through Θ, and di_g/dΘ.
+fn ratio<T: Real>(theta: &Jet<T>) -> (Jet<T>, T) {
+    let inverse = (theta.v + 1.0).recip();
+    let slope = -(inverse * inverse * 2.0);
+    let bend = -(slope * inverse * 2.0);
+    let ratio = Jet {
         v: super::ratio_of_theta(theta.v),
         d: slope * theta.d,
         dd: slope * theta.dd + bend * theta.d * theta.d,
-    }
+    };
+    (ratio, slope)
 }
 
 /// Values of all segments from those of half the secondary arc, a strand and the primary arc.
@@ -219,17 +216,6 @@ impl<T: Real> TwoPulleyFrame<T> {
         chi.v += T::constant(fraction * sweep[0] + start[0]);
         (pulley, chi)
     }
-
-    /// Curvature κ of a segment, 1/m.
-    #[inline(always)]
-    #[must_use]
-    pub fn curvature(&self, segment: usize) -> Jet<T> {
-        if is_strand(segment) {
-            Jet::constant(0.0)
-        } else {
-            self.radius[ANGLES[segment].0].recip()
-        }
-    }
 }
 
 /// Derivatives are those along the path of the frame.
@@ -245,9 +231,7 @@ impl ReferenceCurve for TwoPulley {
     }
 
     fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
-        let mut path = [Jet::constant(0.0); COORDINATES];
-        path[0] = Jet::variable(theta);
-        Self::on_path(self, &path)
+        Self::on_path(self, &along_theta(theta))
     }
 
     #[inline(always)]
@@ -266,7 +250,7 @@ impl ReferenceCurve for TwoPulley {
             let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
             let arm = Jet::polar(grown, chi);
             let position = frame.centers[pulley].plus_scaled(arm, T::one());
-            (position, arm.v * -grown.v.recip(), frame.curvature(segment))
+            (position, arm.v * -grown.v.recip(), frame.radius[pulley].recip())
         };
         ReferencePoint {
             r: position.v,
@@ -396,9 +380,6 @@ impl MeshCurve for TwoPulley {
                 dilation: d.dilations[segment],
             }
         });
-        CoordinateDerivatives {
-            shape,
-            turn: turn_right(point.r - frame.middle),
-        }
+        (shape, turn_right(point.r - frame.middle))
     }
 }

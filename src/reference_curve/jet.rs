@@ -27,14 +27,6 @@ impl<V> Jet<V> {
     }
 }
 
-impl Jet<f64> {
-    /// The same in the scalar `T`, as a constant.
-    #[inline(always)]
-    pub fn lifted<T: Real>(self) -> Jet<T> {
-        self.map(T::from)
-    }
-}
-
 impl<T: Real> Jet<T> {
     /// A constant.
     #[inline(always)]
@@ -42,16 +34,6 @@ impl<T: Real> Jet<T> {
         Self {
             v: T::from(value),
             d: T::zero(),
-            dd: T::zero(),
-        }
-    }
-
-    /// The variable of the derivatives itself.
-    #[inline(always)]
-    pub fn variable(value: T) -> Self {
-        Self {
-            v: value,
-            d: T::one(),
             dd: T::zero(),
         }
     }

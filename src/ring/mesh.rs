@@ -52,11 +52,9 @@ pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64)
     (element, (fraction - start) / share)
 }
 
-/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size.
+/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size; 0 is even.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
-    /// Elements of one length.
-    Even,
     /// Finer towards the start.
     Start(f64),
     /// Finer towards the end.
@@ -71,7 +69,6 @@ impl Spacing {
     pub fn border(self, s: f64) -> f64 {
         let graded = |s: f64, g: f64| s - g / TAU * (TAU * s).sin();
         match self {
-            Self::Even => s,
             Self::Start(g) => 2.0 * graded(0.5 * s, g),
             Self::End(g) => 2.0 * graded(0.5 + 0.5 * s, g) - 1.0,
             Self::Both(g) => graded(s, g),
@@ -165,6 +162,6 @@ mod tests {
                 assert!(if is_fine { share < 0.41 } else { share > 1.5 }, "{spacing:?}: {share}");
             }
         }
-        assert!(divide(0, 50, Spacing::Even).all(|e| (50.0 * e.share - 1.0).abs() < 1e-12));
+        assert!(divide(0, 50, Spacing::Both(0.0)).all(|e| (50.0 * e.share - 1.0).abs() < 1e-12));
     }
 }

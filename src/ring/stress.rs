@@ -57,23 +57,13 @@ pub struct RingPart {
     pub number: usize,
 }
 
-impl RingPart {
-    fn on_arc(&self) -> bool {
-        self.turning > 0.0
-    }
-}
-
-/// Motion of the ring.
-#[derive(Clone, Copy, Debug)]
-pub struct RingMotion {
-    /// Speed ṡ of the ring along itself, m/s.
-    pub speed: f64,
-    /// Pitch radii, secondary first, m.
-    pub radii: [f64; 2],
-}
-
 /// Writes the tension T_o in each part to `along`, N.
-fn outer_tension(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[RingPart], along: &mut [f64]) {
+fn outer_tension(
+    (ring, layers): (&Ring, &Layers),
+    (speed, radii): (f64, [f64; 2]),
+    parts: &[RingPart],
+    along: &mut [f64],
+) {
     let (mut length, mut sum, mut wraps) = (0.0, 0.0, [0.0; 2]);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for part in parts {
@@ -81,15 +71,15 @@ fn outer_tension(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[Rin
         sum += part.tension * part.length;
         low = low.min(part.tension);
         high = high.max(part.tension);
-        if part.on_arc() {
+        if part.turning > 0.0 {
             wraps[part.number] += part.turning;
         }
     }
-    let centrifugal = ring.mass_per_length * motion.speed * motion.speed;
+    let centrifugal = ring.mass_per_length * speed * speed;
     let mean = sum / length;
     let [secondary, primary] = wraps;
-    let (slips, slipping) = slip(motion.radii, motion.speed);
-    let rate = layers.friction * motion.speed.signum();
+    let (slips, slipping) = slip(radii, speed);
+    let rate = layers.friction * speed.signum();
     // Shape g after an angle on the arc of a pulley.
     let shape = |pulley: usize, turned: f64| {
         if pulley == slips {
@@ -146,7 +136,7 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
     let (mut max, mut arcs, mut strands) = (f64::NEG_INFINITY, [f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
     for (part, stress) in stresses {
         max = max.max(stress);
-        if part.on_arc() {
+        if part.turning > 0.0 {
             arcs[part.number] = (side * stress).max(arcs[part.number]);
         } else {
             strands[part.number] = (side * stress).min(strands[part.number]);
@@ -165,17 +155,12 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
     }
 }
 
-/// Stress of the face with the largest one over a revolution; writes its stress in each part to `along`, Pa. All are zero
-/// for layers without thickness.
-pub fn ring_stress(
-    ring: &Ring,
-    layers: &Layers,
-    motion: &RingMotion,
-    parts: &[RingPart],
-    along: &mut [f64],
-) -> RingStress {
+/// Stress of the face with the largest one over a revolution, where the ring moves along itself at a speed, m/s, on pitch radii, the
+/// secondary first, m. Writes its stress in each part to `along`, Pa. All are zero for layers without thickness.
+pub fn ring_stress(of: (&Ring, &Layers), motion: (f64, [f64; 2]), parts: &[RingPart], along: &mut [f64]) -> RingStress {
+    let (ring, layers) = of;
     let area = SETS * layers.width * layers.thickness;
-    outer_tension(ring, layers, motion, parts, along);
+    outer_tension(of, motion, parts, along);
     let per_area = area.recip();
     let bending = 0.5 * layers.thickness * ring.axial_stiffness / (area * f64::from(layers.count));
     let stress = |(layer, side): (usize, f64), part: &RingPart, outer: f64| {
@@ -186,10 +171,8 @@ pub fn ring_stress(
     let last = usize::from(layers.count > 1);
     let faces = (0..=last).flat_map(|layer| [(layer, 1.0), (layer, -1.0)]);
     let of_faces = faces.map(|face| {
-        let stresses = parts
-            .iter()
-            .zip(&*along)
-            .map(|(part, &outer)| (part, stress(face, part, outer)));
+        let stresses = parts.iter().zip(&*along);
+        let stresses = stresses.map(|(part, &outer)| (part, stress(face, part, outer)));
         (face, cycles(face.1, stresses))
     });
     let worst = of_faces.reduce(|worst, of| if of.1.max > worst.1.max { of } else { worst });

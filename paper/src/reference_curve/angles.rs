@@ -31,9 +31,13 @@ pub trait AngledCurve: ReferenceCurve {
 
 impl AngledCurve for TwoPulley {
     fn tangent_angle<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
-        TangentAngle {
-            chi: frame.angle(segment, fraction).1,
-            kappa: frame.curvature(segment),
-        }
+        let (pulley, chi) = frame.angle(segment, fraction);
+        let is_strand = segment % 2 == 1;
+        let kappa = if is_strand {
+            Jet::constant(0.0)
+        } else {
+            frame.radius[pulley].recip()
+        };
+        TangentAngle { chi, kappa }
     }
 }

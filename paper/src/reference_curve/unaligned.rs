@@ -229,15 +229,12 @@ pub(crate) fn merge_derivatives<T: Real>(
     b: CoordinateDerivatives<T>,
 ) -> CoordinateDerivatives<T> {
     let merge = |k: usize| PointDerivatives {
-        r: merge_vectors(first, a.shape[k].r, b.shape[k].r),
-        xi: first.if_positive(a.shape[k].xi, b.shape[k].xi),
-        kappa: first.if_positive(a.shape[k].kappa, b.shape[k].kappa),
-        dilation: first.if_positive(a.shape[k].dilation, b.shape[k].dilation),
+        r: merge_vectors(first, a.0[k].r, b.0[k].r),
+        xi: first.if_positive(a.0[k].xi, b.0[k].xi),
+        kappa: first.if_positive(a.0[k].kappa, b.0[k].kappa),
+        dilation: first.if_positive(a.0[k].dilation, b.0[k].dilation),
     };
-    CoordinateDerivatives {
-        shape: [merge(0), merge(1)],
-        turn: merge_vectors(first, a.turn, b.turn),
-    }
+    ([merge(0), merge(1)], merge_vectors(first, a.1, b.1))
 }
 
 #[cfg(test)]

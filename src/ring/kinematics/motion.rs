@@ -1,7 +1,7 @@
 //! Shape functions, and the motion of nodes, of elements and of the reference degrees of freedom.
 
 use crate::reference_curve::Jet;
-use crate::scalar::{Real, zero_vector};
+use crate::scalar::Real;
 use nalgebra::SVector;
 use std::ops::Mul;
 
@@ -116,27 +116,27 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
     #[inline(always)]
     pub fn new(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
         let (l, [l_dot, l_ddot]) = (length.v, theta.rates(&length));
-        let [mut d, mut d_dot, mut d_ddot] = [[zero_vector(); 4]; 3];
-        for (i, node) in nodes.iter().enumerate() {
-            let (b, b_dot) = (node.value.b, node.rate.b);
-            d[2 * i] = node.value.a;
-            d[2 * i + 1] = b * l;
-            d_dot[2 * i] = node.rate.a;
-            d_dot[2 * i + 1] = b_dot * l + b * l_dot;
-            d_ddot[2 * i] = node.acceleration.a;
-            d_ddot[2 * i + 1] = node.acceleration.b * l + b_dot * (l_dot * 2.0) + b * l_ddot;
-        }
+        let [[a, b], [c, d]] = nodes.each_ref().map(|node| {
+            let (b, b_dot, b_ddot) = (node.value.b, node.rate.b, node.acceleration.b);
+            let slope = [
+                b * l,
+                b_dot * l + b * l_dot,
+                b_ddot * l + b_dot * (l_dot * 2.0) + b * l_ddot,
+            ];
+            [[node.value.a, node.rate.a, node.acceleration.a], slope]
+        });
         Self {
             length,
             length_rates: [l_dot, l_ddot],
             d: Motion {
-                value: d,
-                rate: d_dot,
-                acceleration: d_ddot,
+                value: [a[0], b[0], c[0], d[0]],
+                rate: [a[1], b[1], c[1], d[1]],
+                acceleration: [a[2], b[2], c[2], d[2]],
             },
             slopes: [nodes[0].value.b, nodes[1].value.b],
         }
     }
+
     /// Overlay u, u̇, ü, u', (u')˙ and u'' where the shape functions are `shape`.
     #[inline(always)]
     pub fn overlay(&self, shape: &Hermite<T::Constant>) -> [SVector<T, D>; 6] {

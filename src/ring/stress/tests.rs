@@ -1,4 +1,5 @@
 use super::*;
+use crate::pulley::Pulley;
 use nalgebra::DVector;
 
 const RING: Ring = Ring {
@@ -15,11 +16,9 @@ const LAYERS: Layers = Layers {
     width: 9.0e-3,
     residual_curvature: 9.0,
 };
+const SPEED: f64 = 15.0;
 /// In overdrive, where the layers slip on the secondary pulley.
-const MOTION: RingMotion = RingMotion {
-    speed: 15.0,
-    radii: [0.033, 0.077],
-};
+const RADII: [f64; 2] = [0.033, 0.077];
 /// Wrap angles, secondary first, rad.
 const WRAPS: [f64; 2] = [2.6, std::f64::consts::TAU - 2.6];
 /// Number of parts of half the secondary arc, of a strand, and of the primary arc.
@@ -39,7 +38,7 @@ fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
     ];
     let of_section = |(number, count, turning, start): (usize, usize, f64, f64)| {
         let turning = turning / count as f64;
-        let on_arc = turning * (MOTION.radii[number] + 1e-3);
+        let on_arc = turning * (RADII[number] + 1e-3);
         let length = if turning > 0.0 { on_arc } else { 0.16 / count as f64 };
         let part = |k: usize| RingPart {
             xi: 0.0,
@@ -68,9 +67,9 @@ fn usual() -> Vec<RingPart> {
     })
 }
 
-fn tensions(layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Vec<[f64; 2]> {
+fn tensions(layers: &Layers, motion: (f64, [f64; 2]), parts: &[RingPart]) -> Vec<[f64; 2]> {
     let mut outer = vec![0.0; parts.len()];
-    outer_tension(&RING, layers, motion, parts, &mut outer);
+    outer_tension((&RING, layers), motion, parts, &mut outer);
     let of_parts = parts.iter().zip(outer);
     of_parts
         .map(|(part, outer)| of_layers(part.tension, outer, layers.count))
@@ -103,7 +102,7 @@ fn strand(number: usize) -> usize {
 fn the_layers_carry_the_tension_and_are_stretched_alike() {
     let parts = usual();
     for friction in [0.0, 0.02, 0.1] {
-        let all = tensions(&with(friction), &MOTION, &parts);
+        let all = tensions(&with(friction), (SPEED, RADII), &parts);
         for (part, [inner, outer]) in parts.iter().zip(&all) {
             close(inner + 8.0 * outer, part.tension);
             if friction == 0.0 {
@@ -118,15 +117,11 @@ fn the_layers_carry_the_tension_and_are_stretched_alike() {
 #[test]
 fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
     let parts = usual();
-    let centrifugal = RING.mass_per_length * MOTION.speed.powi(2) / 9.0;
-    let pressing = |motion: &RingMotion, number| tensions(&LAYERS, motion, &parts)[strand(number)][1] - centrifugal;
+    let centrifugal = RING.mass_per_length * SPEED.powi(2) / 9.0;
+    let pressing = |speed, number| tensions(&LAYERS, (speed, RADII), &parts)[strand(number)][1] - centrifugal;
     let factor = (-LAYERS.friction * WRAPS[0]).exp();
-    let reverse = RingMotion {
-        speed: -MOTION.speed,
-        ..MOTION
-    };
-    for (motion, [low, high]) in [(MOTION, [0, 1]), (reverse, [1, 0])] {
-        let found = pressing(&motion, low) / pressing(&motion, high);
+    for (speed, [low, high]) in [(SPEED, [0, 1]), (-SPEED, [1, 0])] {
+        let found = pressing(speed, low) / pressing(speed, high);
         assert!((found / factor - 1.0).abs() < 1e-3, "{found} {factor}");
     }
 }
@@ -134,7 +129,7 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
 /// A ring that slips on its elements as its layers on each other: all layers have the same tension.
 #[test]
 fn with_the_same_friction_everywhere_all_layers_are_equal() {
-    let centrifugal = RING.mass_per_length * MOTION.speed.powi(2);
+    let centrifugal = RING.mass_per_length * SPEED.powi(2);
     let rate = LAYERS.friction;
     let [secondary, primary] = WRAPS;
     let end = (-rate * secondary).exp();
@@ -146,7 +141,7 @@ fn with_the_same_friction_everywhere_all_layers_are_equal() {
         };
         centrifugal + 3.0e3 * shape
     });
-    for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, &MOTION, &parts)) {
+    for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, (SPEED, RADII), &parts)) {
         close(inner, part.tension / 9.0);
         close(outer, part.tension / 9.0);
     }
@@ -156,27 +151,21 @@ fn with_the_same_friction_everywhere_all_layers_are_equal() {
 #[test]
 fn layers_that_stick_share_the_tension() {
     let parts = usual();
-    let motion = RingMotion {
-        radii: [0.058; 2],
-        ..MOTION
-    };
-    let still = RingMotion { speed: 0.0, ..MOTION };
-    for motion in [motion, still] {
-        for [inner, outer] in tensions(&LAYERS, &motion, &parts) {
+    let even = (SPEED, [0.058; 2]);
+    for motion in [even, (0.0, RADII)] {
+        for [inner, outer] in tensions(&LAYERS, motion, &parts) {
             close(inner, outer);
         }
     }
-    let outer = tensions(&with(1e-3), &motion, &parts)
-        .into_iter()
-        .map(|[_, outer]| outer);
+    let outer = tensions(&with(1e-3), even, &parts).into_iter().map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
-    let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * MOTION.speed.powi(2);
+    let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * SPEED.powi(2);
     close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);
 }
 
 fn stress(layers: &Layers, parts: &[RingPart]) -> (RingStress, DVector<f64>) {
     let mut along = DVector::zeros(parts.len());
-    let found = ring_stress(&RING, layers, &MOTION, parts, along.as_mut_slice());
+    let found = ring_stress((&RING, layers), (SPEED, RADII), parts, along.as_mut_slice());
     (found, along)
 }
 
@@ -190,20 +179,14 @@ fn bending_alone() {
         ..LAYERS
     };
     let area = 2.0 * 9.0e-3 * 1.85e-4;
-    let bending = MOTION
-        .radii
-        .map(|radius| 0.5 * 1.85e-4 * RING.axial_stiffness / area / (radius + 1e-3));
+    let bending = RADII.map(|radius| 0.5 * 1.85e-4 * RING.axial_stiffness / area / (radius + 1e-3));
     let (found, along) = stress(&single, &parts);
     let tension = 1.8e3 / area;
     close(found.max, tension + bending[0]);
     close(along[strand(0)], tension);
-    let cycles = [
-        (found.amplitude.secondary, found.mean.secondary),
-        (found.amplitude.primary, found.mean.primary),
-    ];
-    for ((amplitude, mean), bending) in cycles.into_iter().zip(bending) {
-        close(amplitude, 0.5 * bending);
-        close(mean, tension + 0.5 * bending);
+    for (pulley, bending) in Pulley::BOTH.into_iter().zip(bending) {
+        close(found.amplitude[pulley], 0.5 * bending);
+        close(found.mean[pulley], tension + 0.5 * bending);
     }
     // Bent far beyond the pulleys: the inner face on the strands is the worst.
     let bent = Layers {

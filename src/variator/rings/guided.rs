@@ -112,17 +112,11 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
         let (frame, segment) = self.curve;
         let Action { load, weight, .. } = action;
         let fraction = T::constant(self.place.fraction(at));
-        let by = C::derivatives(frame, segment, fraction, &point.reference);
+        let (shape, turn) = C::derivatives(frame, segment, fraction, &point.reference);
         let force = load.position;
-        let [theta, spread] = by
-            .shape
-            .each_ref()
-            .map(|by| force.dot(&by.r) - load.drift * by.xi + own(by));
-        for (sum, along) in sum
-            .curve
-            .iter_mut()
-            .zip([theta, spread, force.dot(&by.turn), force.x, force.y])
-        {
+        let [theta, spread] = shape.map(|by| force.dot(&by.r) - load.drift * by.xi + own(&by));
+        let along = [theta, spread, force.dot(&turn), force.x, force.y];
+        for (sum, along) in sum.curve.iter_mut().zip(along) {
             *sum += along * *weight;
         }
         let bearing = action.tension * point.reference.kappa * *weight;
