@@ -202,14 +202,12 @@ fn is_strand(segment: usize) -> bool {
 impl<T: Real> TwoPulleyFrame<T> {
     /// Wrap angles, secondary first, rad.
     #[inline(always)]
-    #[must_use]
     pub fn wraps(&self) -> [T; 2] {
         [self.phi.v * 2.0, self.phi.v * -2.0 + 2.0 * PI]
     }
 
     /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle χ at `fraction`, rad.
     #[inline(always)]
-    #[must_use]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
         let (pulley, start, sweep) = ANGLES[segment];
         let mut chi = self.turn.plus_scaled(self.phi, fraction * sweep[1] + start[1]);

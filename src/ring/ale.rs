@@ -47,7 +47,7 @@ pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
     reference.n.dot(&in_plane(&point.bend)) - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
-/// Energies and damping of the ring at a point.
+/// Energies and damping of the ring at a point: the integrands of (6), (17), and the power of damping.
 #[derive(Clone, Copy, Debug)]
 pub struct RingDensity<T> {
     /// Kinetic energy per dξ, J/m.
@@ -60,15 +60,7 @@ pub struct RingDensity<T> {
     pub viscous: T,
 }
 
-impl<T: Real> RingDensity<T> {
-    /// Elastic energy per dξ, J/m: the integrand of (17).
-    #[inline(always)]
-    pub fn elastic(&self) -> T {
-        self.membrane + self.bending
-    }
-}
-
-/// Energies and damping at a point.
+/// Their values at a point.
 #[inline(always)]
 pub fn density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> RingDensity<T> {
     let (velocity, gamma, rate, kappa) = (point.velocity(), point.strain(), point.strain_rate(), curvature(point));
@@ -118,7 +110,8 @@ pub fn add_elasticity<T: Real, const D: usize>(
     }
     load.drift += viscous * point.strain_gradient;
     let kappa_theta = kappa_theta(reference, &point.slope, &point.bend, 1.0);
-    load.theta += moment * kappa_theta + density(ring, point).elastic() * dilation;
+    let RingDensity { membrane, bending, .. } = density(ring, point);
+    load.theta += moment * kappa_theta + (membrane + bending) * dilation;
     tension
 }
 

@@ -33,8 +33,8 @@
 //! valleys combines the higher peak with the lower valley and the other two with each other. At an outer face the peaks are on
 //! the arcs, at an inner one the valleys.
 
-use super::layers::slip;
-use super::{Layers, Ring};
+use super::Ring;
+use super::layers::{Layers, slip};
 use crate::pulley::PerPulley;
 
 /// Ring sets, side by side on the elements.

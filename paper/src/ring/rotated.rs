@@ -114,6 +114,6 @@ pub fn rotated_load<T: Real, const D: usize>(
         drift: T::zero(),
         theta: T::zero(),
     };
-    let of_length = sum.add_to_overlay(&of_deflection, [d_slope, d_bend], shape, element, weight);
-    sum.theta -= of_length * weight;
+    sum.add_to_overlay(&of_deflection, shape, element, weight);
+    sum.theta += of_deflection.on_length([&d_slope, &d_bend], element) * weight;
 }

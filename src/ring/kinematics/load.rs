@@ -1,6 +1,6 @@
 //! Forces at a point, and generalised forces of an element.
 
-use super::{ElementMotion, Hermite, Node, RingPoint, RingVariation, embed, in_plane};
+use super::{ElementMotion, Hermite, Node, RingPoint, embed, in_plane};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
@@ -41,6 +41,13 @@ impl<T: Real, const D: usize> LineLoad<T, D> {
             + in_plane(&self.slope).dot(&reference.n) * reference.chi_theta
             + in_plane(&self.bend).dot(&bend_theta)
     }
+
+    /// Conjugate to δΘ through the length of the element, where the overlay has this u' and u'', N·m/m.
+    #[inline(always)]
+    pub fn on_length(&self, [slope, bend]: [&SVector<T, D>; 2], element: &ElementMotion<T, D>) -> T {
+        let dilation = element.length.d * element.length.v.recip();
+        -((self.slope.dot(slope) + self.bend.dot(bend) * 2.0) * dilation)
+    }
 }
 
 /// Generalised forces of an element.
@@ -77,26 +84,22 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
     ) {
         let reference = &point.reference;
         self.s += load.drift * weight;
-        let overlay = [
-            point.slope - embed(reference.t),
-            point.bend - embed(reference.n * reference.kappa),
-        ];
-        let of_length = self.add_to_overlay(load, overlay, shape, element, weight);
-        self.theta += (load.on_curve(reference) - of_length) * weight;
+        let slope = point.slope - embed(reference.t);
+        let bend = point.bend - embed(reference.n * reference.kappa);
+        self.theta += (load.on_curve(reference) + load.on_length([&slope, &bend], element)) * weight;
+        self.add_to_overlay(load, shape, element, weight);
     }
 
-    /// Adds the forces on the overlay, whose u' and u'' are given. Returns the force on Θ by the length of the element, N·m/m.
+    /// Adds the forces on the overlay.
     #[inline(always)]
     pub fn add_to_overlay(
         &mut self,
         load: &LineLoad<T, D>,
-        [slope, bend]: [SVector<T, D>; 2],
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
         weight: T,
-    ) -> T {
+    ) {
         let g = element.length.v.recip() * 2.0;
-        let dilation = element.length.d * g * 0.5;
         let (f0, f1, f2) = (
             load.position * weight,
             load.slope * (g * weight),
@@ -108,20 +111,6 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
                 self.d[k][i] += f0[i] * n + f1[i] * dn + f2[i] * ddn;
             }
         }
-        (load.slope.dot(&slope) + load.bend.dot(&bend) * 2.0) * dilation
-    }
-
-    /// Adds the variation of the force on Θ of [`ElementLoad::add`] where the point varies and the load does not.
-    #[inline(always)]
-    pub fn add_varied(
-        &mut self,
-        load: &LineLoad<T, D>,
-        variation: &RingVariation<T, D>,
-        element: &ElementMotion<T, D>,
-        weight: T,
-    ) {
-        let dilation = element.length.d * element.length.v.recip();
-        self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * dilation * weight;
     }
 
     /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and

@@ -14,12 +14,10 @@
 mod load;
 mod motion;
 mod point;
-mod variation;
 
 pub use load::{ElementLoad, LineLoad};
 pub use motion::{ElementMotion, Hermite, Motion, Node, ReferenceMotion, combine};
-pub use point::RingPoint;
-pub use variation::RingVariation;
+pub use point::{RingPoint, RingVariation};
 
 use crate::scalar::{Real, turn_right};
 use nalgebra::{SVector, Vector2};

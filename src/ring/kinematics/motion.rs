@@ -71,8 +71,10 @@ impl<T: Real> Motion<T> {
     /// First and second time derivative of a function `of` Θ, whose motion this is.
     #[inline(always)]
     pub fn rates(&self, of: &Jet<T>) -> [T; 2] {
-        let (rate, acceleration) = (self.rate, self.acceleration);
-        [of.d * rate, of.dd * rate * rate + of.d * acceleration]
+        [
+            of.d * self.rate,
+            of.dd * self.rate * self.rate + of.d * self.acceleration,
+        ]
     }
 }
 
@@ -116,7 +118,7 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
     #[inline(always)]
     pub fn new(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
         let (l, [l_dot, l_ddot]) = (length.v, theta.rates(&length));
-        let [[a, b], [c, d]] = nodes.each_ref().map(|node| {
+        let [[a_1, b_1], [a_2, b_2]] = nodes.each_ref().map(|node| {
             let (b, b_dot, b_ddot) = (node.value.b, node.rate.b, node.acceleration.b);
             let slope = [
                 b * l,
@@ -129,9 +131,9 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
             length,
             length_rates: [l_dot, l_ddot],
             d: Motion {
-                value: [a[0], b[0], c[0], d[0]],
-                rate: [a[1], b[1], c[1], d[1]],
-                acceleration: [a[2], b[2], c[2], d[2]],
+                value: [a_1[0], b_1[0], a_2[0], b_2[0]],
+                rate: [a_1[1], b_1[1], a_2[1], b_2[1]],
+                acceleration: [a_1[2], b_1[2], a_2[2], b_2[2]],
             },
             slopes: [nodes[0].value.b, nodes[1].value.b],
         }

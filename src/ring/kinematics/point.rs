@@ -1,8 +1,8 @@
-//! The ring at a mesh point.
+//! The ring at a mesh point, and its derivatives in one direction.
 
-use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, inward_normal};
+use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, in_plane, inward_normal};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::scalar::{Real, zero_vector};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
 /// The ring at a mesh point.
@@ -44,30 +44,24 @@ impl<T: Real> RingPoint<T> {
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>, growth: &Jet<T>) -> Self {
         let rate = motion.theta.rate;
         let [r, r_dot, r_ddot, ..] = Self::on_curve(&reference, &motion.theta);
-        let (w, w_dot) = motion.material_speed(&reference.xi);
         let stretch = growth.v * reference.kappa + 1.0;
         let stretch_dot = (growth.d * reference.kappa + growth.v * reference.kappa_theta) * rate;
+        let slope = reference.t * stretch;
+        let slope_dot = reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot;
+        let bend = reference.n * (reference.kappa * stretch);
         Self {
-            r,
-            r_dot,
-            r_ddot,
-            slope: reference.t * stretch,
-            slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
-            bend: reference.n * (reference.kappa * stretch),
             stretch,
             inverse_stretch: stretch.recip(),
             t: reference.t,
             normals: [reference.n, zero_vector()],
-            w,
-            w_dot,
             strain_gradient: T::zero(),
-            reference,
+            ..Self::of_motion(reference, [r, r_dot, r_ddot, slope, slope_dot, bend], motion)
         }
     }
 }
 
 impl<T: Real, const D: usize> RingPoint<T, D> {
-    /// r, ṙ, r̈, r', (r')˙ and r'' of the reference curve (28).
+    /// r, ṙ, r̈, r', (r')˙ and r'' of the reference curve.
     #[inline(always)]
     pub fn on_curve(reference: &ReferencePoint<T>, theta: &Motion<T>) -> [SVector<T, D>; 6] {
         let (rate, acceleration) = (theta.rate, theta.acceleration);
@@ -145,5 +139,92 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
         self.t.dot(&self.slope_dot) + self.w * self.strain_gradient
+    }
+}
+
+/// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the drift.
+#[derive(Clone, Copy, Debug)]
+pub struct RingVariation<T: Real, const D: usize = 2> {
+    /// δr.
+    pub r: SVector<T, D>,
+    /// δṙ.
+    pub r_dot: SVector<T, D>,
+    /// δr̈.
+    pub r_ddot: SVector<T, D>,
+    /// δr'.
+    pub slope: SVector<T, D>,
+    /// δ(r')˙.
+    pub slope_dot: SVector<T, D>,
+    /// δr''.
+    pub bend: SVector<T, D>,
+    /// δ|r'|.
+    pub stretch: T,
+    /// δt̂.
+    pub t: SVector<T, D>,
+    /// δn̂ and δb̂.
+    pub normals: [SVector<T, D>; 2],
+    /// δγ'.
+    pub strain_gradient: T,
+}
+
+impl<T: Real, const D: usize> RingVariation<T, D> {
+    /// No variation.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = zero_vector();
+        Self {
+            r: zero,
+            r_dot: zero,
+            r_ddot: zero,
+            slope: zero,
+            slope_dot: zero,
+            bend: zero,
+            stretch: T::zero(),
+            t: zero,
+            normals: [zero; 2],
+            strain_gradient: T::zero(),
+        }
+    }
+
+    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and `beta` are the
+    /// derivatives of its acceleration and its position with respect to its rate.
+    #[inline(always)]
+    pub fn of_node(
+        point: &RingPoint<T, D>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        [m, k]: [usize; 2],
+        [alpha, beta]: [f64; 2],
+    ) -> Self {
+        let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
+        // d = b l for the slope of a node, d = a for its deflection.
+        let (d, d_dot, d_ddot) = if m % 2 == 1 {
+            (l * beta, l + l_dot * beta, l * alpha + l_dot * 2.0 + l_ddot * beta)
+        } else {
+            (T::from(beta), T::one(), T::from(alpha))
+        };
+        let g = l.recip() * 2.0;
+        let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
+        let mut v = Self::none();
+        let slope = d * dn * g;
+        v.r[k] = d * n;
+        v.r_dot[k] = d_dot * n;
+        v.r_ddot[k] = d_ddot * n;
+        v.slope[k] = slope;
+        v.slope_dot[k] = d_dot * dn * g - slope * (l_dot * g * 0.5);
+        v.bend[k] = d * ddn * (g * g);
+        v.stretch = point.t[k] * slope;
+        v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
+        v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
+        let turned = turn_right(in_plane(&v.t));
+        if D == 2 {
+            v.normals[0] = embed(turned);
+        } else {
+            let (t, n) = (&point.t, in_plane(&point.normals[0]));
+            let inverse = in_plane(t).dot(&in_plane(t)).sqrt().recip();
+            v.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
+            v.normals[1] = cross(&v.t, &point.normals[0]) + cross(t, &v.normals[0]);
+        }
+        v
     }
 }

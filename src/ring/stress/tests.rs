@@ -87,10 +87,6 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
 }
 
-fn with(friction: f64) -> Layers {
-    Layers { friction, ..LAYERS }
-}
-
 /// The part at the middle of a strand: 0 follows the secondary arc.
 fn strand(number: usize) -> usize {
     let [halves, strands, arcs] = COUNTS;
@@ -102,7 +98,7 @@ fn strand(number: usize) -> usize {
 fn the_layers_carry_the_tension_and_are_stretched_alike() {
     let parts = usual();
     for friction in [0.0, 0.02, 0.1] {
-        let all = tensions(&with(friction), (SPEED, RADII), &parts);
+        let all = tensions(&Layers { friction, ..LAYERS }, (SPEED, RADII), &parts);
         for (part, [inner, outer]) in parts.iter().zip(&all) {
             close(inner + 8.0 * outer, part.tension);
             if friction == 0.0 {
@@ -157,7 +153,11 @@ fn layers_that_stick_share_the_tension() {
             close(inner, outer);
         }
     }
-    let outer = tensions(&with(1e-3), even, &parts).into_iter().map(|[_, outer]| outer);
+    let slippery = Layers {
+        friction: 1e-3,
+        ..LAYERS
+    };
+    let outer = tensions(&slippery, even, &parts).into_iter().map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
     let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * SPEED.powi(2);
     close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);

@@ -183,7 +183,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             spin_loss: forces.spin_drag * chain.speed,
             damping_loss: of_ring.viscous + stack_loss + flanks.sum.loads.viscous,
             kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
-            ring_elastic: of_ring.elastic(),
+            ring_elastic: of_ring.membrane + of_ring.bending,
             flank_elastic: (flank_energy(0) + flank_energy(1)) * chain.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }

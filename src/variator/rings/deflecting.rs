@@ -132,7 +132,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     ) {
         let shape = &self.place.point(at).shape;
         sum.add(&action.load, point, shape, &self.element, action.weight);
-        sum.add_varied(own_load, by, &self.element, action.weight);
+        sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * action.weight;
     }
 
     #[inline(always)]
