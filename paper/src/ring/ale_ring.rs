@@ -210,13 +210,18 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         }
     }
 
-    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &ElementState<T, D>) -> [T; N] {
+    fn rows<T: Real<Constant = f64>, const N: usize>(
+        &self,
+        sum: &ElementLoad<T, D>,
+        parts: &ElementState<T, D>,
+    ) -> [T; N] {
         let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
         if let Some(rotated) = &parts.rotated {
             rotated.nodes([&mut left, &mut right], &mut theta);
         }
         let nodes = [left, right];
         std::array::from_fn(|k| match k.checked_sub(2 * Self::BLOCK) {
+            None if !self.flexible => T::zero(),
             None => {
                 let (node, k) = (&nodes[k / Self::BLOCK], k % Self::BLOCK);
                 if k.is_multiple_of(2) {
@@ -380,7 +385,7 @@ where
             T::one(),
             &mut sum,
         );
-        Self::rows(&sum, &parts)
+        self.rows(&sum, &parts)
     }
 
     fn balance<T: Real<Constant = f64>>(
@@ -408,7 +413,7 @@ where
             ale::add_elasticity(&self.ring, &point, dilation, &mut load);
             Self::add(station, &parts, &point, &load, length.v * station.weight, &mut sum);
         }
-        Self::rows(&sum, &parts)
+        self.rows(&sum, &parts)
     }
 
     fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy {
