@@ -1,10 +1,10 @@
-//! A quantity with its derivatives with respect to Θ.
+//! A quantity with its derivatives with respect to Θ, or along a path.
 
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::ops::{Add, Mul};
 
-/// A quantity and its first and second derivative with respect to Θ at fixed η.
+/// A quantity and its first and second derivative at fixed η: with respect to Θ, or to the variable of a [path](super::Path).
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<T> {
     /// The quantity itself.
