@@ -52,7 +52,7 @@ impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
     fn own_load(&self, at: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         let tension = point.strain() * point.strain() * self.stiffening;
         load.slope += point.t * tension;
-        load.theta += self.energy(point) * self.ale.growth;
+        load.theta += self.energy(point) * self.ale.dilation;
         self.ale.own_load(at, point, load) + tension
     }
 
@@ -62,7 +62,7 @@ impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
 
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
         let mut density = self.ale.density(point);
-        density.elastic += self.energy(point);
+        density.membrane += self.energy(point);
         density
     }
 }

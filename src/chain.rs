@@ -103,7 +103,7 @@ const LEAST_SQUEEZE: f64 = 1.0;
 
 /// The chain at a mesh point.
 #[derive(Clone, Copy, Debug)]
-pub struct ChainPoint<T: Real, const D: usize = 2> {
+pub struct ChainPoint<T> {
     /// λ, pitch-line length per dξ.
     pub lambda: T,
     /// 1/λ.
@@ -116,25 +116,22 @@ pub struct ChainPoint<T: Real, const D: usize = 2> {
     pub flow: T,
     /// c = J/λ, m/s.
     pub c: T,
-    /// Normals, D − 1 of them.
-    pub normals: [SVector<T, D>; 2],
     /// n̂·ṙ, m/s.
     pub normal_speed: [T; 2],
     /// True curvature κ̂ = n̂·r''/|r'| of the ring per dξ, 1/m.
     pub curvature: [T; 2],
 }
 
-impl<T: Real, const D: usize> ChainPoint<T, D> {
+impl<T: Real> ChainPoint<T> {
     /// The chain on a ring point, at the element speed `speed`.
     #[inline(always)]
-    pub fn new(pitch_offset: f64, point: &RingPoint<T, D>, theta_dot: T, speed: T) -> Self {
+    pub fn new<const D: usize>(pitch_offset: f64, point: &RingPoint<T, D>, theta_dot: T, speed: T) -> Self {
         let reference = &point.reference;
         let lambda = point.stretch - reference.kappa * pitch_offset;
-        let normals = point.normals();
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
-            normal_speed[k] = normals[k].dot(&point.r_dot);
-            curvature[k] = normals[k].dot(&point.bend) * point.inverse_stretch;
+            normal_speed[k] = point.normals[k].dot(&point.r_dot);
+            curvature[k] = point.normals[k].dot(&point.bend) * point.inverse_stretch;
         }
         let flow = speed - point.t.dot(&point.r_dot) + reference.chi_theta * theta_dot * pitch_offset;
         let inverse_lambda = lambda.recip();
@@ -145,22 +142,9 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
             speed,
             flow,
             c: flow * inverse_lambda,
-            normals,
             normal_speed,
             curvature,
         }
-    }
-
-    /// v_p, velocity at the pitch line, m/s.
-    #[inline(always)]
-    pub fn pitch_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
-        self.velocity(point, self.speed)
-    }
-
-    /// v_e, velocity at the ring centre line, m/s.
-    #[inline(always)]
-    pub fn ring_line_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
-        self.velocity(point, self.ring_line_speed())
     }
 
     /// v_e·t̂, m/s.
@@ -169,25 +153,30 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         self.speed * self.lead
     }
 
-    /// The velocity with the component `along` along t̂ and the ring's normal components, m/s.
+    /// Velocity of an element with the component `along` along t̂, m/s: v_p with V, v_e with [`Self::ring_line_speed`].
     #[inline(always)]
-    fn velocity(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
+    pub fn velocity<const D: usize>(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
         let mut velocity = point.t * along;
         for k in 0..D - 1 {
-            velocity += self.normals[k] * self.normal_speed[k];
+            velocity += point.normals[k] * self.normal_speed[k];
         }
         velocity
     }
 
     /// The acceleration of an element; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ.
     #[inline(always)]
-    pub fn acceleration(&self, point: &RingPoint<T, D>, speed_dot: T, speed_gradient: T) -> Acceleration<T> {
+    pub fn acceleration<const D: usize>(
+        &self,
+        point: &RingPoint<T, D>,
+        speed_dot: T,
+        speed_gradient: T,
+    ) -> Acceleration<T> {
         let c = self.c;
         let passing = self.speed - point.t.dot(&point.r_dot);
         let mut along = speed_dot + c * speed_gradient;
         let [mut across, mut slope_rate, mut omega] = [[T::zero(); 2]; 3];
         for k in 0..D - 1 {
-            let normal = &self.normals[k];
+            let normal = &point.normals[k];
             slope_rate[k] = normal.dot(&point.slope_dot);
             omega[k] = slope_rate[k] * point.inverse_stretch + c * self.curvature[k];
             along -= omega[k] * self.normal_speed[k];
@@ -240,7 +229,7 @@ pub struct ChainVariation<T> {
 impl<T: Real + Default> ChainVariation<T> {
     /// The variation where V alone varies, by `speed`.
     #[inline(always)]
-    pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
+    pub fn of_speed(chain: &ChainPoint<T>, speed: T) -> Self {
         Self {
             speed,
             flow: speed,
@@ -250,13 +239,18 @@ impl<T: Real + Default> ChainVariation<T> {
     }
 }
 
-impl<T: Real, const D: usize> ChainPoint<T, D> {
+impl<T: Real> ChainPoint<T> {
     /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
-    pub fn vary(&self, point: &RingPoint<T, D>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
+    pub fn vary<const D: usize>(
+        &self,
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
+        speed: T,
+    ) -> ChainVariation<T> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
-            let (normal, varied) = (&self.normals[k], &by.normals[k]);
+            let (normal, varied) = (&point.normals[k], &by.normals[k]);
             normal_speed[k] = varied.dot(&point.r_dot) + normal.dot(&by.r_dot);
             curvature[k] = (varied.dot(&point.bend) + normal.dot(&by.bend) - self.curvature[k] * by.stretch)
                 * point.inverse_stretch;
@@ -276,7 +270,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
 
     /// Variation of [`ChainPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
     #[inline(always)]
-    pub fn vary_acceleration(
+    pub fn vary_acceleration<const D: usize>(
         &self,
         point: &RingPoint<T, D>,
         base: &Acceleration<T>,
@@ -288,7 +282,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut along = speed_dot + chain.c * speed_gradient + c * gradient;
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
-            let (normal, varied) = (&self.normals[k], &by.normals[k]);
+            let (normal, varied) = (&point.normals[k], &by.normals[k]);
             let (slope_rate, omega) = (base.slope_rate[k], base.omega[k]);
             let d_slope_rate = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
             let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch

@@ -6,7 +6,7 @@
 //! curve at EAγ = m ṡ²(1 + γ)), and the oscillation of a tensioner arm, Θ, due to the bending energy of a belt.
 
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::ReferenceCurve;
+use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::ancf::Ancf;

@@ -8,10 +8,9 @@ use crate::rotating::RotatingRing;
 use crate::travelling::assembly::TravellingCells;
 use crate::travelling::order::{self, Travelling};
 use crate::travelling::start::state_on_ale;
-use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
-    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, deflecting_equations, eulerian_equations,
-    guided_equations,
+    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, StartsOn, deflecting_equations,
+    eulerian_equations, guided_equations,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -266,12 +265,10 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         PASSING * Travelling::of(&belt.layout, &belt.curve).length
     }
 
-    fn starts_on(&self) -> Option<Arc<dyn BeltRing>> {
-        Some(Arc::new(Ale::<2>))
-    }
-
-    fn start_from(&self, belt: &Belt, other: &Belt, state: &State) -> State {
-        state_on_ale(belt, &Self::ring(belt), other, state)
+    fn starts_on(&self) -> Option<StartsOn> {
+        Some((Arc::new(Ale::<2>), |belt, ale, state| {
+            state_on_ale(belt, &Self::ring(belt), ale, state)
+        }))
     }
 }
 

@@ -66,14 +66,10 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     #[inline(always)]
     fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
         let Deflecting {
-            place,
-            element,
-            motion,
-            sum,
-            ..
+            place, element, sum, ..
         } = &mut self.ring;
         let shape = &place.point(at).shape;
-        rotated_load(&action.load, point, shape, element, motion, action.weight, sum);
+        rotated_load(&action.load, point, shape, element, action.weight, sum);
     }
 
     #[inline(always)]

@@ -15,11 +15,9 @@
 //!
 //! A motion is a path through these coordinates. A frame holds derivatives along a path: derivatives with respect to Θ
 //! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
-//! first derivatives with respect to each coordinate: [`CoordinateSlopes`].
+//! first derivatives with respect to each coordinate: [`CoordinateDerivatives`].
 
-use super::curve::{ReferenceCurve, ReferencePoint};
-use super::jet::Jet;
-use super::two_pulley::TwoPulley;
+use super::{Jet, ReferenceCurve, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -33,12 +31,12 @@ pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
     fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
 
     /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is `point`.
-    fn slopes<T: Real>(
+    fn derivatives<T: Real>(
         frame: &Self::Frame<T>,
         segment: usize,
-        fraction: T::Constant,
+        fraction: T,
         point: &ReferencePoint<T>,
-    ) -> CoordinateSlopes<T>;
+    ) -> CoordinateDerivatives<T>;
 }
 
 /// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary arc.
@@ -50,6 +48,14 @@ const OF_SHAPE: usize = 2;
 
 /// Coordinates with their first and second derivatives along a path.
 pub type Path<T> = [Jet<T>; COORDINATES];
+
+/// The path whose variable is Θ.
+#[inline(always)]
+pub fn along_theta<T: Real>(theta: T) -> Path<T> {
+    let mut path = [Jet::constant(0.0); COORDINATES];
+    (path[0].v, path[0].d) = (theta, T::one());
+    path
+}
 
 /// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
@@ -70,34 +76,29 @@ pub struct TwoPulleyFrame<T: Real> {
     strands: [[Jet<Vector2<T>>; 2]; 2],
     /// M + s, m.
     middle: Vector2<T>,
-    by: [ShapeSlopes<T>; OF_SHAPE],
+    d_shape: [ShapeDerivatives<T>; OF_SHAPE],
 }
 
 /// Derivatives with respect to a coordinate of the shape.
 #[derive(Clone, Copy, Debug)]
-struct ShapeSlopes<T: Real> {
+struct ShapeDerivatives<T: Real> {
     centers: [Vector2<T>; 2],
     radius: [T; 2],
     phi: T,
     lengths: [T; SEGMENTS],
     starts: [T; SEGMENTS],
     /// Derivatives of the logarithms of the lengths.
-    growth: [T; SEGMENTS],
+    dilations: [T; SEGMENTS],
     strands: [(Vector2<T>, Vector2<T>); 2],
 }
 
-/// Derivatives of the curve at a mesh point with respect to its coordinates.
-#[derive(Clone, Copy, Debug)]
-pub struct CoordinateSlopes<T: Real> {
-    /// With respect to Θ and to the spread.
-    pub shape: [PointSlopes<T>; OF_SHAPE],
-    /// ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of them changes ξ or κ.
-    pub turn: Vector2<T>,
-}
+/// Derivatives of the curve at a mesh point with respect to Θ and to the spread, and ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the
+/// outward normal; none of the three changes ξ or κ.
+pub type CoordinateDerivatives<T> = ([PointDerivatives<T>; OF_SHAPE], Vector2<T>);
 
 /// Derivatives with respect to a coordinate at fixed η.
 #[derive(Clone, Copy, Debug)]
-pub struct PointSlopes<T: Real> {
+pub struct PointDerivatives<T: Real> {
     /// Of r.
     pub r: Vector2<T>,
     /// Of ξ, m.
@@ -105,14 +106,14 @@ pub struct PointSlopes<T: Real> {
     /// Of κ, 1/m.
     pub kappa: T,
     /// Of ln dξ.
-    pub growth: T,
+    pub dilation: T,
 }
 
 /// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their derivatives with respect to Θ and
 /// spread.
 fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T>; 4], [[T; 4]; OF_SHAPE]) {
-    let ratio = ratio(theta);
-    let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
+    let (ratio, i_theta) = ratio(theta);
+    let i = ratio.v;
     // Solved for plain numbers, and extended to `T` by the first derivatives.
     let (i0, d0) = (i.re(), d.v.re());
     let r0 = if d0 > 0.0 {
@@ -149,38 +150,34 @@ fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T
     let jet = |v, d, dd| Jet { v, d, dd };
     let r_p = jet(r, r_dot, r_ddot);
 
-    let slopes = |r_by: T, i_by: T, d_by: T| {
-        let delta_by = r_by - i * r_by - i_by * r;
+    let derivatives = |d_r: T, d_i: T, d_d: T| {
+        let d_delta = d_r - i * d_r - d_i * r;
         [
-            r_by,
-            i * r_by + i_by * r,
-            -((delta_by - x * d_by) * per_b),
-            (d.v * d_by - delta * delta_by) * per_b,
+            d_r,
+            i * d_r + d_i * r,
+            -((d_delta - x * d_d) * per_b),
+            (d.v * d_d - delta * d_delta) * per_b,
         ]
     };
-    let by = [
-        slopes(by_i * i_theta, i_theta, T::zero()),
-        slopes(by_d, T::zero(), T::one()),
+    let by_shape = [
+        derivatives(by_i * i_theta, i_theta, T::zero()),
+        derivatives(by_d, T::zero(), T::one()),
     ];
     let (phi, b) = (jet(phi, phi_dot, phi_ddot), jet(b, b_dot, b_ddot));
-    ([r_p, ratio.times(r_p), phi, b], by)
+    ([r_p, ratio.times(r_p), phi, b], by_shape)
 }
 
-/// di_g/dΘ.
-fn ratio_slope<T: Real>(theta: T) -> T {
-    let inverse = (theta + 1.0).recip();
-    -(inverse * inverse * 2.0)
-}
-
-/// i_g on a path through Θ.
-fn ratio<T: Real>(theta: &Jet<T>) -> Jet<T> {
-    let slope = ratio_slope(theta.v);
-    let bend = -(slope * (theta.v + 1.0).recip() * 2.0);
-    Jet {
+/// i_g on a path through Θ, and di_g/dΘ.
+fn ratio<T: Real>(theta: &Jet<T>) -> (Jet<T>, T) {
+    let inverse = (theta.v + 1.0).recip();
+    let slope = -(inverse * inverse * 2.0);
+    let bend = -(slope * inverse * 2.0);
+    let ratio = Jet {
         v: super::ratio_of_theta(theta.v),
         d: slope * theta.d,
         dd: slope * theta.dd + bend * theta.d * theta.d,
-    }
+    };
+    (ratio, slope)
 }
 
 /// Values of all segments from those of half the secondary arc, a strand and the primary arc.
@@ -202,147 +199,20 @@ fn is_strand(segment: usize) -> bool {
     segment % 2 == 1
 }
 
-impl TwoPulley {
-    /// The curve at one place of a path.
-    #[must_use]
-    pub fn on_path<T: Real>(&self, path: &Path<T>) -> TwoPulleyFrame<T> {
-        let [theta, spread, turn, x, y, growth] = *path;
-        let axes = self.center_distance;
-        let mut distance = spread;
-        distance.v += T::from(axes);
-        let ([r_p, r_s, phi, b], by) = dimensions(self, &theta, &distance);
-        let radius = [r_s, r_p];
-        let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
-        let half = r_s.times(phi);
-        let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
-        let arc = r_p.times(opposite).scaled(2.0);
-        let lengths = around(half, b, arc);
-        let mut starts = [Jet::constant(0.0); SEGMENTS];
-        for k in 1..SEGMENTS {
-            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
-        }
-        // From P to S, and half of it: e(γ) = (−cos γ, sin γ).
-        let arm = Jet::polar(distance.scaled(0.5), turn);
-        let mut middle = Jet::of([x, y]);
-        middle.v.x += T::from(0.5 * axes);
-        let centers = [1.0, -1.0].map(|side| middle.plus_scaled(arm, T::from(side)));
-        let upper = phi.plus_scaled(turn, 1.0);
-        let lower = turn.plus_scaled(phi, -1.0).raised(2.0 * PI);
-        let quarter = |chi: Jet<T>| chi.raised(PI / 2.0);
-        let ends = [(0, upper), (1, lower)];
-        let strands = ends.map(|(pulley, chi)| {
-            let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());
-            [start, Jet::polar(b, quarter(chi))]
-        });
-        let by_length = lengths.map(|length| length.v.recip());
-        let toward = arm.v * (distance.v * 0.5).recip();
-        let by = std::array::from_fn(|k| {
-            let [of_r_p, of_r_s, of_phi, of_b] = by[k];
-            let radius_by = [of_r_s, of_r_p];
-            let part = |length: T, slope: T, angle: T, by: T| slope * angle + length * by;
-            let lengths_of = around(
-                part(r_s.v, of_r_s, phi.v, of_phi),
-                of_b,
-                part(r_p.v, of_r_p, opposite.v, -of_phi) * 2.0,
-            );
-            let mut starts = [T::zero(); SEGMENTS];
-            for k in 1..SEGMENTS {
-                starts[k] = starts[k - 1] + lengths_of[k - 1];
-            }
-            let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
-            let centers = [toward * apart, toward * -apart];
-            let per_b = b.v.recip();
-            let strands = std::array::from_fn(|strand| {
-                let t = strands[strand][1].v * per_b;
-                let n = turn_right(t);
-                let chi = if strand == 0 { of_phi } else { -of_phi };
-                let start = centers[strand] - n * radius_by[strand] + t * (grown[strand].v * chi);
-                (start, t * of_b + n * (b.v * chi))
-            });
-            ShapeSlopes {
-                centers,
-                radius: radius_by,
-                phi: of_phi,
-                lengths: lengths_of,
-                starts,
-                growth: std::array::from_fn(|k| lengths_of[k] * by_length[k]),
-                strands,
-            }
-        });
-        TwoPulleyFrame {
-            centers,
-            radius,
-            growth,
-            strain: growth.scaled(2.0 * PI / self.length),
-            phi,
-            turn,
-            lengths,
-            starts,
-            strands,
-            middle: middle.v,
-            by,
-        }
-    }
-}
-
 impl<T: Real> TwoPulleyFrame<T> {
     /// Wrap angles, secondary first, rad.
     #[inline(always)]
-    #[must_use]
     pub fn wraps(&self) -> [T; 2] {
         [self.phi.v * 2.0, self.phi.v * -2.0 + 2.0 * PI]
     }
 
     /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle χ at `fraction`, rad.
     #[inline(always)]
-    #[must_use]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
         let (pulley, start, sweep) = ANGLES[segment];
         let mut chi = self.turn.plus_scaled(self.phi, fraction * sweep[1] + start[1]);
         chi.v += T::constant(fraction * sweep[0] + start[0]);
         (pulley, chi)
-    }
-
-    /// Curvature κ of a segment, 1/m.
-    #[inline(always)]
-    #[must_use]
-    pub fn curvature(&self, segment: usize) -> Jet<T> {
-        if is_strand(segment) {
-            Jet::constant(0.0)
-        } else {
-            self.radius[ANGLES[segment].0].recip()
-        }
-    }
-
-    /// Derivatives at a fraction of a segment, where the curve is `point`.
-    #[inline(always)]
-    #[must_use]
-    pub fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> CoordinateSlopes<T> {
-        let (t, n) = (point.t, point.n);
-        let shape = self.by.each_ref().map(|by| {
-            let (r, kappa) = if is_strand(segment) {
-                let (start, along) = &by.strands[segment / 2];
-                (start + along * fraction, T::zero())
-            } else {
-                let (pulley, start, sweep) = ANGLES[segment];
-                let chi = (fraction * sweep[1] + start[1]) * by.phi;
-                let across = n * -by.radius[pulley];
-                (
-                    by.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),
-                    -(by.radius[pulley] * point.kappa * point.kappa),
-                )
-            };
-            PointSlopes {
-                r,
-                xi: by.starts[segment] + by.lengths[segment] * fraction,
-                kappa,
-                growth: by.growth[segment],
-            }
-        });
-        CoordinateSlopes {
-            shape,
-            turn: turn_right(point.r - self.middle),
-        }
     }
 }
 
@@ -359,9 +229,7 @@ impl ReferenceCurve for TwoPulley {
     }
 
     fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
-        let mut path = [Jet::constant(0.0); COORDINATES];
-        path[0] = Jet::variable(theta);
-        self.on_path(&path)
+        Self::on_path(self, &along_theta(theta))
     }
 
     #[inline(always)]
@@ -380,7 +248,7 @@ impl ReferenceCurve for TwoPulley {
             let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
             let arm = Jet::polar(grown, chi);
             let position = frame.centers[pulley].plus_scaled(arm, T::one());
-            (position, arm.v * -grown.v.recip(), frame.curvature(segment))
+            (position, arm.v * -grown.v.recip(), frame.radius[pulley].recip())
         };
         ReferencePoint {
             r: position.v,
@@ -398,7 +266,83 @@ impl ReferenceCurve for TwoPulley {
 
 impl MeshCurve for TwoPulley {
     fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> TwoPulleyFrame<T> {
-        curve.on_path(path)
+        let [theta, spread, turn, x, y, growth] = *path;
+        let axes = curve.center_distance;
+        let distance = spread.plus_scaled(Jet::constant(axes), 1.0);
+        let ([r_p, r_s, phi, b], d_dimensions) = dimensions(curve, &theta, &distance);
+        let radius = [r_s, r_p];
+        let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
+        let half = r_s.times(phi);
+        let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
+        let arc = r_p.times(opposite).map(|length| length * 2.0);
+        let lengths = around(half, b, arc);
+        let mut starts = [Jet::constant(0.0); SEGMENTS];
+        for k in 1..SEGMENTS {
+            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
+        }
+        // From P to S, and half of it: e(γ) = (−cos γ, sin γ).
+        let arm = Jet::polar(distance.map(|distance| distance * 0.5), turn);
+        let middle = Jet {
+            v: Vector2::new(x.v + 0.5 * axes, y.v),
+            d: Vector2::new(x.d, y.d),
+            dd: Vector2::new(x.dd, y.dd),
+        };
+        let centers = [1.0, -1.0].map(|side| middle.plus_scaled(arm, T::from(side)));
+        let upper = phi.plus_scaled(turn, 1.0);
+        let lower = turn.plus_scaled(phi, -1.0).plus_scaled(Jet::constant(2.0 * PI), 1.0);
+        let quarter = Jet::constant(PI / 2.0);
+        let strands = [(0, upper), (1, lower)].map(|(pulley, chi)| {
+            let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());
+            [start, Jet::polar(b, chi.plus_scaled(quarter, 1.0))]
+        });
+        let per_length = lengths.map(|length| length.v.recip());
+        let toward = arm.v * (distance.v * 0.5).recip();
+        let d_shape = std::array::from_fn(|k| {
+            let [d_r_p, d_r_s, d_phi, d_b] = d_dimensions[k];
+            let d_radius = [d_r_s, d_r_p];
+            let arc = |radius: T, d_radius: T, angle: T, d_angle: T| d_radius * angle + radius * d_angle;
+            let d_lengths = around(
+                arc(r_s.v, d_r_s, phi.v, d_phi),
+                d_b,
+                arc(r_p.v, d_r_p, opposite.v, -d_phi) * 2.0,
+            );
+            let mut starts = [T::zero(); SEGMENTS];
+            for k in 1..SEGMENTS {
+                starts[k] = starts[k - 1] + d_lengths[k - 1];
+            }
+            let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
+            let centers = [toward * apart, toward * -apart];
+            let per_b = b.v.recip();
+            let strands = std::array::from_fn(|strand| {
+                let t = strands[strand][1].v * per_b;
+                let n = turn_right(t);
+                let chi = if strand == 0 { d_phi } else { -d_phi };
+                let start = centers[strand] - n * d_radius[strand] + t * (grown[strand].v * chi);
+                (start, t * d_b + n * (b.v * chi))
+            });
+            ShapeDerivatives {
+                centers,
+                radius: d_radius,
+                phi: d_phi,
+                lengths: d_lengths,
+                starts,
+                dilations: std::array::from_fn(|k| d_lengths[k] * per_length[k]),
+                strands,
+            }
+        });
+        TwoPulleyFrame {
+            centers,
+            radius,
+            growth,
+            strain: growth.map(|growth| growth * (2.0 * PI / curve.length)),
+            phi,
+            turn,
+            lengths,
+            starts,
+            strands,
+            middle: middle.v,
+            d_shape,
+        }
     }
 
     #[inline(always)]
@@ -407,12 +351,33 @@ impl MeshCurve for TwoPulley {
     }
 
     #[inline(always)]
-    fn slopes<T: Real>(
+    fn derivatives<T: Real>(
         frame: &TwoPulleyFrame<T>,
         segment: usize,
-        fraction: T::Constant,
+        fraction: T,
         point: &ReferencePoint<T>,
-    ) -> CoordinateSlopes<T> {
-        frame.slopes(segment, T::constant(fraction), point)
+    ) -> CoordinateDerivatives<T> {
+        let (t, n) = (point.t, point.n);
+        let shape = frame.d_shape.each_ref().map(|d| {
+            let (r, kappa) = if is_strand(segment) {
+                let (start, along) = &d.strands[segment / 2];
+                (start + along * fraction, T::zero())
+            } else {
+                let (pulley, start, sweep) = ANGLES[segment];
+                let chi = (fraction * sweep[1] + start[1]) * d.phi;
+                let across = n * -d.radius[pulley];
+                (
+                    d.centers[pulley] + across + t * ((frame.radius[pulley].v + frame.growth.v) * chi),
+                    -(d.radius[pulley] * point.kappa * point.kappa),
+                )
+            };
+            PointDerivatives {
+                r,
+                xi: d.starts[segment] + d.lengths[segment] * fraction,
+                kappa,
+                dilation: d.dilations[segment],
+            }
+        });
+        (shape, turn_right(point.r - frame.middle))
     }
 }

@@ -1,10 +1,10 @@
-//! A quantity with its derivatives with respect to Θ.
+//! A quantity with its derivatives with respect to Θ, or along a path.
 
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::ops::{Add, Mul};
 
-/// A quantity and its first and second derivative with respect to Θ at fixed η.
+/// A quantity and its first and second derivative at fixed η: with respect to Θ, or to the variable of a [path](super::Path).
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<T> {
     /// The quantity itself.
@@ -15,14 +15,14 @@ pub struct Jet<T> {
     pub dd: T,
 }
 
-impl Jet<f64> {
-    /// The same in the scalar `T`, as a constant.
+impl<V> Jet<V> {
+    /// `f` of the quantity and of both derivatives, for a linear `f`.
     #[inline(always)]
-    pub fn lifted<T: Real>(self) -> Jet<T> {
+    pub fn map<U>(self, f: impl Fn(V) -> U) -> Jet<U> {
         Jet {
-            v: T::from(self.v),
-            d: T::from(self.d),
-            dd: T::from(self.dd),
+            v: f(self.v),
+            d: f(self.d),
+            dd: f(self.dd),
         }
     }
 }
@@ -34,16 +34,6 @@ impl<T: Real> Jet<T> {
         Self {
             v: T::from(value),
             d: T::zero(),
-            dd: T::zero(),
-        }
-    }
-
-    /// The variable of the derivatives itself.
-    #[inline(always)]
-    pub fn variable(value: T) -> Self {
-        Self {
-            v: value,
-            d: T::one(),
             dd: T::zero(),
         }
     }
@@ -68,27 +58,6 @@ impl<T: Real> Jet<T> {
             v: self.v * other.v,
             d: self.d * other.v + self.v * other.d,
             dd: self.dd * other.v + self.d * other.d * 2.0 + self.v * other.dd,
-        }
-    }
-
-    /// `factor`·`self`.
-    #[inline(always)]
-    #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
-        Self {
-            v: self.v * factor,
-            d: self.d * factor,
-            dd: self.dd * factor,
-        }
-    }
-
-    /// `self` + `constant`.
-    #[inline(always)]
-    #[must_use]
-    pub fn raised(self, constant: f64) -> Self {
-        Self {
-            v: self.v + constant,
-            ..self
         }
     }
 }
@@ -119,16 +88,6 @@ impl<T: Real> Jet<Vector2<T>> {
             v: e * rho.v,
             d: e * rho.d + t * (rho.v * chi.d),
             dd: e * (rho.dd - rho.v * chi.d * chi.d) + t * (rho.d * chi.d * 2.0 + rho.v * chi.dd),
-        }
-    }
-
-    /// From its components.
-    #[inline(always)]
-    pub(super) fn of([x, y]: [Jet<T>; 2]) -> Self {
-        Self {
-            v: Vector2::new(x.v, y.v),
-            d: Vector2::new(x.d, y.d),
-            dd: Vector2::new(x.dd, y.dd),
         }
     }
 }

@@ -5,12 +5,71 @@
 //! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
 
-mod curve;
 mod frame;
 mod jet;
 mod two_pulley;
 
-pub use curve::{ReferenceCurve, ReferencePoint};
-pub use frame::{COORDINATES, CoordinateSlopes, MeshCurve, Path, PointSlopes, TwoPulleyFrame};
+pub use frame::{COORDINATES, CoordinateDerivatives, MeshCurve, Path, PointDerivatives, TwoPulleyFrame, along_theta};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};
+
+use crate::scalar::Real;
+use nalgebra::Vector2;
+
+/// The reference curve at a mesh point.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferencePoint<T: Real> {
+    /// Position, m.
+    pub r: Vector2<T>,
+    /// ∂r/∂Θ at fixed η, m.
+    pub r_theta: Vector2<T>,
+    /// ∂²r/∂Θ² at fixed η, m.
+    pub r_theta2: Vector2<T>,
+    /// Unit tangent, = r'.
+    pub t: Vector2<T>,
+    /// Unit inward normal.
+    pub n: Vector2<T>,
+    /// ∂χ/∂Θ at fixed η, rad.
+    pub chi_theta: T,
+    /// Curvature κ, 1/m.
+    pub kappa: T,
+    /// ∂κ/∂Θ at fixed η, 1/m.
+    pub kappa_theta: T,
+    /// Place ξ(η, Θ) on the curve, m.
+    pub xi: Jet<T>,
+}
+
+/// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper section 7).
+pub trait ReferenceCurve: Clone + Send + 'static {
+    /// Quantities that depend on Θ alone, computed once for all mesh points.
+    type Frame<T: Real>: Clone;
+
+    /// Length L of the curve, the same for every Θ, m.
+    fn length(&self) -> f64;
+
+    /// Number of segments.
+    fn segments(&self) -> usize;
+
+    /// Geometry at Θ. Outside the admissible range of Θ the frame holds NaN.
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
+
+    /// Length of a segment, m.
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, segment: usize) -> Jet<T>;
+
+    /// The curve at fraction `fraction` of `segment`.
+    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
+
+    /// Segment and fraction at the place ξ, m, taken around the loop.
+    fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {
+        let mut rest = xi.rem_euclid(self.length());
+        let last = self.segments() - 1;
+        for segment in 0..last {
+            let length = Self::segment_length(frame, segment).v;
+            if rest < length {
+                return (segment, rest / length);
+            }
+            rest -= length;
+        }
+        (last, (rest / Self::segment_length(frame, last).v).min(1.0))
+    }
+}

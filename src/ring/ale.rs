@@ -5,9 +5,9 @@
 //!
 //! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
 //!
-//! In space V also contains ½∫EI_b κ_b² dξ, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'.
-//! b_ref is constant, so bending and transport of w are those of a straight beam. The in-plane and the binormal deflection
-//! are coupled by |r'| alone. (24) neglects the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the
+//! In space V also contains ½∫EI_b κ_b² dξ, κ_b = b_refᵀ r'' = −w'' (24), with w the deflection along z, and γ contains w'.
+//! b_ref = −e_z is constant, so bending and transport of w are those of a straight beam. The in-plane and the binormal deflection
+//! are coupled by |r'| alone. (24) neglects the twist φ of the sections: with it, on an arc, −κ_b = w'' + κ_ref φ and the
 //! torsion is φ' − κ_ref w'. φ = 0 means that sections stay upright, as elements between two flanks hold them. On
 //! strands (κ_ref = 0) nothing is neglected, and the torsional stiffness of a thin band is small (G t³/3 against E
 //! w³/12·t). A shift along z therefore has no energy, but a tilt of a whole free circle by ψ has ½ EI_b ∮w''² dξ = ½π EI_b
@@ -30,7 +30,7 @@ use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 
 /// Adds inertia as the force m_r Dv/Dt against δv.
 #[inline(always)]
@@ -47,52 +47,55 @@ pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
     reference.n.dot(&in_plane(&point.bend)) - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
-/// Bending energy per length, J/m.
+/// Energies and damping of the ring at a point: the integrands of (6), (17), and the power of damping.
+#[derive(Clone, Copy, Debug)]
+pub struct RingDensity<T> {
+    /// Kinetic energy per dξ, J/m.
+    pub kinetic: T,
+    /// Energy of the strain γ per dξ, J/m.
+    pub membrane: T,
+    /// Energy of bending per dξ, J/m.
+    pub bending: T,
+    /// Power of damping per dξ, W/m.
+    pub viscous: T,
+}
+
+/// Their values at a point.
 #[inline(always)]
-pub fn bending_energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
-    let kappa = curvature(point);
-    let mut sum = kappa * kappa * ring.bending_stiffness;
+pub fn density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> RingDensity<T> {
+    let (velocity, gamma, rate, kappa) = (point.velocity(), point.strain(), point.strain_rate(), curvature(point));
+    let mut bending = kappa * kappa * ring.bending_stiffness;
     for i in 2..D {
-        sum += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;
+        bending += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;
     }
-    sum * 0.5
-}
-
-/// Kinetic energy per length, J/m.
-#[inline(always)]
-pub fn kinetic_energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
-    let velocity = point.velocity();
-    velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
-}
-
-/// Power that damping dissipates per length, W/m.
-#[inline(always)]
-pub fn dissipation_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
-    let rate = point.strain_rate();
-    rate * rate * ring.viscosity()
-}
-
-/// Elastic energy per length, J/m.
-#[inline(always)]
-pub fn energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
-    let gamma = point.strain();
-    gamma * gamma * (0.5 * ring.axial_stiffness) + bending_energy_density(ring, point)
+    RingDensity {
+        kinetic: velocity.dot(&velocity) * (0.5 * ring.mass_per_length),
+        membrane: gamma * gamma * (0.5 * ring.axial_stiffness),
+        bending: bending * 0.5,
+        viscous: rate * rate * ring.viscosity(),
+    }
 }
 
 /// ∂κ_n/∂Θ at these r' and r''; `one` is 0 where they are variations.
 #[inline(always)]
-fn kappa_theta<T: Real>(reference: &ReferencePoint<T>, slope: &Vector2<T>, bend: &Vector2<T>, one: f64) -> T {
-    -(reference.chi_theta * reference.t.dot(bend))
-        - reference.kappa_theta * (reference.t.dot(slope) - one)
-        - reference.kappa * reference.chi_theta * reference.n.dot(slope)
+fn kappa_theta<T: Real, const D: usize>(
+    reference: &ReferencePoint<T>,
+    slope: &SVector<T, D>,
+    bend: &SVector<T, D>,
+    one: f64,
+) -> T {
+    let (slope, bend) = (in_plane(slope), in_plane(bend));
+    -(reference.chi_theta * reference.t.dot(&bend))
+        - reference.kappa_theta * (reference.t.dot(&slope) - one)
+        - reference.kappa * reference.chi_theta * reference.n.dot(&slope)
 }
 
-/// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
+/// Adds ∂V/∂q and the damping force; `dilation` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
 #[inline(always)]
 pub fn add_elasticity<T: Real, const D: usize>(
     ring: &Ring,
     point: &RingPoint<T, D>,
-    growth: T,
+    dilation: T,
     load: &mut LineLoad<T, D>,
 ) -> T {
     let reference = &point.reference;
@@ -106,8 +109,9 @@ pub fn add_elasticity<T: Real, const D: usize>(
         load.bend[i] += point.bend[i] * ring.lateral_bending_stiffness;
     }
     load.drift += viscous * point.strain_gradient;
-    let kappa_theta = kappa_theta(reference, &in_plane(&point.slope), &in_plane(&point.bend), 1.0);
-    load.theta += moment * kappa_theta + energy_density(ring, point) * growth;
+    let kappa_theta = kappa_theta(reference, &point.slope, &point.bend, 1.0);
+    let RingDensity { membrane, bending, .. } = density(ring, point);
+    load.theta += moment * kappa_theta + (membrane + bending) * dilation;
     tension
 }
 
@@ -132,15 +136,14 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     ring: &Ring,
     point: &RingPoint<T, D>,
     by: &RingVariation<T, D>,
-    growth: T,
+    dilation: T,
     load: &mut LineLoad<T, D>,
 ) -> T {
     let reference = &point.reference;
     let (t_ref, n_ref) = (&reference.t, &reference.n);
-    let (slope, bend) = (in_plane(&by.slope), in_plane(&by.bend));
     let viscosity = ring.viscosity();
     let kappa = curvature(point);
-    let d_kappa = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
+    let d_kappa = n_ref.dot(&in_plane(&by.bend)) - reference.kappa * t_ref.dot(&in_plane(&by.slope));
     let (moment, d_moment) = (kappa * ring.bending_stiffness, d_kappa * ring.bending_stiffness);
     let (gradient, d_gradient) = (point.strain_gradient, by.strain_gradient);
     let viscous = point.strain_rate() * viscosity;
@@ -156,8 +159,8 @@ pub fn vary_elasticity<T: Real, const D: usize>(
         d_energy += point.bend[i] * lateral;
     }
     load.drift += d_viscous * gradient + viscous * d_gradient;
-    load.theta += d_moment * kappa_theta(reference, &in_plane(&point.slope), &in_plane(&point.bend), 1.0)
-        + moment * kappa_theta(reference, &slope, &bend, 0.0)
-        + d_energy * growth;
+    load.theta += d_moment * kappa_theta(reference, &point.slope, &point.bend, 1.0)
+        + moment * kappa_theta(reference, &by.slope, &by.bend, 0.0)
+        + d_energy * dilation;
     d_tension
 }

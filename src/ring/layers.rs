@@ -1,4 +1,4 @@
-//! Friction between the layers of the ring: a law without state.
+//! Friction between the layers of the ring, and in the joints of a pull chain: laws without state.
 //!
 //! A ring set is a stack of n thin bands. The speed of a band is the same all around the loop. On an arc of radius R,
 //! however, bands a thickness t apart would have to differ in speed by v t/R to move together. They do so on the pulley
@@ -19,6 +19,14 @@
 //!
 //! The layers slip on the pulley with the smaller wrap, which is the one with the smaller radius. Its share goes from 0
 //! to 1 as the difference of curvatures passes `EVEN`. There the loss is small; at ratio 1 it and its slope are zero.
+//!
+//! **Joints.** Neighbouring links of a chain turn against each other where its curvature changes: by 1/R per length where it enters an
+//! arc, and back where it leaves. Under the tension T a joint whose friction acts at the radius r_j resists with the moment T r_j, so
+//! each of the two borders of an arc takes the power T r_j |v|/R. As a drag along the chain per length of the arc, of wrap angle α,
+//!
+//! f = 2 r_j/(R α) · T κ · v/√(v² + v₀²).
+//!
+//! The power is exact where the tension is uniform. The drag is spread over the arc, a simplification as for layers.
 
 use crate::scalar::Real;
 
@@ -43,6 +51,22 @@ pub struct Layers {
     pub residual_curvature: f64,
 }
 
+/// Parameters of the joints of a pull chain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Joints {
+    /// Radius r_j of the friction, m: coefficient times radius of a sliding joint, rolling friction arm of a rocker joint.
+    pub radius: f64,
+}
+
+impl Joints {
+    /// Drag on the secondary and on the primary arc, 2 r_j/(R α), as a share of the chain's tension. `radii` are those of the
+    /// arcs in that order, m, `wraps` the wrap angles, rad.
+    #[inline(always)]
+    pub fn drag_shares<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
+        std::array::from_fn(|k| (radii[k] * wraps[k]).recip() * (2.0 * self.radius))
+    }
+}
+
 impl Layers {
     /// Drag on the secondary and on the primary arc as a share of the ring's normal load on them. `radii` are the
     /// pitch radii in that order, m.
@@ -55,29 +79,14 @@ impl Layers {
         let lean = sharper * inverse;
         [half * (lean + 1.0), half * (-lean + 1.0)]
     }
-
-    /// Slip of the layers of a ring that moves along itself at `speed`, m/s.
-    #[must_use]
-    pub fn slip(&self, radii: [f64; 2], speed: f64) -> Slip {
-        let [sharper, inverse] = sharper(radii);
-        let lean = sharper * inverse;
-        Slip {
-            pulley: usize::from(lean < 0.0),
-            share: (lean * direction(speed)).abs(),
-            rate: self.friction * speed.signum(),
-        }
-    }
 }
 
-/// Slip of the layers on one of the pulleys.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slip {
-    /// The pulley: 0 the secondary, 1 the primary.
-    pub pulley: usize,
-    /// Share of the layers that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
-    pub share: f64,
-    /// Rate ±μ_l per angle at which the tension of outer layers falls there in the direction of ξ.
-    pub rate: f64,
+/// The pulley on which the layers of a ring with this `speed` along itself, m/s, slip: 0 the secondary, 1 the primary; and the share of
+/// them that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
+pub(super) fn slip(radii: [f64; 2], speed: f64) -> (usize, f64) {
+    let [sharper, inverse] = sharper(radii);
+    let lean = sharper * inverse;
+    (usize::from(lean < 0.0), (lean * direction(speed)).abs())
 }
 
 /// Difference of the curvatures of secondary and primary arc, 1/m, and a factor that makes it their lean: from −1 to 1, the

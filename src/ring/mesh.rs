@@ -52,11 +52,9 @@ pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64)
     (element, (fraction - start) / share)
 }
 
-/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size.
+/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size; 0 is even.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
-    /// Elements of one length.
-    Even,
     /// Finer towards the start.
     Start(f64),
     /// Finer towards the end.
@@ -71,7 +69,6 @@ impl Spacing {
     pub fn border(self, s: f64) -> f64 {
         let graded = |s: f64, g: f64| s - g / TAU * (TAU * s).sin();
         match self {
-            Self::Even => s,
             Self::Start(g) => 2.0 * graded(0.5 * s, g),
             Self::End(g) => 2.0 * graded(0.5 + 0.5 * s, g) - 1.0,
             Self::Both(g) => graded(s, g),
@@ -89,34 +86,33 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
     })
 }
 
-/// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
-#[must_use]
-pub fn gauss(points: usize) -> &'static [(f64, f64)] {
-    const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
-    const THREE: [(f64, f64); 3] = [
+/// Nodes and weights of Gauss's rules on [−1, 1] with 2 to 5 points.
+const GAUSS: [&[(f64, f64)]; 4] = [
+    &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)],
+    &[
         (-0.774_596_669_241_483_4, 5.0 / 9.0),
         (0.0, 8.0 / 9.0),
         (0.774_596_669_241_483_4, 5.0 / 9.0),
-    ];
-    const FOUR: [(f64, f64); 4] = [
+    ],
+    &[
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
         (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
-    ];
-    const FIVE: [(f64, f64); 5] = [
+    ],
+    &[
         (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
         (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
         (0.0, 0.568_888_888_888_888_9),
         (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
         (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    ];
-    match points {
-        0..=2 => &TWO,
-        3 => &THREE,
-        4 => &FOUR,
-        _ => &FIVE,
-    }
+    ],
+];
+
+/// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
+#[must_use]
+pub fn gauss(points: usize) -> &'static [(f64, f64)] {
+    GAUSS[points.clamp(2, 5) - 2]
 }
 
 /// Divides an element into parts with Gauss points: the left face and the stations of each part.
@@ -166,6 +162,6 @@ mod tests {
                 assert!(if is_fine { share < 0.41 } else { share > 1.5 }, "{spacing:?}: {share}");
             }
         }
-        assert!(divide(0, 50, Spacing::Even).all(|e| (50.0 * e.share - 1.0).abs() < 1e-12));
+        assert!(divide(0, 50, Spacing::Both(0.0)).all(|e| (50.0 * e.share - 1.0).abs() < 1e-12));
     }
 }

@@ -33,8 +33,8 @@
 //! valleys combines the higher peak with the lower valley and the other two with each other. At an outer face the peaks are on
 //! the arcs, at an inner one the valleys.
 
-use super::layers::Slip;
-use super::{Layers, Ring};
+use super::Ring;
+use super::layers::{Layers, slip};
 use crate::pulley::PerPulley;
 
 /// Ring sets, side by side on the elements.
@@ -57,105 +57,66 @@ pub struct RingPart {
     pub number: usize,
 }
 
-impl RingPart {
-    fn on_arc(&self) -> bool {
-        self.turning > 0.0
-    }
-}
-
-/// Motion of the ring.
-#[derive(Clone, Copy, Debug)]
-pub struct RingMotion {
-    /// Speed ṡ of the ring along itself, m/s.
-    pub speed: f64,
-    /// Pitch radii, secondary first, m.
-    pub radii: [f64; 2],
-}
-
-/// Tension T_o along the belt, and the layers' tension.
-#[derive(Clone, Copy, Debug)]
-pub struct LayerTension {
-    slip: Slip,
-    /// Wrap angles, secondary first, rad.
-    wraps: [f64; 2],
-    /// m_r ṡ² and the mean of T, N.
-    centrifugal: f64,
-    mean: f64,
-    /// Mean of the shape g.
-    mean_shape: f64,
-    /// Share c of the changes of T that sticking layers have.
-    sticking: f64,
-    /// Number n of layers.
-    count: f64,
-}
-
-impl LayerTension {
-    /// The layers' tension from that of the ring. Writes the shape g to `shapes`, one value for each part.
-    pub fn new(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[RingPart], shapes: &mut [f64]) -> Self {
-        let (mut length, mut sum, mut wraps) = (0.0, 0.0, [0.0; 2]);
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for part in parts {
-            length += part.length;
-            sum += part.tension * part.length;
-            low = low.min(part.tension);
-            high = high.max(part.tension);
-            if part.on_arc() {
-                wraps[part.number] += part.turning;
-            }
+/// Writes the tension T_o in each part to `along`, N.
+fn outer_tension(
+    (ring, layers): (&Ring, &Layers),
+    (speed, radii): (f64, [f64; 2]),
+    parts: &[RingPart],
+    along: &mut [f64],
+) {
+    let (mut length, mut sum, mut wraps) = (0.0, 0.0, [0.0; 2]);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for part in parts {
+        length += part.length;
+        sum += part.tension * part.length;
+        low = low.min(part.tension);
+        high = high.max(part.tension);
+        if part.turning > 0.0 {
+            wraps[part.number] += part.turning;
         }
-        let centrifugal = ring.mass_per_length * motion.speed * motion.speed;
-        let mean = sum / length;
-        let [secondary, primary] = wraps;
-        let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
-        let mut of = Self {
-            slip: layers.slip(motion.radii, motion.speed),
-            wraps,
-            centrifugal,
-            mean,
-            mean_shape: 0.0,
-            sticking: if borne < high - low { borne / (high - low) } else { 1.0 },
-            count: f64::from(layers.count),
-        };
-        // The loop begins in the middle of the secondary arc. A strand is at the end of the arc before it.
-        let mut angle = 0.5 * secondary;
-        for (part, shape) in parts.iter().zip(shapes) {
-            let middle = angle + 0.5 * part.turning;
-            angle += part.turning;
-            *shape = if middle <= secondary {
-                of.shape(0, middle)
-            } else if middle <= secondary + primary {
-                of.shape(1, middle - secondary)
-            } else {
-                of.shape(0, middle - secondary - primary)
-            };
-            of.mean_shape += *shape * part.length;
-        }
-        of.mean_shape /= length;
-        of
     }
-
-    /// Shape g of T_o − m_r ṡ² for slipping layers after an angle `turned`, rad, on the arc of a pulley.
-    fn shape(&self, pulley: usize, turned: f64) -> f64 {
-        let Slip {
-            pulley: slips, rate, ..
-        } = self.slip;
+    let centrifugal = ring.mass_per_length * speed * speed;
+    let mean = sum / length;
+    let [secondary, primary] = wraps;
+    let (slips, slipping) = slip(radii, speed);
+    let rate = layers.friction * speed.signum();
+    // Shape g after an angle on the arc of a pulley.
+    let shape = |pulley: usize, turned: f64| {
         if pulley == slips {
             return (-rate * turned).exp();
         }
-        let end = (-rate * self.wraps[slips]).exp();
-        end + (1.0 - end) * turned / self.wraps[pulley]
+        let end = (-rate * wraps[slips]).exp();
+        end + (1.0 - end) * turned / wraps[pulley]
+    };
+    // The loop begins in the middle of the secondary arc. A strand is at the end of the arc before it.
+    let (mut angle, mut mean_shape) = (0.5 * secondary, 0.0);
+    for (part, shape_there) in parts.iter().zip(&mut *along) {
+        let middle = angle + 0.5 * part.turning;
+        angle += part.turning;
+        *shape_there = if middle <= secondary {
+            shape(0, middle)
+        } else if middle <= secondary + primary {
+            shape(1, middle - secondary)
+        } else {
+            shape(0, middle - secondary - primary)
+        };
+        mean_shape += *shape_there * part.length;
     }
+    mean_shape /= length;
+    let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
+    let share = if borne < high - low { borne / (high - low) } else { 1.0 };
+    for (part, along) in parts.iter().zip(along) {
+        let of_slip = centrifugal + (mean - centrifugal) * *along / mean_shape;
+        let of_stick = mean + share * (part.tension - mean);
+        *along = of_stick + slipping * (of_slip - of_stick);
+    }
+}
 
-    /// Tension of the innermost layer and of each other one, of both sets together, N, where the ring's tension is `tension`, N,
-    /// and the shape g is `shape`.
-    #[must_use]
-    pub fn at(&self, tension: f64, shape: f64) -> [f64; 2] {
-        let slipping = self.centrifugal + (self.mean - self.centrifugal) * shape / self.mean_shape;
-        let sticking = self.mean + self.sticking * (tension - self.mean);
-        let outer = sticking + self.slip.share * (slipping - sticking);
-        let share = outer / self.count;
-        [share + tension - outer, share]
-    }
+/// Tension of the innermost of `count` layers and of each other one, of both sets together, N, where the ring has the tension
+/// `tension` and T_o is `outer`.
+fn of_layers(tension: f64, outer: f64, count: i32) -> [f64; 2] {
+    let share = outer / f64::from(count);
+    [share + tension - outer, share]
 }
 
 /// Stress of the face with the largest one over a revolution, Pa.
@@ -175,7 +136,7 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
     let (mut max, mut arcs, mut strands) = (f64::NEG_INFINITY, [f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
     for (part, stress) in stresses {
         max = max.max(stress);
-        if part.on_arc() {
+        if part.turning > 0.0 {
             arcs[part.number] = (side * stress).max(arcs[part.number]);
         } else {
             strands[part.number] = (side * stress).min(strands[part.number]);
@@ -194,31 +155,24 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
     }
 }
 
-/// Stress of the face with the largest one over a revolution; writes its stress in each part to `along`, Pa. All are zero
-/// for layers without thickness.
-pub fn ring_stress(
-    ring: &Ring,
-    layers: &Layers,
-    motion: &RingMotion,
-    parts: &[RingPart],
-    along: &mut [f64],
-) -> RingStress {
+/// Stress of the face with the largest one over a revolution, where the ring moves along itself at a speed, m/s, on pitch radii, the
+/// secondary first, m. Writes its stress in each part to `along`, Pa. All are zero for layers without thickness.
+pub fn ring_stress(of: (&Ring, &Layers), motion: (f64, [f64; 2]), parts: &[RingPart], along: &mut [f64]) -> RingStress {
+    let (ring, layers) = of;
     let area = SETS * layers.width * layers.thickness;
-    let tension = LayerTension::new(ring, layers, motion, parts, along);
+    outer_tension(of, motion, parts, along);
     let per_area = area.recip();
     let bending = 0.5 * layers.thickness * ring.axial_stiffness / (area * f64::from(layers.count));
-    let stress = |(layer, side): (usize, f64), part: &RingPart, shape: f64| {
-        tension.at(part.tension, shape)[layer] * per_area
+    let stress = |(layer, side): (usize, f64), part: &RingPart, outer: f64| {
+        of_layers(part.tension, outer, layers.count)[layer] * per_area
             + side * bending * (part.curvature - layers.residual_curvature)
     };
     // A ring of one layer has the innermost only.
     let last = usize::from(layers.count > 1);
     let faces = (0..=last).flat_map(|layer| [(layer, 1.0), (layer, -1.0)]);
     let of_faces = faces.map(|face| {
-        let stresses = parts
-            .iter()
-            .zip(&*along)
-            .map(|(part, &shape)| (part, stress(face, part, shape)));
+        let stresses = parts.iter().zip(&*along);
+        let stresses = stresses.map(|(part, &outer)| (part, stress(face, part, outer)));
         (face, cycles(face.1, stresses))
     });
     let worst = of_faces.reduce(|worst, of| if of.1.max > worst.1.max { of } else { worst });

@@ -1,12 +1,12 @@
 //! The reference curve about displaced centres against differences.
 
-use pushbelt::reference_curve::{ReferenceCurve, TwoPulley};
+use pushbelt::reference_curve::{MeshCurve, ReferenceCurve, TwoPulley};
 use pushbelt::scalar::Dual;
-use pushbelt_support::curves::{assert_path, assert_slopes, curve, moving_frame, path};
+use pushbelt_support::curves::{assert_derivatives, assert_path, curve, moving_frame, path};
 
 #[test]
 fn derivatives_along_a_path_match_differences() {
-    let frame = |t: f64| curve().on_path(&path(t));
+    let frame = |t: f64| TwoPulley::on_path(&curve(), &path(t));
     assert_path::<TwoPulley>(frame, &moving_frame(), curve().segments());
     for theta in [-0.4, 0.0, 0.3] {
         let about_the_axes = |t: f64| curve().frame(theta + t);
@@ -18,13 +18,13 @@ fn derivatives_along_a_path_match_differences() {
 /// Derivatives by each coordinate.
 #[test]
 fn derivatives_by_coordinates_match_differences() {
-    let frame = |path: &_| curve().on_path(path);
-    assert_slopes::<TwoPulley>(frame, curve().segments());
+    let frame = |path: &_| TwoPulley::on_path(&curve(), path);
+    assert_derivatives::<TwoPulley>(frame, curve().segments());
 }
 
 #[test]
 fn the_loop_closes_and_its_tangent_is_continuous() {
-    let frame = curve().on_path(&path(0.0));
+    let frame = TwoPulley::on_path(&curve(), &path(0.0));
     let segments = curve().segments();
     for segment in 0..segments {
         let end = TwoPulley::point(&frame, segment, 1.0);

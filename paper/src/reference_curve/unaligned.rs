@@ -5,7 +5,7 @@
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the paper's (18), the border terms are missing: when
 //! a border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
-use super::{AngledCurve, CoordinateSlopes, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::{AngledCurve, CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle};
 use crate::scalar::{LANES, Real};
 use nalgebra::Vector2;
 
@@ -43,33 +43,32 @@ impl<C: AngledCurve> Unaligned<C> {
         }
     }
 
-    /// Segment that contains a fraction of the whole curve.
-    fn segment<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, fraction: f64) -> usize {
-        let mut rest = fraction * frame.length;
-        (0..frame.segments - 1)
-            .find(|&segment| {
-                rest -= C::segment_length(&frame.frame, segment).v.re();
-                rest < 0.0
-            })
-            .unwrap_or(frame.segments - 1)
-    }
-
-    /// The results of `of` for the segment of each place in a pack, merged by `merge`.
+    /// The results of `of` for the segment of each place in a pack. `merge` returns the second of two in the lanes where its first
+    /// argument is positive, else the third.
     pub(crate) fn gather<T: Real, R>(
         frame: &UnalignedFrame<C::Frame<T>>,
         fraction: T::Constant,
         of: impl Fn(usize) -> R,
-        merge: impl Fn(R, usize, R) -> R,
+        merge: impl Fn(T, R, R) -> R,
     ) -> R {
-        let first = Self::segment(frame, fraction.lane(0));
-        (1..LANES).fold(of(first), |found, lane| {
-            let segment = Self::segment(frame, fraction.lane(lane));
-            if segment == first {
-                found
-            } else {
-                merge(found, lane, of(segment))
+        let mut found = None;
+        // Length from the start of a segment to the place: negative before the segment.
+        let mut from_start = T::constant(fraction * frame.length);
+        for segment in 0..frame.segments {
+            let from_end = from_start - C::segment_length(&frame.frame, segment).v;
+            let is_last = segment + 1 == frame.segments;
+            let has = |lane| from_start.lane(lane) >= 0.0 && (is_last || from_end.lane(lane) < 0.0);
+            if (0..LANES).any(has) {
+                let here = of(segment);
+                found = Some(match found {
+                    Some(before) => merge(-from_start, before, here),
+                    None => here,
+                });
             }
-        })
+            from_start = from_end;
+        }
+        // No segment has a place of a curve that does not close.
+        found.unwrap_or_else(|| of(0))
     }
 
     /// The fraction of `segment` at a fraction of the whole curve: its value, and a zero with its derivatives with respect
@@ -175,7 +174,7 @@ impl<C: AngledCurve> ReferenceCurve for Unaligned<C> {
 
     fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let of = |segment| Self::point_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, point_with_lane)
+        Self::gather::<T, _>(frame, fraction, of, merge_points)
     }
 }
 
@@ -186,59 +185,56 @@ impl<C: AngledCurve> AngledCurve for Unaligned<C> {
 
     fn tangent_angle<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
         let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, angle_with_lane)
+        Self::gather::<T, _>(frame, fraction, of, merge_angles)
     }
 }
 
-fn vector_with_lane<T: Real>(a: Vector2<T>, lane: usize, b: Vector2<T>) -> Vector2<T> {
-    a.zip_map(&b, |a, b| a.with_lane(lane, b))
+fn merge_vectors<T: Real>(first: T, a: Vector2<T>, b: Vector2<T>) -> Vector2<T> {
+    a.zip_map(&b, |a, b| first.if_positive(a, b))
 }
 
-fn jet_with_lane<T: Real>(a: Jet<T>, lane: usize, b: Jet<T>) -> Jet<T> {
+fn merge_jets<T: Real>(first: T, a: Jet<T>, b: Jet<T>) -> Jet<T> {
     Jet {
-        v: a.v.with_lane(lane, b.v),
-        d: a.d.with_lane(lane, b.d),
-        dd: a.dd.with_lane(lane, b.dd),
+        v: first.if_positive(a.v, b.v),
+        d: first.if_positive(a.d, b.d),
+        dd: first.if_positive(a.dd, b.dd),
     }
 }
 
-/// `a` with `lane` replaced by that of `b`.
-fn point_with_lane<T: Real>(a: ReferencePoint<T>, lane: usize, b: ReferencePoint<T>) -> ReferencePoint<T> {
-    let vector = |a, b| vector_with_lane(a, lane, b);
+fn merge_points<T: Real>(first: T, a: ReferencePoint<T>, b: ReferencePoint<T>) -> ReferencePoint<T> {
+    let vector = |a, b| merge_vectors(first, a, b);
     ReferencePoint {
         r: vector(a.r, b.r),
         r_theta: vector(a.r_theta, b.r_theta),
         r_theta2: vector(a.r_theta2, b.r_theta2),
         t: vector(a.t, b.t),
         n: vector(a.n, b.n),
-        chi_theta: a.chi_theta.with_lane(lane, b.chi_theta),
-        kappa: a.kappa.with_lane(lane, b.kappa),
-        kappa_theta: a.kappa_theta.with_lane(lane, b.kappa_theta),
-        xi: jet_with_lane(a.xi, lane, b.xi),
+        chi_theta: first.if_positive(a.chi_theta, b.chi_theta),
+        kappa: first.if_positive(a.kappa, b.kappa),
+        kappa_theta: first.if_positive(a.kappa_theta, b.kappa_theta),
+        xi: merge_jets(first, a.xi, b.xi),
     }
 }
 
-fn angle_with_lane<T: Real>(a: TangentAngle<T>, lane: usize, b: TangentAngle<T>) -> TangentAngle<T> {
+fn merge_angles<T: Real>(first: T, a: TangentAngle<T>, b: TangentAngle<T>) -> TangentAngle<T> {
     TangentAngle {
-        chi: jet_with_lane(a.chi, lane, b.chi),
-        kappa: jet_with_lane(a.kappa, lane, b.kappa),
+        chi: merge_jets(first, a.chi, b.chi),
+        kappa: merge_jets(first, a.kappa, b.kappa),
     }
 }
 
-/// The same for derivatives with respect to the coordinates.
-pub(crate) fn slopes_with_lane<T: Real>(
-    mut a: CoordinateSlopes<T>,
-    lane: usize,
-    b: CoordinateSlopes<T>,
-) -> CoordinateSlopes<T> {
-    for (to, of) in a.shape.iter_mut().zip(&b.shape) {
-        to.r = vector_with_lane(to.r, lane, of.r);
-        to.xi = to.xi.with_lane(lane, of.xi);
-        to.kappa = to.kappa.with_lane(lane, of.kappa);
-        to.growth = to.growth.with_lane(lane, of.growth);
-    }
-    a.turn = vector_with_lane(a.turn, lane, b.turn);
-    a
+pub(crate) fn merge_derivatives<T: Real>(
+    first: T,
+    a: CoordinateDerivatives<T>,
+    b: CoordinateDerivatives<T>,
+) -> CoordinateDerivatives<T> {
+    let merge = |k: usize| PointDerivatives {
+        r: merge_vectors(first, a.0[k].r, b.0[k].r),
+        xi: first.if_positive(a.0[k].xi, b.0[k].xi),
+        kappa: first.if_positive(a.0[k].kappa, b.0[k].kappa),
+        dilation: first.if_positive(a.0[k].dilation, b.0[k].dilation),
+    };
+    ([merge(0), merge(1)], merge_vectors(first, a.1, b.1))
 }
 
 #[cfg(test)]

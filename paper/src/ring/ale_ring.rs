@@ -8,7 +8,7 @@
 //! In space (D = 3) nodes also deflect along z, without locks: s and Θ do not move along z.
 
 use super::Ring;
-use super::ale;
+use super::ale::{self, RingDensity};
 use super::kinematics::{
     ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
 };
@@ -126,16 +126,12 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         };
         let place = &self.mesh.elements[element];
         let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
-        if !self.flexible {
-            return ElementState {
-                element: ElementMotion::rigid(length),
-                reference,
-                rotated: None,
-            };
-        }
-        let node = |i: usize, of: fn(&Motion<T>) -> T| Node {
-            a: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k])),
-            b: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k + 1])),
+        let node = |i: usize, of: fn(&Motion<T>) -> T| {
+            let unknown = |k: usize| if self.flexible { of(&motion[k]) } else { T::zero() };
+            Node {
+                a: SVector::from_fn(|k, _| unknown(Self::BLOCK * i + 2 * k)),
+                b: SVector::from_fn(|k, _| unknown(Self::BLOCK * i + 2 * k + 1)),
+            }
         };
         let mut nodes = [0, 1].map(|i| Motion {
             value: node(i, |m| m.value),
@@ -151,7 +147,7 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
             }
         };
         ElementState {
-            element: ElementMotion::flexible(length, &reference.theta, &nodes),
+            element: ElementMotion::new(length, &reference.theta, &nodes),
             reference,
             rotated,
         }
@@ -210,25 +206,22 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         if parts.rotated.is_none() {
             sum.add(load, point, &station.shape, &parts.element, weight);
         } else {
-            rotated_load(
-                load,
-                point,
-                &station.shape,
-                &parts.element,
-                &parts.reference,
-                weight,
-                sum,
-            );
+            rotated_load(load, point, &station.shape, &parts.element, weight, sum);
         }
     }
 
-    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &ElementState<T, D>) -> [T; N] {
+    fn rows<T: Real<Constant = f64>, const N: usize>(
+        &self,
+        sum: &ElementLoad<T, D>,
+        parts: &ElementState<T, D>,
+    ) -> [T; N] {
         let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
         if let Some(rotated) = &parts.rotated {
             rotated.nodes([&mut left, &mut right], &mut theta);
         }
         let nodes = [left, right];
         std::array::from_fn(|k| match k.checked_sub(2 * Self::BLOCK) {
+            None if !self.flexible => T::zero(),
             None => {
                 let (node, k) = (&nodes[k / Self::BLOCK], k % Self::BLOCK);
                 if k.is_multiple_of(2) {
@@ -260,14 +253,17 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         frame: &C::Frame<f64>,
         element: usize,
         motion: &[Motion<f64>],
-        mut f: impl FnMut(&RingPoint<f64, D>, f64),
+        mut f: impl FnMut(RingDensity<f64>, f64),
     ) {
         let parts = self.parts(frame, element, motion);
         let strain_gradient = self.strain_gradient(frame, element, &parts);
         for station in &self.mesh.stations[element] {
             let mut point = self.point(frame, element, station, &parts);
             point.strain_gradient = strain_gradient;
-            f(&point, parts.element.length.v * station.weight);
+            f(
+                ale::density(&self.ring, &point),
+                parts.element.length.v * station.weight,
+            );
         }
     }
 }
@@ -389,7 +385,7 @@ where
             T::one(),
             &mut sum,
         );
-        Self::rows(&sum, &parts)
+        self.rows(&sum, &parts)
     }
 
     fn balance<T: Real<Constant = f64>>(
@@ -400,7 +396,7 @@ where
     ) -> [T; N] {
         let parts = self.parts(frame, element, motion);
         let length = parts.element.length;
-        let growth = length.d / length.v;
+        let dilation = length.d / length.v;
         let strain_gradient = self.strain_gradient(frame, element, &parts);
         let mut sum = ElementLoad::zero();
         for station in &self.mesh.stations[element] {
@@ -411,23 +407,22 @@ where
                 Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
                 Inertia::Conservative => {
                     let rate = parts.reference.theta.rate;
-                    add_conservative_inertia(&self.ring, &point, growth, rate, &mut load);
+                    add_conservative_inertia(&self.ring, &point, dilation, rate, &mut load);
                 }
             }
-            ale::add_elasticity(&self.ring, &point, growth, &mut load);
+            ale::add_elasticity(&self.ring, &point, dilation, &mut load);
             Self::add(station, &parts, &point, &load, length.v * station.weight, &mut sum);
         }
-        Self::rows(&sum, &parts)
+        self.rows(&sum, &parts)
     }
 
     fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy {
-        let ring = &self.ring;
         let mut sum = Energy::default();
-        self.integrate(frame, element, motion, |p, weight| {
+        self.integrate(frame, element, motion, |density, weight| {
             sum += Energy {
-                kinetic: weight * ale::kinetic_energy_density(ring, p),
-                membrane: weight * 0.5 * ring.axial_stiffness * p.strain().powi(2),
-                bending: weight * ale::bending_energy_density(ring, p),
+                kinetic: weight * density.kinetic,
+                membrane: weight * density.membrane,
+                bending: weight * density.bending,
             };
         });
         sum
@@ -435,8 +430,8 @@ where
 
     fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64 {
         let mut sum = 0.0;
-        self.integrate(frame, element, motion, |p, weight| {
-            sum += weight * ale::dissipation_density(&self.ring, p);
+        self.integrate(frame, element, motion, |density, weight| {
+            sum += weight * density.viscous
         });
         sum
     }
@@ -446,21 +441,21 @@ where
 ///
 /// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
 ///
-/// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
+/// λ = λ_Θ Θ̇ the rate at which dξ grows; `dilation` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
 #[inline(always)]
 fn add_conservative_inertia<T: Real, const D: usize>(
     ring: &Ring,
     point: &RingPoint<T, D>,
-    growth: T,
+    dilation: T,
     theta_rate: T,
     load: &mut LineLoad<T, D>,
 ) {
     let mass = ring.mass_per_length;
     let velocity = point.velocity();
     let local = point.r_ddot + point.slope * point.w_dot + point.slope_dot * point.w;
-    let force = (local + velocity * (growth * theta_rate)) * T::from(mass);
+    let force = (local + velocity * (dilation * theta_rate)) * T::from(mass);
     load.position += force;
     load.drift += force.dot(&point.slope) + velocity.dot(&point.slope_dot) * mass;
     load.slope -= velocity * (point.w * mass);
-    load.theta -= velocity.dot(&velocity) * growth * (0.5 * mass);
+    load.theta -= velocity.dot(&velocity) * dilation * (0.5 * mass);
 }

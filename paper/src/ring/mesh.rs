@@ -39,7 +39,7 @@ impl RingMesh {
     /// Divides each segment evenly.
     #[must_use]
     pub fn even(counts: &[usize], points: usize) -> Self {
-        let segments: Vec<_> = counts.iter().map(|&count| (count, Spacing::Even)).collect();
+        let segments: Vec<_> = counts.iter().map(|&count| (count, Spacing::Both(0.0))).collect();
         Self::new(&segments, points)
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{LineLoad, ReferenceMotion, RingPoint, inward_normal};
+use super::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
@@ -53,24 +53,13 @@ impl<T: Real, const D: usize> Particle<T, D> {
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
         let (w, w_dot) = motion.material_speed(&reference.xi);
         let slope_dot = self.velocity_slope - self.bend * w;
-        let (stretch, inverse_stretch) = self.stretch();
-        let t = self.slope * inverse_stretch;
-        RingPoint {
+        let r_dot = self.velocity - self.slope * w;
+        let r_ddot = self.acceleration - self.slope * w_dot - slope_dot * (w * 2.0) - self.bend * (w * w);
+        RingPoint::of_motion(
             reference,
-            r: self.r,
-            r_dot: self.velocity - self.slope * w,
-            r_ddot: self.acceleration - self.slope * w_dot - slope_dot * (w * 2.0) - self.bend * (w * w),
-            slope: self.slope,
-            slope_dot,
-            bend: self.bend,
-            stretch,
-            inverse_stretch,
-            t,
-            n: inward_normal(&t),
-            w,
-            w_dot,
-            strain_gradient: t.dot(&self.bend),
-        }
+            [self.r, r_dot, r_ddot, self.slope, slope_dot, self.bend],
+            motion,
+        )
     }
 }
 

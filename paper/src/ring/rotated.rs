@@ -12,10 +12,9 @@
 
 use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
-    inward_normal,
 };
 use crate::reference_curve::{Jet, ReferencePoint, TangentAngle};
-use crate::scalar::{Real, turn_right, zero_vector};
+use crate::scalar::{Real, turn_right};
 use nalgebra::{SVector, Vector2};
 
 /// Conversion between the slopes e of the nodes and d' of an element.
@@ -29,8 +28,7 @@ impl<T: Real> RotatedElement<T> {
     pub fn new<const D: usize>(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T, D>>; 2]) -> Self {
         let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
         for (node, k) in nodes.iter_mut().zip(&curvature) {
-            let rate = k.d * theta.rate;
-            let acceleration = k.dd * theta.rate * theta.rate + k.d * theta.acceleration;
+            let [rate, acceleration] = theta.rates(k);
             let [a, a_dot, a_ddot] = [node.value.a, node.rate.a, node.acceleration.a].map(|a| turn_right(in_plane(&a)));
             node.value.b += embed(a * k.v);
             node.rate.b += embed(a * rate + a_dot * k.v);
@@ -49,31 +47,6 @@ impl<T: Real> RotatedElement<T> {
     }
 }
 
-/// A degenerate reference curve at the origin with zero slope, so that the point of the ring is d itself.
-fn nowhere<T: Real>(reference: &ReferencePoint<T>) -> ReferencePoint<T> {
-    let zero = zero_vector();
-    ReferencePoint {
-        r: zero,
-        r_theta: zero,
-        r_theta2: zero,
-        t: zero,
-        n: zero,
-        chi_theta: T::zero(),
-        kappa: T::zero(),
-        kappa_theta: T::zero(),
-        xi: reference.xi,
-    }
-}
-
-fn deflection<T: Real, const D: usize>(
-    reference: &ReferencePoint<T>,
-    shape: &Hermite<T::Constant>,
-    element: &ElementMotion<T, D>,
-    motion: &ReferenceMotion<T>,
-) -> RingPoint<T, D> {
-    RingPoint::new(nowhere(reference), shape, element, motion)
-}
-
 /// `v` with its in-plane components replaced.
 fn turned<T: Real, const D: usize>(in_plane: Vector2<T>, v: &SVector<T, D>) -> SVector<T, D> {
     SVector::from_fn(|i, _| if i < 2 { in_plane[i] } else { v[i] })
@@ -87,33 +60,25 @@ pub fn rotated_point<T: Real, const D: usize>(
     element: &ElementMotion<T, D>,
     motion: &ReferenceMotion<T>,
 ) -> RingPoint<T, D> {
-    let d = deflection(&reference, shape, element, motion);
     let theta = &motion.theta;
-    let chi_dot = angle.chi.d * theta.rate;
-    let chi_ddot = angle.chi.dd * theta.rate * theta.rate + angle.chi.d * theta.acceleration;
+    let d = element.overlay(shape);
+    let [chi_dot, chi_ddot] = theta.rates(&angle.chi);
     let kappa = reference.kappa;
     let kappa_dot = reference.kappa_theta * theta.rate;
-    let [r, r_dot, r_ddot] = [d.r, d.r_dot, d.r_ddot].map(|v| in_plane(&v));
-    let [slope, slope_dot, bend] = [d.slope, d.slope_dot, d.bend].map(|v| in_plane(&v));
+    let [r, r_dot, r_ddot, slope, slope_dot, bend] = d.map(|v| in_plane(&v));
     let e = slope - turn_right(r) * kappa;
     let e_dot = slope_dot - turn_right(r) * kappa_dot - turn_right(r_dot) * kappa;
-    let a = |c: Vector2<T>, whole: &SVector<T, D>| turned(reference.t * c.x + reference.n * c.y, whole);
-    let rigid = ElementMotion::rigid(element.length);
-    let mut point = RingPoint::new(reference, shape, &rigid, motion);
-    point.r += a(r, &d.r);
-    point.r_dot += a(r_dot - turn_right(r) * chi_dot, &d.r_dot);
-    point.r_ddot += a(
+    let overlay = [
+        r,
+        r_dot - turn_right(r) * chi_dot,
         r_ddot - turn_right(r_dot) * (chi_dot * 2.0) - turn_right(r) * chi_ddot - r * (chi_dot * chi_dot),
-        &d.r_ddot,
-    );
-    point.slope += a(e, &d.slope);
-    point.slope_dot += a(e_dot - turn_right(e) * chi_dot, &d.slope_dot);
-    point.bend += a(bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa), &d.bend);
-    (point.stretch, point.inverse_stretch) = point.slope.dot(&point.slope).root_and_inverse();
-    point.t = point.slope * point.inverse_stretch;
-    point.n = inward_normal(&point.t);
-    point.strain_gradient = point.t.dot(&point.bend);
-    point
+        e,
+        e_dot - turn_right(e) * chi_dot,
+        bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa),
+    ];
+    let curve = RingPoint::on_curve(&reference, theta);
+    let sum = |k: usize| curve[k] + turned(reference.t * overlay[k].x + reference.n * overlay[k].y, &d[k]);
+    RingPoint::of_motion(reference, std::array::from_fn(sum), motion)
 }
 
 /// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its velocities.
@@ -122,14 +87,13 @@ pub fn rotated_load<T: Real, const D: usize>(
     point: &RingPoint<T, D>,
     shape: &Hermite<T::Constant>,
     element: &ElementMotion<T, D>,
-    motion: &ReferenceMotion<T>,
     weight: T,
     sum: &mut ElementLoad<T, D>,
 ) {
     let reference = &point.reference;
-    let d = deflection(reference, shape, element, motion);
+    let [d, _, _, d_slope, _, d_bend] = element.overlay(shape);
     let kappa = reference.kappa;
-    let [r, slope, bend] = [d.r, d.slope, d.bend].map(|v| in_plane(&v));
+    let [r, slope, bend] = [d, d_slope, d_bend].map(|v| in_plane(&v));
     let e = slope - turn_right(r) * kappa;
     let h = bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa);
     let local = |v: &SVector<T, D>| {
@@ -141,7 +105,8 @@ pub fn rotated_load<T: Real, const D: usize>(
     let by_kappa = -(m.dot(&turn_right(r)) + k.dot(&turn_right(slope)) * 2.0 + k.dot(&r) * kappa * 2.0);
     let mut of_curve = *load;
     of_curve.theta += by_chi * reference.chi_theta + by_kappa * reference.kappa_theta;
-    sum.add(&of_curve, point, shape, &ElementMotion::rigid(element.length), weight);
+    sum.s += load.drift * weight;
+    sum.theta += of_curve.on_curve(reference) * weight;
     let of_deflection = LineLoad {
         position: turned(f + turn_right(m) * kappa - k * (kappa * kappa), &load.position),
         slope: turned(m + turn_right(k) * (kappa * 2.0), &load.slope),
@@ -149,5 +114,6 @@ pub fn rotated_load<T: Real, const D: usize>(
         drift: T::zero(),
         theta: T::zero(),
     };
-    sum.add(&of_deflection, &d, shape, element, weight);
+    sum.add_to_overlay(&of_deflection, shape, element, weight);
+    sum.theta += of_deflection.on_length([&d_slope, &d_bend], element) * weight;
 }

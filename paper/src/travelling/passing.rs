@@ -229,7 +229,8 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
     fn density(&self, _point: &RingPoint<T>) -> RingDensity<T> {
         RingDensity {
             kinetic: T::zero(),
-            elastic: T::zero(),
+            membrane: T::zero(),
+            bending: T::zero(),
             viscous: T::zero(),
         }
     }

@@ -1,7 +1,7 @@
 //! Another belt system with the same ring code: three pulleys, one of them a back-side idler (paper section 7).
 
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::ReferenceCurve;
+use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector2;
 use pushbelt::ring::kinematics::Hermite;
-use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper_lab::*;

@@ -1,6 +1,7 @@
 //! Forces at a point, and generalised forces of an element.
 
-use super::{ElementMotion, Hermite, Node, RingPoint, RingVariation, embed, in_plane};
+use super::{ElementMotion, Hermite, Node, RingPoint, embed, in_plane};
+use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
 
@@ -30,6 +31,22 @@ impl<T: Real, const D: usize> LineLoad<T, D> {
             drift: T::zero(),
             theta: T::zero(),
         }
+    }
+
+    /// Conjugate to δΘ where the ring follows the reference curve, N·m/m.
+    #[inline(always)]
+    pub fn on_curve(&self, reference: &ReferencePoint<T>) -> T {
+        let bend_theta = reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
+        self.theta + in_plane(&self.position).dot(&reference.r_theta) - self.drift * reference.xi.d
+            + in_plane(&self.slope).dot(&reference.n) * reference.chi_theta
+            + in_plane(&self.bend).dot(&bend_theta)
+    }
+
+    /// Conjugate to δΘ through the length of the element, where the overlay has this u' and u'', N·m/m.
+    #[inline(always)]
+    pub fn on_length(&self, [slope, bend]: [&SVector<T, D>; 2], element: &ElementMotion<T, D>) -> T {
+        let dilation = element.length.d * element.length.v.recip();
+        -((self.slope.dot(slope) + self.bend.dot(bend) * 2.0) * dilation)
     }
 }
 
@@ -67,42 +84,33 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
     ) {
         let reference = &point.reference;
         self.s += load.drift * weight;
-        let bend_theta = reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
-        let mut theta = load.theta + in_plane(&load.position).dot(&reference.r_theta) - load.drift * reference.xi.d
-            + in_plane(&load.slope).dot(&reference.n) * reference.chi_theta
-            + in_plane(&load.bend).dot(&bend_theta);
-        if element.overlay.is_some() {
-            let g = element.length.v.recip() * 2.0;
-            let growth = element.length.d * g * 0.5;
-            let u_slope = point.slope - embed(reference.t);
-            let u_bend = point.bend - embed(reference.n * reference.kappa);
-            theta -= (load.slope.dot(&u_slope) + load.bend.dot(&u_bend) * 2.0) * growth;
-            let (f0, f1, f2) = (
-                load.position * weight,
-                load.slope * (g * weight),
-                load.bend * (g * g * weight),
-            );
-            for k in 0..4 {
-                let (n, dn, ddn) = (shape.n[k], shape.dn[k], shape.ddn[k]);
-                for i in 0..D {
-                    self.d[k][i] += f0[i] * n + f1[i] * dn + f2[i] * ddn;
-                }
-            }
-        }
-        self.theta += theta * weight;
+        let slope = point.slope - embed(reference.t);
+        let bend = point.bend - embed(reference.n * reference.kappa);
+        self.theta += (load.on_curve(reference) + load.on_length([&slope, &bend], element)) * weight;
+        self.add_to_overlay(load, shape, element, weight);
     }
 
-    /// Adds the variation of the force on Θ of [`ElementLoad::add`] where the point varies and the load does not.
+    /// Adds the forces on the overlay.
     #[inline(always)]
-    pub fn add_varied(
+    pub fn add_to_overlay(
         &mut self,
         load: &LineLoad<T, D>,
-        variation: &RingVariation<T, D>,
+        shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
         weight: T,
     ) {
-        let growth = element.length.d * element.length.v.recip();
-        self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
+        let g = element.length.v.recip() * 2.0;
+        let (f0, f1, f2) = (
+            load.position * weight,
+            load.slope * (g * weight),
+            load.bend * (g * g * weight),
+        );
+        for k in 0..4 {
+            let (n, dn, ddn) = (shape.n[k], shape.dn[k], shape.ddn[k]);
+            for i in 0..D {
+                self.d[k][i] += f0[i] * n + f1[i] * dn + f2[i] * ddn;
+            }
+        }
     }
 
     /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and
@@ -120,10 +128,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
             a: self.d[2 * i],
             b: self.d[2 * i + 1] * l.v,
         };
-        let mut theta = self.theta;
-        if let Some(overlay) = &element.overlay {
-            theta += (self.d[1].dot(&overlay.slope[0]) + self.d[3].dot(&overlay.slope[1])) * l.d;
-        }
-        ([node(0), node(1)], theta)
+        let of_slopes = self.d[1].dot(&element.slopes[0]) + self.d[3].dot(&element.slopes[1]);
+        ([node(0), node(1)], self.theta + of_slopes * l.d)
     }
 }

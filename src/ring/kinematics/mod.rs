@@ -3,30 +3,21 @@
 //!
 //! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on elements whose
 //! borders follow the arc borders. The reference curve is planar. The deflection has D components: x and y, and in
-//! space w along z, the direction of the binormal. At fixed mesh point η:
+//! space w along z = −b_ref. At fixed mesh point η:
 //!
 //! - ring velocity v = ṙ + w r', w = ṡ − ξ̇_η (12),
 //! - ring acceleration Dv/Dt = r̈ + ẇ r' + 2w (r')˙ + w² r'',
 //!
 //! where a dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a` and its slope `b` = ∂/∂ξ; the
 //! element uses d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend on the element length l(Θ).
-//!
-//! | file | content |
-//! |---|---|
-//! | `motion` | shape functions; motion of nodes, elements and the reference degrees of freedom |
-//! | `point` | the ring at a mesh point |
-//! | `variation` | the derivatives of a point in one direction |
-//! | `load` | forces at a point, and generalised forces of an element |
 
 mod load;
 mod motion;
 mod point;
-mod variation;
 
 pub use load::{ElementLoad, LineLoad};
 pub use motion::{ElementMotion, Hermite, Motion, Node, ReferenceMotion, combine};
-pub use point::RingPoint;
-pub use variation::RingVariation;
+pub use point::{RingPoint, RingVariation};
 
 use crate::scalar::{Real, turn_right};
 use nalgebra::{SVector, Vector2};

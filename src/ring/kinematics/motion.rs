@@ -1,7 +1,7 @@
 //! Shape functions, and the motion of nodes, of elements and of the reference degrees of freedom.
 
 use crate::reference_curve::Jet;
-use crate::scalar::{Real, zero_vector};
+use crate::scalar::Real;
 use nalgebra::SVector;
 use std::ops::Mul;
 
@@ -67,6 +67,17 @@ pub struct Motion<T> {
     pub acceleration: T,
 }
 
+impl<T: Real> Motion<T> {
+    /// First and second time derivative of a function `of` Θ, whose motion this is.
+    #[inline(always)]
+    pub fn rates(&self, of: &Jet<T>) -> [T; 2] {
+        [
+            of.d * self.rate,
+            of.dd * self.rate * self.rate + of.d * self.acceleration,
+        ]
+    }
+}
+
 /// Motion of the reference degrees of freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceMotion<T> {
@@ -90,56 +101,57 @@ impl<T: Real> ReferenceMotion<T> {
     }
 }
 
-/// Motion of an element: its length, and its overlay in the length-free coordinates d. `ALE0` has no overlay.
+/// Motion of an element in the coordinates d = (a₁, l b₁, a₂, l b₂).
 #[derive(Clone, Copy, Debug)]
 pub struct ElementMotion<T: Real, const D: usize = 2> {
     /// Element length l(Θ), m.
     pub length: Jet<T>,
-    /// Deflection from the reference curve; none where the ring follows it.
-    pub(super) overlay: Option<Overlay<T, D>>,
-}
-
-/// The overlay of an element in the coordinates d.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Overlay<T: Real, const D: usize> {
-    pub(super) d: [SVector<T, D>; 4],
-    pub(super) rate: [SVector<T, D>; 4],
-    pub(super) acceleration: [SVector<T, D>; 4],
+    /// l̇, m/s, and l̈, m/s².
+    pub(super) length_rates: [T; 2],
+    d: Motion<[SVector<T, D>; 4]>,
     /// Slopes b of the two nodes.
-    pub(super) slope: [SVector<T, D>; 2],
+    pub(super) slopes: [SVector<T, D>; 2],
 }
 
 impl<T: Real, const D: usize> ElementMotion<T, D> {
-    /// An element without deflection.
-    #[inline(always)]
-    pub fn rigid(length: Jet<T>) -> Self {
-        Self { length, overlay: None }
-    }
-
     /// An element between two nodes.
     #[inline(always)]
-    pub fn flexible(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
-        let l = length.v;
-        let l_dot = length.d * theta.rate;
-        let l_ddot = length.dd * theta.rate * theta.rate + length.d * theta.acceleration;
-        let mut overlay = Overlay {
-            d: [zero_vector(); 4],
-            rate: [zero_vector(); 4],
-            acceleration: [zero_vector(); 4],
-            slope: [nodes[0].value.b, nodes[1].value.b],
-        };
-        for (i, node) in nodes.iter().enumerate() {
-            let (b, b_dot) = (node.value.b, node.rate.b);
-            overlay.d[2 * i] = node.value.a;
-            overlay.d[2 * i + 1] = b * l;
-            overlay.rate[2 * i] = node.rate.a;
-            overlay.rate[2 * i + 1] = b_dot * l + b * l_dot;
-            overlay.acceleration[2 * i] = node.acceleration.a;
-            overlay.acceleration[2 * i + 1] = node.acceleration.b * l + b_dot * (l_dot * 2.0) + b * l_ddot;
-        }
+    pub fn new(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
+        let (l, [l_dot, l_ddot]) = (length.v, theta.rates(&length));
+        let [[a_1, b_1], [a_2, b_2]] = nodes.each_ref().map(|node| {
+            let (b, b_dot, b_ddot) = (node.value.b, node.rate.b, node.acceleration.b);
+            let slope = [
+                b * l,
+                b_dot * l + b * l_dot,
+                b_ddot * l + b_dot * (l_dot * 2.0) + b * l_ddot,
+            ];
+            [[node.value.a, node.rate.a, node.acceleration.a], slope]
+        });
         Self {
             length,
-            overlay: Some(overlay),
+            length_rates: [l_dot, l_ddot],
+            d: Motion {
+                value: [a_1[0], b_1[0], a_2[0], b_2[0]],
+                rate: [a_1[1], b_1[1], a_2[1], b_2[1]],
+                acceleration: [a_1[2], b_1[2], a_2[2], b_2[2]],
+            },
+            slopes: [nodes[0].value.b, nodes[1].value.b],
         }
+    }
+
+    /// Overlay u, u̇, ü, u', (u')˙ and u'' where the shape functions are `shape`.
+    #[inline(always)]
+    pub fn overlay(&self, shape: &Hermite<T::Constant>) -> [SVector<T, D>; 6] {
+        let d = &self.d;
+        let g = self.length.v.recip() * 2.0;
+        let slope = combine(&shape.dn, &d.value) * g;
+        [
+            combine(&shape.n, &d.value),
+            combine(&shape.n, &d.rate),
+            combine(&shape.n, &d.acceleration),
+            slope,
+            combine(&shape.dn, &d.rate) * g - slope * (self.length_rates[0] * g * 0.5),
+            combine(&shape.ddn, &d.value) * (g * g),
+        ]
     }
 }

@@ -1,8 +1,8 @@
-//! The ring at a mesh point.
+//! The ring at a mesh point, and its derivatives in one direction.
 
-use super::{ElementMotion, Hermite, ReferenceMotion, combine, cross, embed, inward_normal};
+use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, in_plane, inward_normal};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::scalar::{Real, zero_vector};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
 /// The ring at a mesh point.
@@ -28,8 +28,8 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub inverse_stretch: T,
     /// Tangent t̂ = r'/|r'|.
     pub t: SVector<T, D>,
-    /// Inward normal n̂, in the plane of the drive.
-    pub n: SVector<T, D>,
+    /// Normals: n̂, inwards in the plane of the drive, and in space b̂ = t̂ × n̂.
+    pub normals: [SVector<T, D>; 2],
     /// Material speed through the mesh w = ṡ − ξ̇_η, m/s.
     pub w: T,
     /// ẇ at fixed η, m/s².
@@ -42,57 +42,49 @@ impl<T: Real> RingPoint<T> {
     /// Kinematics of a ring that follows the reference curve, which has this growth δ.
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>, growth: &Jet<T>) -> Self {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let (w, w_dot) = motion.material_speed(&reference.xi);
+        let rate = motion.theta.rate;
+        let [r, r_dot, r_ddot, ..] = Self::on_curve(&reference, &motion.theta);
         let stretch = growth.v * reference.kappa + 1.0;
         let stretch_dot = (growth.d * reference.kappa + growth.v * reference.kappa_theta) * rate;
+        let slope = reference.t * stretch;
+        let slope_dot = reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot;
+        let bend = reference.n * (reference.kappa * stretch);
         Self {
-            reference,
-            r: reference.r,
-            r_dot: reference.r_theta * rate,
-            r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
-            slope: reference.t * stretch,
-            slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
-            bend: reference.n * (reference.kappa * stretch),
             stretch,
             inverse_stretch: stretch.recip(),
             t: reference.t,
-            n: reference.n,
-            w,
-            w_dot,
+            normals: [reference.n, zero_vector()],
             strain_gradient: T::zero(),
+            ..Self::of_motion(reference, [r, r_dot, r_ddot, slope, slope_dot, bend], motion)
         }
     }
 }
 
 impl<T: Real, const D: usize> RingPoint<T, D> {
-    /// Kinematics of an element where its shape functions are `shape`.
+    /// r, ṙ, r̈, r', (r')˙ and r'' of the reference curve.
     #[inline(always)]
-    pub fn new(
+    pub fn on_curve(reference: &ReferencePoint<T>, theta: &Motion<T>) -> [SVector<T, D>; 6] {
+        let (rate, acceleration) = (theta.rate, theta.acceleration);
+        [
+            embed(reference.r),
+            embed(reference.r_theta * rate),
+            embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration),
+            embed(reference.t),
+            embed(reference.n * (reference.chi_theta * rate)),
+            embed(reference.n * reference.kappa),
+        ]
+    }
+
+    /// The ring with these r, ṙ, r̈, r', (r')˙ and r''.
+    #[inline(always)]
+    pub fn of_motion(
         reference: ReferencePoint<T>,
-        shape: &Hermite<T::Constant>,
-        element: &ElementMotion<T, D>,
+        [r, r_dot, r_ddot, slope, slope_dot, bend]: [SVector<T, D>; 6],
         motion: &ReferenceMotion<T>,
     ) -> Self {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let mut r: SVector<T, D> = embed(reference.r);
-        let mut r_dot: SVector<T, D> = embed(reference.r_theta * rate);
-        let mut r_ddot: SVector<T, D> = embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration);
-        let mut slope: SVector<T, D> = embed(reference.t);
-        let mut slope_dot: SVector<T, D> = embed(reference.n * (reference.chi_theta * rate));
-        let mut bend: SVector<T, D> = embed(reference.n * reference.kappa);
-        if let Some(overlay) = &element.overlay {
-            let g = element.length.v.recip() * 2.0;
-            let u_slope = combine(&shape.dn, &overlay.d) * g;
-            r += combine(&shape.n, &overlay.d);
-            r_dot += combine(&shape.n, &overlay.rate);
-            r_ddot += combine(&shape.n, &overlay.acceleration);
-            slope += u_slope;
-            slope_dot += combine(&shape.dn, &overlay.rate) * g - u_slope * (element.length.d * rate * g * 0.5);
-            bend += combine(&shape.ddn, &overlay.d) * (g * g);
-        }
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
+        let n = inward_normal(&t);
         let (w, w_dot) = motion.material_speed(&reference.xi);
         Self {
             reference,
@@ -105,18 +97,24 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             stretch,
             inverse_stretch,
             t,
-            n: inward_normal(&t),
+            normals: [n, if D == 3 { cross(&t, &n) } else { zero_vector() }],
             w,
             w_dot,
             strain_gradient: t.dot(&bend),
         }
     }
 
-    /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
+    /// The ring in an element where its shape functions are `shape`: reference curve and overlay (10).
     #[inline(always)]
-    pub fn normals(&self) -> [SVector<T, D>; 2] {
-        let binormal = if D == 3 { cross(&self.t, &self.n) } else { zero_vector() };
-        [self.n, binormal]
+    pub fn new(
+        reference: ReferencePoint<T>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        motion: &ReferenceMotion<T>,
+    ) -> Self {
+        let curve = Self::on_curve(&reference, &motion.theta);
+        let overlay = element.overlay(shape);
+        Self::of_motion(reference, std::array::from_fn(|k| curve[k] + overlay[k]), motion)
     }
 
     /// Ring velocity v (12), m/s.
@@ -141,5 +139,92 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
         self.t.dot(&self.slope_dot) + self.w * self.strain_gradient
+    }
+}
+
+/// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the drift.
+#[derive(Clone, Copy, Debug)]
+pub struct RingVariation<T: Real, const D: usize = 2> {
+    /// δr.
+    pub r: SVector<T, D>,
+    /// δṙ.
+    pub r_dot: SVector<T, D>,
+    /// δr̈.
+    pub r_ddot: SVector<T, D>,
+    /// δr'.
+    pub slope: SVector<T, D>,
+    /// δ(r')˙.
+    pub slope_dot: SVector<T, D>,
+    /// δr''.
+    pub bend: SVector<T, D>,
+    /// δ|r'|.
+    pub stretch: T,
+    /// δt̂.
+    pub t: SVector<T, D>,
+    /// δn̂ and δb̂.
+    pub normals: [SVector<T, D>; 2],
+    /// δγ'.
+    pub strain_gradient: T,
+}
+
+impl<T: Real, const D: usize> RingVariation<T, D> {
+    /// No variation.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = zero_vector();
+        Self {
+            r: zero,
+            r_dot: zero,
+            r_ddot: zero,
+            slope: zero,
+            slope_dot: zero,
+            bend: zero,
+            stretch: T::zero(),
+            t: zero,
+            normals: [zero; 2],
+            strain_gradient: T::zero(),
+        }
+    }
+
+    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and `beta` are the
+    /// derivatives of its acceleration and its position with respect to its rate.
+    #[inline(always)]
+    pub fn of_node(
+        point: &RingPoint<T, D>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        [m, k]: [usize; 2],
+        [alpha, beta]: [f64; 2],
+    ) -> Self {
+        let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
+        // d = b l for the slope of a node, d = a for its deflection.
+        let (d, d_dot, d_ddot) = if m % 2 == 1 {
+            (l * beta, l + l_dot * beta, l * alpha + l_dot * 2.0 + l_ddot * beta)
+        } else {
+            (T::from(beta), T::one(), T::from(alpha))
+        };
+        let g = l.recip() * 2.0;
+        let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
+        let mut v = Self::none();
+        let slope = d * dn * g;
+        v.r[k] = d * n;
+        v.r_dot[k] = d_dot * n;
+        v.r_ddot[k] = d_ddot * n;
+        v.slope[k] = slope;
+        v.slope_dot[k] = d_dot * dn * g - slope * (l_dot * g * 0.5);
+        v.bend[k] = d * ddn * (g * g);
+        v.stretch = point.t[k] * slope;
+        v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
+        v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
+        let turned = turn_right(in_plane(&v.t));
+        if D == 2 {
+            v.normals[0] = embed(turned);
+        } else {
+            let (t, n) = (&point.t, in_plane(&point.normals[0]));
+            let inverse = in_plane(t).dot(&in_plane(t)).sqrt().recip();
+            v.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
+            v.normals[1] = cross(&v.t, &point.normals[0]) + cross(t, &v.normals[0]);
+        }
+        v
     }
 }

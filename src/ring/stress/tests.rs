@@ -1,4 +1,5 @@
 use super::*;
+use crate::pulley::Pulley;
 use nalgebra::DVector;
 
 const RING: Ring = Ring {
@@ -15,65 +16,64 @@ const LAYERS: Layers = Layers {
     width: 9.0e-3,
     residual_curvature: 9.0,
 };
+const SPEED: f64 = 15.0;
 /// In overdrive, where the layers slip on the secondary pulley.
-const MOTION: RingMotion = RingMotion {
-    speed: 15.0,
-    radii: [0.033, 0.077],
-};
-/// Number of parts and size of half the secondary arc, rad, of a strand, m, and of the primary arc, rad.
-const SECTIONS: [(usize, f64); 3] = [(40, 1.3), (10, 0.16), (120, std::f64::consts::TAU - 2.6)];
-
+const RADII: [f64; 2] = [0.033, 0.077];
 /// Wrap angles, secondary first, rad.
-fn wraps() -> [f64; 2] {
-    let [(_, half), _, (_, arc)] = SECTIONS;
-    [2.0 * half, arc]
-}
+const WRAPS: [f64; 2] = [2.6, std::f64::consts::TAU - 2.6];
+/// Number of parts of half the secondary arc, of a strand, and of the primary arc.
+const COUNTS: [usize; 3] = [40, 10, 120];
 
 /// The loop with a tension that is a function of pulley and angle; strands continue the arc before them.
 fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
-    let [(halves, half), (strands, strand), (arcs, arc)] = SECTIONS;
+    let [secondary, primary] = WRAPS;
+    let [halves, strands, arcs] = COUNTS;
     // Pulley, number of parts, turning, and the angle at the start.
     let sections = [
-        (0, halves, half, half),
-        (0, strands, 0.0, 2.0 * half),
-        (1, arcs, arc, 0.0),
-        (1, strands, 0.0, arc),
-        (0, halves, half, 0.0),
+        (0, halves, 0.5 * secondary, 0.5 * secondary),
+        (0, strands, 0.0, secondary),
+        (1, arcs, primary, 0.0),
+        (1, strands, 0.0, primary),
+        (0, halves, 0.5 * secondary, 0.0),
     ];
-    let mut parts = Vec::new();
-    for (number, count, turning, start) in sections {
+    let of_section = |(number, count, turning, start): (usize, usize, f64, f64)| {
         let turning = turning / count as f64;
-        let on_arc = turning * (MOTION.radii[number] + 1e-3);
-        let length = if turning > 0.0 { on_arc } else { strand / count as f64 };
-        parts.extend((0..count).map(|k| RingPart {
+        let on_arc = turning * (RADII[number] + 1e-3);
+        let length = if turning > 0.0 { on_arc } else { 0.16 / count as f64 };
+        let part = |k: usize| RingPart {
             xi: 0.0,
             length,
             tension: tension(number, start + turning * (k as f64 + 0.5)),
             curvature: turning / length,
             turning,
             number,
-        }));
-    }
-    parts
+        };
+        (0..count).map(part).collect::<Vec<_>>()
+    };
+    sections.into_iter().flat_map(of_section).collect()
 }
 
 /// A tension that falls on the secondary pulley and returns on the primary one.
 fn usual() -> Vec<RingPart> {
+    let [secondary, primary] = WRAPS;
     parts_with(|pulley, angle| {
-        if pulley == 0 {
-            3.0e3 - 100.0 * angle
-        } else {
-            let [secondary, primary] = wraps();
-            3.0e3 - 100.0 * secondary * (1.0 - angle / primary)
-        }
+        3.0e3
+            - 100.0
+                * if pulley == 0 {
+                    angle
+                } else {
+                    secondary * (1.0 - angle / primary)
+                }
     })
 }
 
-fn tensions(layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Vec<[f64; 2]> {
-    let mut shapes = vec![0.0; parts.len()];
-    let layered = LayerTension::new(&RING, layers, motion, parts, &mut shapes);
-    let tensions = parts.iter().zip(shapes);
-    tensions.map(|(part, shape)| layered.at(part.tension, shape)).collect()
+fn tensions(layers: &Layers, motion: (f64, [f64; 2]), parts: &[RingPart]) -> Vec<[f64; 2]> {
+    let mut outer = vec![0.0; parts.len()];
+    outer_tension((&RING, layers), motion, parts, &mut outer);
+    let of_parts = parts.iter().zip(outer);
+    of_parts
+        .map(|(part, outer)| of_layers(part.tension, outer, layers.count))
+        .collect()
 }
 
 fn mean(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
@@ -87,13 +87,9 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
 }
 
-fn with(friction: f64) -> Layers {
-    Layers { friction, ..LAYERS }
-}
-
 /// The part at the middle of a strand: 0 follows the secondary arc.
 fn strand(number: usize) -> usize {
-    let [(halves, _), (strands, _), (arcs, _)] = SECTIONS;
+    let [halves, strands, arcs] = COUNTS;
     halves + strands / 2 + number * (strands + arcs)
 }
 
@@ -102,7 +98,7 @@ fn strand(number: usize) -> usize {
 fn the_layers_carry_the_tension_and_are_stretched_alike() {
     let parts = usual();
     for friction in [0.0, 0.02, 0.1] {
-        let all = tensions(&with(friction), &MOTION, &parts);
+        let all = tensions(&Layers { friction, ..LAYERS }, (SPEED, RADII), &parts);
         for (part, [inner, outer]) in parts.iter().zip(&all) {
             close(inner + 8.0 * outer, part.tension);
             if friction == 0.0 {
@@ -117,15 +113,11 @@ fn the_layers_carry_the_tension_and_are_stretched_alike() {
 #[test]
 fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
     let parts = usual();
-    let centrifugal = RING.mass_per_length * MOTION.speed.powi(2) / 9.0;
-    let pressing = |motion: &RingMotion, number| tensions(&LAYERS, motion, &parts)[strand(number)][1] - centrifugal;
-    let factor = (-LAYERS.friction * wraps()[0]).exp();
-    let reverse = RingMotion {
-        speed: -MOTION.speed,
-        ..MOTION
-    };
-    for (motion, [low, high]) in [(MOTION, [0, 1]), (reverse, [1, 0])] {
-        let found = pressing(&motion, low) / pressing(&motion, high);
+    let centrifugal = RING.mass_per_length * SPEED.powi(2) / 9.0;
+    let pressing = |speed, number| tensions(&LAYERS, (speed, RADII), &parts)[strand(number)][1] - centrifugal;
+    let factor = (-LAYERS.friction * WRAPS[0]).exp();
+    for (speed, [low, high]) in [(SPEED, [0, 1]), (-SPEED, [1, 0])] {
+        let found = pressing(speed, low) / pressing(speed, high);
         assert!((found / factor - 1.0).abs() < 1e-3, "{found} {factor}");
     }
 }
@@ -133,9 +125,9 @@ fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
 /// A ring that slips on its elements as its layers on each other: all layers have the same tension.
 #[test]
 fn with_the_same_friction_everywhere_all_layers_are_equal() {
-    let centrifugal = RING.mass_per_length * MOTION.speed.powi(2);
+    let centrifugal = RING.mass_per_length * SPEED.powi(2);
     let rate = LAYERS.friction;
-    let [secondary, primary] = wraps();
+    let [secondary, primary] = WRAPS;
     let end = (-rate * secondary).exp();
     let parts = parts_with(|pulley, angle| {
         let shape = if pulley == 0 {
@@ -145,7 +137,7 @@ fn with_the_same_friction_everywhere_all_layers_are_equal() {
         };
         centrifugal + 3.0e3 * shape
     });
-    for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, &MOTION, &parts)) {
+    for (part, [inner, outer]) in parts.iter().zip(tensions(&LAYERS, (SPEED, RADII), &parts)) {
         close(inner, part.tension / 9.0);
         close(outer, part.tension / 9.0);
     }
@@ -155,27 +147,25 @@ fn with_the_same_friction_everywhere_all_layers_are_equal() {
 #[test]
 fn layers_that_stick_share_the_tension() {
     let parts = usual();
-    let motion = RingMotion {
-        radii: [0.058; 2],
-        ..MOTION
-    };
-    let still = RingMotion { speed: 0.0, ..MOTION };
-    for motion in [motion, still] {
-        for [inner, outer] in tensions(&LAYERS, &motion, &parts) {
+    let even = (SPEED, [0.058; 2]);
+    for motion in [even, (0.0, RADII)] {
+        for [inner, outer] in tensions(&LAYERS, motion, &parts) {
             close(inner, outer);
         }
     }
-    let outer = tensions(&with(1e-3), &motion, &parts)
-        .into_iter()
-        .map(|[_, outer]| outer);
+    let slippery = Layers {
+        friction: 1e-3,
+        ..LAYERS
+    };
+    let outer = tensions(&slippery, even, &parts).into_iter().map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
-    let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * MOTION.speed.powi(2);
-    close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * wraps()[0]);
+    let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * SPEED.powi(2);
+    close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);
 }
 
 fn stress(layers: &Layers, parts: &[RingPart]) -> (RingStress, DVector<f64>) {
     let mut along = DVector::zeros(parts.len());
-    let found = ring_stress(&RING, layers, &MOTION, parts, along.as_mut_slice());
+    let found = ring_stress((&RING, layers), (SPEED, RADII), parts, along.as_mut_slice());
     (found, along)
 }
 
@@ -189,20 +179,14 @@ fn bending_alone() {
         ..LAYERS
     };
     let area = 2.0 * 9.0e-3 * 1.85e-4;
-    let bending = MOTION
-        .radii
-        .map(|radius| 0.5 * 1.85e-4 * RING.axial_stiffness / area / (radius + 1e-3));
+    let bending = RADII.map(|radius| 0.5 * 1.85e-4 * RING.axial_stiffness / area / (radius + 1e-3));
     let (found, along) = stress(&single, &parts);
     let tension = 1.8e3 / area;
     close(found.max, tension + bending[0]);
     close(along[strand(0)], tension);
-    let cycles = [
-        (found.amplitude.secondary, found.mean.secondary),
-        (found.amplitude.primary, found.mean.primary),
-    ];
-    for ((amplitude, mean), bending) in cycles.into_iter().zip(bending) {
-        close(amplitude, 0.5 * bending);
-        close(mean, tension + 0.5 * bending);
+    for (pulley, bending) in Pulley::BOTH.into_iter().zip(bending) {
+        close(found.amplitude[pulley], 0.5 * bending);
+        close(found.mean[pulley], tension + 0.5 * bending);
     }
     // Bent far beyond the pulleys: the inner face on the strands is the worst.
     let bent = Layers {

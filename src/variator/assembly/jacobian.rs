@@ -109,7 +109,7 @@ impl<C: MeshCurve> Frames<C> {
             factors,
             update,
             by_hand,
-            plain: frame::<_, K, C>(curve, path.map(Jet::lifted)),
+            plain: frame::<_, K, C>(curve, path.map(|of| of.map(Lanes::from))),
             of_curve,
             moving: std::array::from_fn(|_| None),
             others,

@@ -1,7 +1,7 @@
 //! Kinds of ring as types, chosen once at the start: the motion of a cell with them from its unknowns, its balance and the rows of
 //! the balance, generic over the scalar.
 
-use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
+use crate::reference_curve::{MeshCurve, Path, TwoPulley, along_theta};
 use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, Node, ReferenceMotion};
 use crate::scalar::{Lanes, Real};
@@ -87,9 +87,7 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
 #[inline(always)]
 pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(curve: &TwoPulley, mut path: Path<T>) -> C::Frame<T> {
     if K::DEGREES.coordinates == 1 {
-        let theta = Jet::variable(path[0].v);
-        path = [Jet::constant(0.0); COORDINATES];
-        path[0] = theta;
+        path = along_theta(path[0].v);
     }
     C::on_path(curve, &path)
 }

@@ -3,7 +3,7 @@
 use crate::archive::Archive;
 use crate::chain::Transport;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{COORDINATES, Jet, MeshCurve, ReferenceCurve};
+use crate::reference_curve::{COORDINATES, MeshCurve, ReferenceCurve};
 use crate::scalar::Lanes;
 use crate::solver::arrow::Arrow;
 use crate::solver::{State, View};
@@ -281,7 +281,7 @@ fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     mut observe: impl FnMut(&AtStation<'_, Lanes, D>),
     mut take: impl FnMut(&Pack, &CellBalance<Lanes>, &RingForces<Lanes, D>),
 ) {
-    let frame = frame::<_, K, C>(&acting.belt.curve, acting.belt.path(view).map(Jet::lifted));
+    let frame = frame::<_, K, C>(&acting.belt.curve, acting.belt.path(view).map(|of| of.map(Lanes::from)));
     let mut unknowns = [[Lanes::zero(); MOST]; 3];
     for pack in packs {
         pack.gather::<K>(view, &mut unknowns);

@@ -44,14 +44,11 @@ pub trait BeltRing: Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// The ring, on the same mesh, from whose steady state [`BeltRing::start_from`] starts this ring; `None` if this
-    /// ring has a steady state of its own.
-    fn starts_on(&self) -> Option<Arc<dyn BeltRing>> {
+    /// Where this ring starts, if it has no steady state of its own: on another ring, on the same mesh.
+    fn starts_on(&self) -> Option<StartsOn> {
         None
     }
-
-    /// Start state of `belt`, with this ring, from the `state` of `other`, with the ring of [`BeltRing::starts_on`].
-    fn start_from(&self, _belt: &Belt, _other: &Belt, state: &State) -> State {
-        state.clone()
-    }
 }
+
+/// A ring, and the start state of a belt from the state of another belt, with that ring.
+pub type StartsOn = (Arc<dyn BeltRing>, fn(&Belt, &Belt, &State) -> State);

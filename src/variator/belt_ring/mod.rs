@@ -16,11 +16,12 @@ mod standard;
 
 pub use crate::chain::Transport;
 pub use crate::reference_curve::MeshCurve;
+pub use crate::ring::ale::RingDensity;
 pub use crate::variator::assembly::kinds::{RingKind, nodes};
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
 pub use crate::variator::belt::equations::{Assembly, InForce};
-pub use crate::variator::belt::ring::BeltRing;
+pub use crate::variator::belt::ring::{BeltRing, StartsOn};
 pub use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 pub use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 pub use crate::variator::cell::balance::balance;
@@ -31,5 +32,5 @@ pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Part, Pl
 pub use crate::variator::mesh::belt_mesh::{BeltMesh, CELL_POINTS, Cell, CellDivision};
 pub use crate::variator::mesh::layout::Layout;
 pub use crate::variator::rings::deflecting::Deflecting;
-pub use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
+pub use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces};
 pub use standard::{Ale, Ale0};

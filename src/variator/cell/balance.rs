@@ -81,10 +81,10 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     let (weight, right) = (*weight, given.place.stations[i].right);
     let mut load = forces.own_load;
     let ring_along = load.position.dot(&point.t);
-    for (normal, inward) in chain.normals.iter().zip(forces.inward).take(D - 1) {
+    for (normal, inward) in point.normals.iter().zip(forces.inward).take(D - 1) {
         load.position += normal * inward;
     }
-    let across = load.position.dot(&point.n);
+    let across = load.position.dot(&point.normals[0]);
     let along_ring = forces.ring_friction + forces.layer_drag;
     let dragged = along_ring * point.stretch;
     load.drift += dragged;

@@ -2,10 +2,10 @@
 
 use crate::chain::Push;
 use crate::contact::energy_density;
+use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::{Lanes, Real};
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
-use crate::variator::rings::ring::RingDensity;
 use nalgebra::Vector2;
 
 /// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of `L`.
@@ -183,7 +183,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             spin_loss: forces.spin_drag * chain.speed,
             damping_loss: of_ring.viscous + stack_loss + flanks.sum.loads.viscous,
             kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
-            ring_elastic: of_ring.elastic,
+            ring_elastic: of_ring.membrane + of_ring.bending,
             flank_elastic: (flank_energy(0) + flank_energy(1)) * chain.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }

@@ -32,7 +32,7 @@ pub struct StationState<T: Real, const D: usize> {
     /// The ring.
     pub ring: RingPoint<T, D>,
     /// The push elements.
-    pub chain: ChainPoint<T, D>,
+    pub chain: ChainPoint<T>,
     /// dξ, m.
     pub weight: T,
 }
@@ -74,7 +74,7 @@ fn element_speed<T: Real, const D: usize>(given: &CellInput<'_, T>, ring: &RingP
 
 /// The chain at the left face of a cell.
 #[inline(always)]
-pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> ChainPoint<T, D> {
+pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> ChainPoint<T> {
     let theta_dot = given.motion.reference.theta.rate;
     let speed = element_speed(given, face, given.place.face.right);
     ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, speed)
@@ -237,8 +237,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         let mass = cell.density * chain.lambda * law.chain.mass_per_length;
         let acceleration = chain.acceleration(point, speed_dot, cell.speed_gradient());
 
-        let v_p = chain.pitch_velocity(point);
-        let v_e = chain.ring_line_velocity(point);
+        let v_p = chain.velocity(point, chain.speed);
+        let v_e = chain.velocity(point, chain.ring_line_speed());
         let at = [&point.r, &v_e, &v_p].map(in_plane);
         let approach = Approach::new(law, place.axis, &motion.pulley, at);
         let flanks = approach.both_flanks(
@@ -255,7 +255,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         }
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
-            let normal = &chain.normals[k];
+            let normal = &point.normals[k];
             *inward = mass * acceleration.across[k]
                 + push * chain.curvature[k]
                 + at_pitch_line.dot(&in_plane(normal))
@@ -293,7 +293,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
 impl<T: Real, const D: usize> StationForces<T, D> {
     /// Inertia less forces along the belt, conjugate to V, N/m.
     #[inline(always)]
-    pub fn along(&self, point: &RingPoint<T, D>, chain: &ChainPoint<T, D>) -> T {
+    pub fn along(&self, point: &RingPoint<T, D>, chain: &ChainPoint<T>) -> T {
         self.mass * self.acceleration.along
             + self.at_pitch_line.dot(&in_plane(&point.t))
             + self.tangential * chain.lead

@@ -16,7 +16,7 @@ use nalgebra::{SVector, Vector2};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinearisedStation<'a, const D: usize> {
     pub ring: &'a RingPoint<Lanes, D>,
-    pub chain: &'a ChainPoint<Lanes, D>,
+    pub chain: &'a ChainPoint<Lanes>,
     /// Quadrature weight dξ, m.
     pub weight: Lanes,
     /// Weight of the right face in linear interpolation between the faces.
@@ -136,7 +136,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             v_e += ring.t * (base.speed * chain.lead) + by.t * base.ring_line_speed();
             v_p += by.t * base.speed;
             for k in 0..D - 1 {
-                let across = by.normals[k] * base.normal_speed[k] + base.normals[k] * chain.normal_speed[k];
+                let across = by.normals[k] * base.normal_speed[k] + ring.normals[k] * chain.normal_speed[k];
                 v_e += across;
                 v_p += across;
             }
@@ -276,7 +276,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             along += self.forces.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
         }
         for k in 0..D - 1 {
-            let normal = &chain.normals[k];
+            let normal = &ring.normals[k];
             let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
             if MOVES {
                 inward += self.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));

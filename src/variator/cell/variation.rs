@@ -26,7 +26,7 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes>,
-    face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
+    face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Derivatives of the throughput of elements with respect to density and flow.
@@ -161,7 +161,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     fn vary_point<const MOVES: bool>(
         &self,
-        (at, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes, D>),
+        (at, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes>),
         direction: Direction,
         speed: Lanes,
     ) -> (RingVariation<Lanes, D>, ChainVariation<Lanes>) {
@@ -297,7 +297,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
         let d_friction = forces[D - 1][0];
         let d_along_ring = d_friction + change.drag;
-        let across = load.position.dot(&ring.n);
+        let across = load.position.dot(&ring.normals[0]);
         load.position += ring.t * d_along_ring;
         let mut dragged = d_along_ring * ring.stretch;
         if MOVES {

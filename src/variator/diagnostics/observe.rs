@@ -3,7 +3,7 @@
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
-use crate::ring::stress::{RingMotion, RingPart, RingStress, ring_stress};
+use crate::ring::stress::{RingPart, RingStress, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
@@ -115,18 +115,10 @@ impl Observer {
 
     /// Stress of the ring's layers from the means of its elements.
     fn ring_stress(&mut self, belt: &Belt, view: View<'_>, radii: PerPulley<f64>) -> RingStress {
-        let motion = RingMotion {
-            speed: view.y[belt.layout.drift()],
-            radii: [radii.secondary, radii.primary],
-        };
+        let motion = (view.y[belt.layout.drift()], [radii.secondary, radii.primary]);
+        let of = (&belt.law.ring, &belt.law.layers);
         self.stresses.resize(self.elements.len(), 0.0);
-        ring_stress(
-            &belt.law.ring,
-            &belt.law.layers,
-            &motion,
-            &self.elements,
-            &mut self.stresses,
-        )
+        ring_stress(of, motion, &self.elements, &mut self.stresses)
     }
 
     /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the elements and their stress are

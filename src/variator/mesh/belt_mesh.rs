@@ -115,7 +115,7 @@ fn segments(mesh: &Mesh, aligned: bool) -> Vec<(usize, Spacing)> {
             (half, Spacing::Start(ARC_GRADING)),
         ]
     } else {
-        vec![(2 * (half + strand) + arc, Spacing::Even)]
+        vec![(2 * (half + strand) + arc, Spacing::Both(0.0))]
     }
 }
 

@@ -1,13 +1,14 @@
 //! `ALE`: the ring deflects from the reference curve.
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
+use crate::ring::Ring;
+use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{
     ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
-use crate::ring::{Ring, ale};
 use crate::scalar::Real;
 use crate::variator::law::place::Place;
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces, VaryingRing};
 
 /// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
@@ -21,7 +22,7 @@ pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     /// Motion of the reference curve.
     pub motion: &'a ReferenceMotion<T>,
     /// (∂l/∂Θ)/l, l the length of the element.
-    pub growth: T,
+    pub dilation: T,
     /// Sum of the applied loads.
     pub sum: ElementLoad<T, D>,
 }
@@ -38,9 +39,9 @@ impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
         Self {
             ring,
             place,
-            element: ElementMotion::flexible(place.length, &motion.theta, nodes),
+            element: ElementMotion::new(place.length, &motion.theta, nodes),
             motion,
-            growth: place.length.d / place.length.v,
+            dilation: place.length.d / place.length.v,
             sum: ElementLoad::zero(),
         }
     }
@@ -74,7 +75,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn own_load(&self, _at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
         ale::add_inertia(self.ring, point, load);
-        ale::add_elasticity(self.ring, point, self.growth, load)
+        ale::add_elasticity(self.ring, point, self.dilation, load)
     }
 
     #[inline(always)]
@@ -85,11 +86,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
-        RingDensity {
-            kinetic: ale::kinetic_energy_density(self.ring, point),
-            elastic: ale::energy_density(self.ring, point),
-            viscous: ale::dissipation_density(self.ring, point),
-        }
+        ale::density(self.ring, point)
     }
 }
 
@@ -103,7 +100,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         let shape = &self.place.point(at).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];
-        RingVariation::of_node(point, shape, &self.element, self.motion, which, factors)
+        RingVariation::of_node(point, shape, &self.element, which, factors)
     }
 
     #[inline(always)]
@@ -116,7 +113,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         load: &mut LineLoad<T, D>,
     ) -> T {
         ale::vary_inertia(self.ring, point, by, load);
-        ale::vary_elasticity(self.ring, point, by, self.growth, load)
+        ale::vary_elasticity(self.ring, point, by, self.dilation, load)
     }
 
     #[inline(always)]
@@ -135,7 +132,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     ) {
         let shape = &self.place.point(at).shape;
         sum.add(&action.load, point, shape, &self.element, action.weight);
-        sum.add_varied(own_load, by, &self.element, action.weight);
+        sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * action.weight;
     }
 
     #[inline(always)]

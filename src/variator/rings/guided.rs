@@ -10,12 +10,13 @@
 //!
 //! [`TwoPulley`]: crate::reference_curve::TwoPulley
 
-use crate::reference_curve::{COORDINATES, MeshCurve, PointSlopes, ReferencePoint};
+use crate::reference_curve::{COORDINATES, MeshCurve, PointDerivatives, ReferencePoint};
+use crate::ring::Ring;
+use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
-use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
 use crate::variator::law::place::{Place, between, share};
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces, VaryingRing};
 
 /// Place of the growth among the coordinates of the curve. Its row is the mean of the tension.
 const GROWTH: usize = COORDINATES - 1;
@@ -106,21 +107,16 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
         at: usize,
         point: &RingPoint<T>,
         action: &Action<T>,
-        own: impl Fn(&PointSlopes<T>) -> T,
+        own: impl Fn(&PointDerivatives<T>) -> T,
     ) {
         let (frame, segment) = self.curve;
         let Action { load, weight, .. } = action;
-        let by = C::slopes(frame, segment, self.place.fraction(at), &point.reference);
+        let fraction = T::constant(self.place.fraction(at));
+        let (shape, turn) = C::derivatives(frame, segment, fraction, &point.reference);
         let force = load.position;
-        let [theta, spread] = by
-            .shape
-            .each_ref()
-            .map(|by| force.dot(&by.r) - load.drift * by.xi + own(by));
-        for (sum, along) in sum
-            .curve
-            .iter_mut()
-            .zip([theta, spread, force.dot(&by.turn), force.x, force.y])
-        {
+        let [theta, spread] = shape.map(|by| force.dot(&by.r) - load.drift * by.xi + own(&by));
+        let along = [theta, spread, force.dot(&turn), force.x, force.y];
+        for (sum, along) in sum.curve.iter_mut().zip(along) {
             *sum += along * *weight;
         }
         let bearing = action.tension * point.reference.kappa * *weight;
@@ -155,7 +151,9 @@ impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
         let moment = kappa * self.ring.bending_stiffness;
         let energy = moment * kappa * 0.5;
         let mut sum = self.sum;
-        self.add(&mut sum, at, point, action, |by| energy * by.growth + moment * by.kappa);
+        self.add(&mut sum, at, point, action, |by| {
+            energy * by.dilation + moment * by.kappa
+        });
         sum.curve[GROWTH] -= kappa * self.mean_tension() * action.weight;
         self.sum = sum;
     }
@@ -164,10 +162,9 @@ impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
         let strain = C::arcs(self.curve.0).strain;
         RingDensity {
-            kinetic: ale::kinetic_energy_density(self.ring, point),
-            elastic: strain.v * strain.v * (0.5 * self.ring.axial_stiffness)
-                + ale::bending_energy_density(self.ring, point),
+            membrane: strain.v * strain.v * (0.5 * self.ring.axial_stiffness),
             viscous: strain.d * strain.d * self.ring.viscosity(),
+            ..ale::density(self.ring, point)
         }
     }
 }

@@ -3,6 +3,7 @@
 //! [`balance`](crate::variator::cell::balance) calls the four functions of [`CellRing`].
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
+use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{LineLoad, Node, RingPoint, RingVariation};
 use crate::scalar::Real;
 
@@ -19,17 +20,6 @@ pub struct Action<T: Real, const D: usize = 2> {
     pub along: T,
     /// Quadrature weight dξ, m.
     pub weight: T,
-}
-
-/// Energies and damping of the ring at a station.
-#[derive(Clone, Copy, Debug)]
-pub struct RingDensity<T> {
-    /// Kinetic energy per dξ, J/m.
-    pub kinetic: T,
-    /// Elastic energy per dξ, J/m.
-    pub elastic: T,
-    /// Power of damping per dξ, W/m.
-    pub viscous: T,
 }
 
 /// A ring inside a cell. Point 0 of a cell is its left face, points 1 and up are its stations.

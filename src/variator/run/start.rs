@@ -3,7 +3,7 @@
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
 use crate::solver::newton::Counts;
-use crate::variator::belt::ring::BeltRing;
+use crate::variator::belt::ring::StartsOn;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::outcome::{InitialisationError, StepError};
@@ -16,7 +16,6 @@ use crate::variator::run::tuning::{
 use crate::variator::settings::parameters::{Axial, Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
-use std::sync::Arc;
 
 impl Simulation {
     /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
@@ -88,8 +87,8 @@ impl Simulation {
     /// Sets the state that a run starts from.
     fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.end_soft_start();
-        if let Some(ring) = self.system.belt.ring.starts_on() {
-            return self.start_on(ring, start);
+        if let Some(other) = self.system.belt.ring.starts_on() {
+            return self.start_on(other, start);
         }
         if !self.system.parameters.initial.steady {
             return self.start_slack(start);
@@ -215,7 +214,7 @@ impl Simulation {
     }
 
     /// Starts in the state of another ring.
-    fn start_on(&mut self, ring: Arc<dyn BeltRing>, start: &Start) -> Result<StartState, InitialisationError> {
+    fn start_on(&mut self, (ring, state_on): StartsOn, start: &Start) -> Result<StartState, InitialisationError> {
         let parameters = &self.system.parameters;
         ring.check(parameters)?;
         let mut other = Simulation::new(parameters, ring);
@@ -225,8 +224,7 @@ impl Simulation {
         let found = found?;
         self.soft_since = other.soft_since;
         self.start_work = other.start_work;
-        let belt = &self.system.belt;
-        self.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
+        self.state = state_on(&self.system.belt, &other.system.belt, &other.state);
         Ok(found)
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use pushbelt::reference_curve::{
-    COORDINATES, Jet, MeshCurve, Path, PointSlopes, ReferenceCurve, TwoPulley, TwoPulleyFrame,
+    COORDINATES, Jet, MeshCurve, Path, PointDerivatives, ReferenceCurve, TwoPulley, TwoPulleyFrame,
 };
 use pushbelt::scalar::Dual;
 
@@ -39,7 +39,7 @@ pub fn moving_frame() -> TwoPulleyFrame<Dual> {
         d: Dual::seed(x.d, 0, x.dd),
         dd: Dual::seed(x.dd, 0, 0.0),
     });
-    curve().on_path(&moving)
+    TwoPulley::on_path(&curve(), &moving)
 }
 
 #[track_caller]
@@ -76,7 +76,7 @@ pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual
 
 /// Derivatives by each coordinate against central differences.
 #[track_caller]
-pub fn assert_slopes<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
+pub fn assert_derivatives<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
     let h = 1e-6;
     for segment in 0..segments {
         for f in FRACTIONS {
@@ -88,29 +88,33 @@ pub fn assert_slopes<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, 
                 (C::point(&frame, segment, f), length.ln())
             };
             let of = frame(&path(0.0));
-            let slopes = C::slopes(&of, segment, f, &C::point(&of, segment, f));
+            let (shape, turn) = C::derivatives(&of, segment, f, &C::point(&of, segment, f));
             for k in 0..COORDINATES {
                 let ((plus, of_plus), (minus, of_minus)) = (at(k, h), at(k, -h));
-                let [xi, kappa, growth] = [plus.xi.v - minus.xi.v, plus.kappa - minus.kappa, of_plus - of_minus]
+                let [xi, kappa, dilation] = [plus.xi.v - minus.xi.v, plus.kappa - minus.kappa, of_plus - of_minus]
                     .map(|difference| difference / (2.0 * h));
                 let unit = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
                 let found = match k {
-                    0 | 1 => slopes.shape[k],
-                    _ => PointSlopes {
+                    0 | 1 => shape[k],
+                    _ => PointDerivatives {
                         r: match k {
-                            2 => slopes.turn,
+                            2 => turn,
                             5 => -C::point(&of, segment, f).n,
                             _ => unit[k - 3],
                         },
                         xi: 0.0,
                         kappa: 0.0,
-                        growth: 0.0,
+                        dilation: 0.0,
                     },
                 };
                 close(found.r, (plus.r - minus.r) / (2.0 * h), 1e-8);
                 assert!((found.xi - xi).abs() < 1e-8, "{k}: {} {xi}", found.xi);
                 assert!((found.kappa - kappa).abs() < 1e-5, "{k}: {} {kappa}", found.kappa);
-                assert!((found.growth - growth).abs() < 1e-7, "{k}: {} {growth}", found.growth);
+                assert!(
+                    (found.dilation - dilation).abs() < 1e-7,
+                    "{k}: {} {dilation}",
+                    found.dilation
+                );
             }
         }
     }

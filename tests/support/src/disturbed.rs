@@ -57,12 +57,12 @@ pub fn disturbed_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, speed: f
         primary_speed: speed,
         clamping: CLAMPING,
     };
-    let on_other = system.belt.ring.starts_on();
-    let travels = on_other.is_some();
-    let mut state = if let Some(other) = on_other {
-        let other = VariatorSystem::with_ring(parameters, other).belt;
+    let starts_on = system.belt.ring.starts_on();
+    let travels = starts_on.is_some();
+    let mut state = if let Some((ring, state_on)) = starts_on {
+        let other = VariatorSystem::with_ring(parameters, ring).belt;
         let on_other = kinematic_state(&other, &start).expect("the belt closes");
-        system.belt.ring.start_from(&system.belt, &other, &on_other)
+        state_on(&system.belt, &other, &on_other)
     } else {
         kinematic_state(&system.belt, &start).expect("the belt closes")
     };

@@ -136,12 +136,6 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
-    fn with_lane(mut self, lane: usize, other: Self) -> Self {
-        self.set(lane, other.lane(lane));
-        self
-    }
-
-    #[inline(always)]
     fn re(&self) -> f64 {
         self.to_array()[0]
     }

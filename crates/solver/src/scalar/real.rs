@@ -47,12 +47,6 @@ pub trait Real:
         self.re()
     }
 
-    /// The pack whose `lane` is that of `other`.
-    #[must_use]
-    fn with_lane(self, _lane: usize, other: Self) -> Self {
-        other
-    }
-
     /// √x.
     #[must_use]
     fn sqrt(self) -> Self;

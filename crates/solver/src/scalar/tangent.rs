@@ -84,14 +84,6 @@ where
     }
 
     #[inline(always)]
-    fn with_lane(self, lane: usize, other: Self) -> Self {
-        Self {
-            re: self.re.with_lane(lane, other.re),
-            eps: from_fn(|i| self.eps[i].with_lane(lane, other.eps[i])),
-        }
-    }
-
-    #[inline(always)]
     fn re(&self) -> f64 {
         self.re.re()
     }
