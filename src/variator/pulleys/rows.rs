@@ -6,7 +6,7 @@
 //!   shaft.
 
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
-use crate::scalar::Tangent;
+use crate::scalar::{Real, Tangent};
 use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -175,8 +175,9 @@ impl<'a> Pulleys<'a> {
     pub(crate) fn residual(&self, boundary: &Boundary, loads: &PerPulley<PulleyLoad>, view: View<'_>, out: &mut [f64]) {
         let torques = self.shaft_torques(loads, view);
         for pulley in Pulley::BOTH {
-            let z = self.layout().sheave(pulley);
-            out[z] = self.sheave_row(pulley, boundary.sheave[pulley], loads[pulley].axial, view);
+            let ([z, ..], motion) = self.sheave_motion(pulley, view);
+            let row = self.sheave_row(pulley, boundary.sheave[pulley], motion, loads[pulley].axial);
+            out[z] = row.unwrap_or(CONSTRAINT_SCALE * view.y[z]);
             self.tilt_rows(pulley, &loads[pulley], view, out);
             let i = self.layout().shaft_speed(pulley);
             let mode = boundary.shaft[pulley];
@@ -184,24 +185,34 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    fn sheave_row(&self, pulley: Pulley, mode: SheaveMode, axial: f64, view: View<'_>) -> f64 {
+    /// Equation of motion of a sheave that is not held, under the force `axial` of the belt, N. `motion` is its position, speed and
+    /// acceleration, the speed of its shaft, and Θ.
+    fn sheave_row<T: Real>(
+        &self,
+        pulley: Pulley,
+        mode: SheaveMode,
+        [z, z_dot, z_ddot, omega, theta]: [T; 5],
+        axial: f64,
+    ) -> Option<T> {
         let of = self.parameters.pulley(pulley);
-        let z = self.layout().sheave(pulley);
-        let cylinder = self.cylinder(pulley, view);
-        match mode {
-            SheaveMode::Force(force) => {
-                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] - (force + cylinder) + axial
-                    - self.stop(pulley, view).force
+        let force = match mode {
+            SheaveMode::Force(force) => T::from(force),
+            SheaveMode::Ratio { theta: set, force } => {
+                (-theta + set) * (CLOSING_SIGN[pulley] * RATIO_STIFFNESS) + force
             }
-            SheaveMode::Held => CONSTRAINT_SCALE * view.y[z],
-            SheaveMode::Ratio { theta, force } => {
-                let off = theta - view.q[self.layout().theta()];
-                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
-                    - (force + cylinder)
-                    - CLOSING_SIGN[pulley] * RATIO_STIFFNESS * off
-                    - self.stop(pulley, view).force
-            }
-        }
+            SheaveMode::Held => return None,
+        };
+        let cylinder = of.cylinder.push(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
+        let stop = self.travel(pulley).stop_force(z, z_dot).force;
+        Some(z_ddot * of.sheave_mass + z_dot * of.sheave_damping - (force + cylinder) + axial - stop)
+    }
+
+    /// Unknowns that the row of a sheave has beside the belt's loads, and the arguments of [`sheave_row`](Self::sheave_row).
+    fn sheave_motion(&self, pulley: Pulley, view: View<'_>) -> ([usize; 3], [f64; 5]) {
+        let layout = self.layout();
+        let [z, omega, theta] = [layout.sheave(pulley), layout.shaft_speed(pulley), layout.theta()];
+        let motion = [view.q[z], view.y[z], view.y_dot[z], view.y[omega], view.q[theta]];
+        ([z, omega, theta], motion)
     }
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
@@ -310,23 +321,16 @@ impl<'a> Pulleys<'a> {
         [alpha, beta]: [f64; 2],
         out: &mut Arrow,
     ) {
-        let of = self.parameters.pulley(pulley);
-        let z = self.layout().sheave(pulley);
-        match mode {
-            SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
-                let speed = self.layout().shaft_speed(pulley);
-                let [q, y, omega] = [(view.q[z], 0, beta), (view.y[z], 0, 1.0), (view.y[speed], 1, 1.0)]
-                    .map(|(value, direction, slope)| Tangent::<2, f64>::seed(value, direction, slope));
-                let cylinder = of.cylinder.push(q, omega) - of.cylinder.drag(y, self.parameters.friction.velocity);
-                let [by_sheave, by_speed] = (self.travel(pulley).stop_force(q, y).force + cylinder).eps;
-                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - by_sheave);
-                out.add(z, speed, -by_speed);
-                if let SheaveMode::Ratio { .. } = mode {
-                    let theta = self.layout().theta();
-                    out.add(z, theta, CLOSING_SIGN[pulley] * RATIO_STIFFNESS * beta);
-                }
-            }
-            SheaveMode::Held => out.set_unit_row(z, CONSTRAINT_SCALE),
+        let (unknowns, motion) = self.sheave_motion(pulley, view);
+        let slopes = [(0, beta), (0, 1.0), (0, alpha), (1, 1.0), (2, beta)];
+        let seeded = |k: usize| Tangent::<3, f64>::seed(motion[k], slopes[k].0, slopes[k].1);
+        let [z, ..] = unknowns;
+        match self.sheave_row(pulley, mode, std::array::from_fn(seeded), 0.0) {
+            Some(row) => unknowns
+                .into_iter()
+                .zip(row.eps)
+                .for_each(|(unknown, slope)| out.add(z, unknown, slope)),
+            None => out.set_unit_row(z, CONSTRAINT_SCALE),
         }
     }
 
