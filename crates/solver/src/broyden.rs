@@ -1,6 +1,5 @@
-//! Broyden's good update on earlier factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations
-//! (1995), section 7.3: it needs the steps made so far and no matrix. Where a few rows have changed between sticking and
-//! sliding, the Jacobian has changed in rank by as few, which updates make good.
+//! Broyden's good update on earlier factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 7.3:
+//! it needs the steps made so far and no matrix. Where some rows have changed between sticking and sliding, as many updates suffice.
 
 use super::kernels::largest;
 use nalgebra::DVector;
@@ -25,9 +24,6 @@ pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) ->
         *step *= 1.0 / (1.0 - last.dot(step) / of_last);
     }
     *square = step.norm_squared();
-    if square.is_finite() {
-        largest(step.as_slice())
-    } else {
-        f64::INFINITY
-    }
+    let change = largest(step.as_slice());
+    if square.is_finite() { change } else { f64::INFINITY }
 }

@@ -1,9 +1,8 @@
 //! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
 //!
-//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the
-//! step size. The error is measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the
-//! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
-//! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
+//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the step size. The error is
+//! measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the last one of the step before. It is of third order
+//! where the state doesn't act on its slope; of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Stage, Unsolved, move_by};
 use super::{State, System, View};
