@@ -1,20 +1,11 @@
-//! The assembled system: its symmetry, and what a search for a steady state leaves.
+//! The symmetry of the assembled system.
 
-use super::pulleys::loads::Boundary;
 use super::settings::parameters::Parameters;
-use super::steady::solve::{SteadySolver, SteadyTask};
 use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::PerPulley;
 use crate::solver::System;
-use crate::solver::newton::Newton;
 use pushbelt_support::noise;
-
-/// Clamping forces, N.
-const CLAMPING: PerPulley<f64> = PerPulley {
-    secondary: 1.0e4,
-    primary: 1.3e4,
-};
 
 /// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
 #[test]
@@ -28,7 +19,10 @@ fn mirrored_in_the_plane() {
     let start = Start {
         ratio: 1.6,
         primary_speed: 200.0,
-        clamping: CLAMPING,
+        clamping: PerPulley {
+            secondary: 1.0e4,
+            primary: 1.3e4,
+        },
     };
     let mut state = kinematic_state(&system.belt, &start).unwrap();
     let mut random = noise(3);
@@ -56,31 +50,4 @@ fn mirrored_in_the_plane() {
     }
     assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
     assert_eq!(rows, reflected);
-}
-
-/// A search that runs out of work under soft friction leaves the specified one in force.
-#[test]
-fn a_failed_search_leaves_the_specified_friction() {
-    let mut system = VariatorSystem::new(&Parameters::default());
-    let start = Start {
-        ratio: 1.0,
-        primary_speed: 200.0,
-        clamping: CLAMPING,
-    };
-    let mut state = kinematic_state(&system.belt, &start).unwrap();
-    let mut newton = Newton::new(&system);
-    newton.bound.left = 50.0;
-    let task = SteadyTask {
-        ratio: start.ratio,
-        reaction: Pulley::Primary,
-        clamping: CLAMPING,
-        shaft: Boundary::HELD.shaft,
-        warm: false,
-    };
-    let mut solver = SteadySolver {
-        system: &mut system,
-        newton: &mut newton,
-    };
-    assert!(solver.solve(&mut state, &task).is_err());
-    assert_eq!(system.friction_velocity, system.parameters.friction.velocity);
 }

@@ -1,10 +1,14 @@
 //! Steady states of the variator: load cases, power balance, symmetry, errors of mesh and regularisation.
 
-use pushbelt::pulley::Pulley;
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::solver::newton::Newton;
+use pushbelt::variator::Variator;
 use pushbelt::variator::cell::sample::Sample;
-use pushbelt::variator::pulleys::loads::ShaftMode;
-use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt::variator::steady::solve::SteadyTask;
+use pushbelt::variator::pulleys::loads::{Boundary, ShaftMode};
+use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
+use pushbelt::variator::steady::start::{Start, kinematic_state};
+use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::checks::{assert_close, assert_mirrored, assert_pinned};
 use pushbelt_support::load_cases::{LoadCase, given, pair, ratio, speeds};
 use pushbelt_support::steady::{At, Steady, load_case, steady, transmitting, turning};
@@ -343,4 +347,49 @@ fn strands_and_shafts_have_the_same_moments() {
             }
         }
     }
+}
+
+/// A sheave tilts by its clearance, and beyond that by a moment whose lever is shorter than the running radius.
+#[test]
+fn a_tilt_is_that_of_the_axial_force() {
+    let parameters = coarse(RingModel::Ale);
+    let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
+    variator.initialise(0.0, &Inputs::default()).expect("a steady state");
+    let outputs = variator.outputs();
+    for (pulley, of) in Pulley::BOTH.into_iter().zip([outputs.secondary, outputs.primary]) {
+        let law = &parameters.pulley(pulley).tilt;
+        let range = law.clearance..law.clearance + of.axial_force * of.radius / law.stiffness;
+        assert!(range.contains(&of.tilt), "{} {range:?}", of.tilt);
+    }
+}
+
+/// A search that runs out of work under soft friction leaves the specified one in force.
+#[test]
+fn a_failed_search_leaves_the_specified_friction() {
+    let mut system = VariatorSystem::new(&Parameters::default());
+    let clamping = PerPulley {
+        secondary: 1.0e4,
+        primary: 1.3e4,
+    };
+    let start = Start {
+        ratio: 1.0,
+        primary_speed: SPEED,
+        clamping,
+    };
+    let mut state = kinematic_state(&system.belt, &start).unwrap();
+    let mut newton = Newton::new(&system);
+    newton.bound.left = 50.0;
+    let task = SteadyTask {
+        ratio: start.ratio,
+        reaction: Pulley::Primary,
+        clamping,
+        shaft: Boundary::HELD.shaft,
+        warm: false,
+    };
+    let mut solver = SteadySolver {
+        system: &mut system,
+        newton: &mut newton,
+    };
+    assert!(solver.solve(&mut state, &task).is_err());
+    assert_eq!(system.friction_velocity, system.parameters.friction.velocity);
 }

@@ -292,32 +292,3 @@ pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSum
         load >= NO_FORCE && (one_way && mean > limit || before && mean > STILL_SLIPPING * limit)
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::pulley::Pulley;
-    use crate::variator::Variator;
-    use crate::variator::settings::{Inputs, Mesh, Parameters};
-
-    /// A sheave tilts by its clearance, and beyond that by a moment whose lever is shorter than the running radius.
-    #[test]
-    fn a_tilt_is_that_of_the_axial_force() {
-        let parameters = Parameters {
-            mesh: Mesh {
-                primary_arc: 8,
-                secondary_arc: 8,
-                strand: 4,
-                cells_per_element: 2,
-            },
-            ..Parameters::default()
-        };
-        let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
-        variator.initialise(0.0, &Inputs::default()).expect("a steady state");
-        let outputs = variator.outputs();
-        for (pulley, of) in Pulley::BOTH.into_iter().zip([outputs.secondary, outputs.primary]) {
-            let law = &parameters.pulley(pulley).tilt;
-            let range = law.clearance..law.clearance + of.axial_force * of.radius / law.stiffness;
-            assert!(range.contains(&of.tilt), "{} {range:?}", of.tilt);
-        }
-    }
-}
