@@ -121,13 +121,7 @@ impl<'a> Archive<'a> {
             && bytes.try_reserve(8 * values.len()).is_ok()
         {
             // All at once: a run stores its state at each communication step.
-            let start = bytes.len();
-            bytes.resize(start + 8 * values.len(), 0);
-            let words = bytes[start..].as_chunks_mut().0;
-            words
-                .iter_mut()
-                .zip(values)
-                .for_each(|(word, value)| *word = value.to_le_bytes());
+            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
             return;
         }
         for value in values {

@@ -206,7 +206,7 @@ impl ArrowLu {
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
-        // Then it is the vector's own order.
+        // A permutation that rises is that of the vector itself.
         if self.order.is_sorted() {
             return for_size!(self, solve_sized(x));
         }
