@@ -11,14 +11,19 @@ use crate::variator::settings::signals::Inputs;
 
 /// Whole communication steps.
 impl Variator {
-    /// Advances to time `to` with inputs that are held, after the ramp of `inputs.ramp`. After an error it is in the state of before.
+    /// Advances to time `to` with inputs that are held, after the ramp of `inputs.ramp`.
+    ///
+    /// # Errors
+    /// As [`Variator::advance_along`].
     pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
         self.advance_along(to, inputs, &Inputs::ZERO)
     }
 
     /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call. After an error the variator is
-    /// in the state of before.
+    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
+    ///
+    /// # Errors
+    /// An input that is out of its range, or a step that can't be done. The variator is then in the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {

@@ -53,18 +53,27 @@ pub struct Variator {
 
 impl Variator {
     /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet initialised.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let ring = parameters.ring_of_model();
         Self::with_ring(parameters, ring)
     }
 
-    /// Checks parameters of a variator with this ring: returns the first that is out of its range or does not fit the ring.
+    /// Checks parameters of a variator with this ring.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range or does not fit the ring.
     pub fn check(parameters: &Parameters, ring: &dyn BeltRing) -> Result<(), ParameterError> {
         parameters.validate()?;
         ring.check(parameters)
     }
 
     /// A variator with these parameters and this ring, not yet initialised.
+    ///
+    /// # Errors
+    /// As [`Variator::check`].
     pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
         Self::check(&parameters, &*ring)?;
         let simulation = Simulation::new(&parameters, ring);
@@ -87,6 +96,9 @@ impl Variator {
 
     /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it
     /// and the reason.
+    ///
+    /// # Errors
+    /// An input that is out of its range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         self.slipped = f64::NEG_INFINITY;
@@ -250,7 +262,10 @@ impl Variator {
         self.simulation.start_work
     }
 
-    /// Changes the two tunable friction coefficients; neither if one is out of its range.
+    /// Changes the two tunable friction coefficients.
+    ///
+    /// # Errors
+    /// A coefficient that is out of its range; nothing was changed.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
         let of = &mut self.simulation;
         let mut changed = of.system.parameters.clone();

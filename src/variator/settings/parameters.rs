@@ -74,6 +74,7 @@ pub struct Mesh {
 
 impl Mesh {
     /// Every element divided by `factor`.
+    #[must_use]
     pub fn refined(&self, factor: i32) -> Self {
         let [primary_arc, secondary_arc, strand] =
             [self.primary_arc, self.secondary_arc, self.strand].map(|elements| factor * elements);
@@ -141,6 +142,7 @@ impl Parameters {
 
     /// The parameters that the laws use. A pull chain has no stack, no layers and no ring that slides on elements; its contact
     /// is at its centre line, and its whole mass is that of the ring.
+    #[must_use]
     pub fn in_force(&self) -> Self {
         let mut of = self.clone();
         if self.is_chain() {

@@ -81,6 +81,7 @@ impl Inputs {
     }
 
     /// The inputs after a time, s, in which they change at `rates`.
+    #[must_use]
     pub fn after(mut self, time: f64, rates: &Self) -> Self {
         for (value, rate) in self.each_mut().into_iter().zip(rates.values()) {
             *value += time * rate;
