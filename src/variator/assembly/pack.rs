@@ -298,7 +298,9 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
     let mut strips = Vec::new();
     let mut row = 0;
     while let Some(at) = rows.get(row) {
-        let is_wide = (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
+        // The content has no strip, so a wide one doesn't begin with it.
+        let is_wide =
+            row != degrees.content && (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
         if row != degrees.content {
             let at = at.clone();
             strips.push(Strip { row, is_wide, at });
