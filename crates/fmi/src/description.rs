@@ -5,8 +5,8 @@
 //! value reference of its first element. Its size is fixed: FMI 2.0 names each element.
 
 use super::hash;
+use super::instance::{TIME, Version};
 use super::log::Category;
-use super::slave::{TIME, Version};
 use super::table::{Causality, Enumeration, Kind, Table, UnitDefinition, Value, Variable};
 use super::unit::{Identity, Unit};
 use super::xml::{Element, Number};

@@ -1,7 +1,7 @@
 //! FMI 2.0 and FMI 3.0 for co-simulation around any model: C functions, state machine, variable table, stored states, log,
 //! model description.
 //!
-//! A model implements [`Unit`]: settings that the master writes (parameters and inputs), readings that it reads, a start and a
+//! A model implements [`Unit`]: settings that the importer writes (parameters and inputs), readings that it reads, a start and a
 //! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
 //! table. [`export!`] exports the C functions; `examples/lag.rs` is a whole FMU.
 //!
@@ -23,6 +23,8 @@ pub mod fmi3;
 #[forbid(unsafe_code)]
 pub mod hash;
 #[forbid(unsafe_code)]
+mod instance;
+#[forbid(unsafe_code)]
 pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
@@ -30,8 +32,6 @@ mod processor;
 pub mod resources;
 #[forbid(unsafe_code)]
 pub mod si;
-#[forbid(unsafe_code)]
-mod slave;
 #[forbid(unsafe_code)]
 pub mod start_file;
 #[forbid(unsafe_code)]
@@ -51,8 +51,8 @@ pub mod prelude {
 }
 
 pub use description::{model_description, token};
+pub use instance::Version;
 pub use pushbelt_archive::Archive;
-pub use slave::Version;
 pub use table::Table;
 pub use unit::Unit;
 

@@ -1,6 +1,6 @@
 //! Messages to the importer.
 
-use crate::slave::Version;
+use crate::instance::Version;
 
 /// Status of a call, numbered as in the standard; the others, of lost instances and pending calls, are never returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

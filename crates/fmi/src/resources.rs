@@ -40,7 +40,7 @@ pub(crate) fn places(location: &str) -> Result<Vec<PathBuf>, String> {
 }
 
 /// The resources of the archive that a library was unpacked with: it is in the platform's folder in `binaries`.
-pub(crate) fn beside(library: &Path) -> Option<PathBuf> {
+pub(crate) fn resources_of(library: &Path) -> Option<PathBuf> {
     let binaries = library.parent()?.parent()?;
     let unpacked = binaries.file_name()?.eq_ignore_ascii_case("binaries");
     unpacked.then(|| binaries.with_file_name("resources"))
@@ -105,7 +105,7 @@ fn as_is_or_decoded(path: &str) -> [String; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::{beside, read};
+    use super::{read, resources_of};
     use std::path::Path;
 
     #[test]
@@ -154,9 +154,9 @@ mod tests {
 
     #[test]
     fn resources_are_beside_the_binaries() {
-        let found = beside(Path::new("/x/binaries/linux64/a.so"));
+        let found = resources_of(Path::new("/x/binaries/linux64/a.so"));
         assert_eq!(found.as_deref(), Some(Path::new("/x/resources")));
-        assert_eq!(beside(Path::new("/x/lib/linux64/a.so")), None);
-        assert_eq!(beside(Path::new("linux64/a.so")), None);
+        assert_eq!(resources_of(Path::new("/x/lib/linux64/a.so")), None);
+        assert_eq!(resources_of(Path::new("linux64/a.so")), None);
     }
 }

@@ -84,13 +84,13 @@ pub enum Causality {
 }
 
 impl Causality {
-    /// Whether the master writes the variable (and the unit only reads it).
+    /// Whether the importer writes the variable (and the unit only reads it).
     pub fn is_setting(self) -> bool {
         matches!(self, Self::Parameter | Self::Tunable | Self::Input)
     }
 }
 
-/// The field of a value: in the settings `S`, which the master writes, or in the readings `R`, which the unit writes.
+/// The field of a value: in the settings `S`, which the importer writes, or in the readings `R`, which the unit writes.
 pub enum Access<S, R, T> {
     /// A field of the settings.
     Setting {
@@ -434,7 +434,7 @@ pub struct Table<S, R> {
     by_reference: BTreeMap<u32, usize>,
 }
 
-/// A calculated variable, and the settings on which it depends in initialisation mode, by their names. A master that couples units
+/// A calculated variable, and the settings on which it depends in initialisation mode, by their names. An importer that couples units
 /// sorts by these: with fewer of them it finds fewer loops.
 pub type InitialDependencies = (&'static str, &'static [&'static str]);
 

@@ -4,14 +4,14 @@ use super::table::Table;
 use pushbelt_archive::Archive;
 use std::path::Path;
 
-/// What the master sets for the run before it starts.
+/// What the importer sets for the run before it starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
-    /// Relative tolerance, if the master prescribes one.
+    /// Relative tolerance, if the importer prescribes one.
     pub tolerance: Option<f64>,
-    /// Time of the master at the start, s. The unit counts its own time from there.
+    /// Time of the importer at the start, s. The unit counts its own time from there.
     pub start: f64,
-    /// Time beyond which the master does not step, if it is defined, s.
+    /// Time beyond which the importer does not step, if it is defined, s.
     pub stop: Option<f64>,
 }
 
@@ -158,7 +158,7 @@ pub trait Unit: Clone + Sized {
         self.time() >= to
     }
 
-    /// A description of an event since the communication step began, if there is one for the master to handle.
+    /// A description of an event since the communication step began, if there is one for the importer to handle.
     fn event(&self, _step: &Self::Step) -> Option<String> {
         None
     }

@@ -5,8 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
 use super::floating_point;
+use crate::instance::{CallError, FmuInstance, Outcome, refused};
 use crate::log::Status;
-use crate::slave::{CallError, Outcome, Slave, refused};
 use crate::unit::Unit;
 
 /// Error text for a result without a pointer.
@@ -21,15 +21,15 @@ pub(crate) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
 /// Makes the call of a C function on an instance; the entry of every C function. Without an instance the status is an error.
 ///
 /// # Safety
-/// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, and no other call is using it.
+/// `instance` is null or a `Box<FmuInstance<U>>` released by an `instantiate` function, and no other call is using it.
 pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     instance: *mut c_void,
     function: &str,
-    body: impl FnOnce(&mut Slave<U>) -> Result<T, CallError>,
+    body: impl FnOnce(&mut FmuInstance<U>) -> Result<T, CallError>,
 ) -> Status {
     let mut body = Some(body);
-    make(instance, function, &mut |slave| match body.take() {
-        Some(body) => body(slave).map(Into::into),
+    make(instance, function, &mut |instance| match body.take() {
+        Some(body) => body(instance).map(Into::into),
         None => Ok(Status::Error),
     })
 }
@@ -42,10 +42,10 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
 unsafe fn make<U: Unit>(
     instance: *mut c_void,
     function: &str,
-    body: &mut dyn FnMut(&mut Slave<U>) -> Result<Status, CallError>,
+    body: &mut dyn FnMut(&mut FmuInstance<U>) -> Result<Status, CallError>,
 ) -> Status {
-    contain(Status::Error, || match instance.cast::<Slave<U>>().as_mut() {
-        Some(slave) => slave.call(function, body),
+    contain(Status::Error, || match instance.cast::<FmuInstance<U>>().as_mut() {
+        Some(instance) => instance.call(function, body),
         None => Status::Error,
     })
 }
@@ -60,11 +60,11 @@ pub(crate) fn unsupported(why: &str) -> Outcome {
 /// # Safety
 /// As for [`array`]; each of the strings is null or ends with a zero.
 pub(crate) unsafe fn set_debug_logging<U: Unit>(
-    slave: &mut Slave<U>,
+    instance: &mut FmuInstance<U>,
     on: bool,
     categories: (*const *const c_char, usize),
 ) -> Outcome {
-    slave.set_debug_logging(on, array(categories)?.iter().map(|category| text(*category)))
+    instance.set_debug_logging(on, array(categories)?.iter().map(|category| text(*category)))
 }
 
 /// The address of as many elements; an error if they can't be there: null, misaligned, longer than an allocation can be.

@@ -1,7 +1,7 @@
 //! Common parts of the C functions of both versions.
 //!
 //! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
-//! and, after `=`, the body, or after `=>` the instance and the call on its slave. Before `=` a row says what its body does with an
+//! and, after `=`, the body, or after `=>` the instance and the call on it. Before `=` a row says what its body does with an
 //! instance: `creates`, `on c`, `free c`. A table passes its rows to another macro. `define!` makes a generic function of each row;
 //! `export_fmi2!` and `export!` make the exported functions for one unit, which call the generic ones.
 

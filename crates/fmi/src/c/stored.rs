@@ -7,7 +7,7 @@ use libc::c_void;
 use std::ptr;
 
 use super::entry::{NULL_RESULT, array, array_mut, result};
-use crate::slave::{CallError, Outcome, Slave, Snapshot, refused};
+use crate::instance::{CallError, FmuInstance, Outcome, Snapshot, refused};
 use crate::state::Call;
 use crate::unit::Unit;
 
@@ -15,9 +15,9 @@ use crate::unit::Unit;
 type Stored = *mut c_void;
 
 /// Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
-pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
+pub(crate) unsafe fn get<U: Unit>(instance: &mut FmuInstance<U>, state: *mut Stored) -> Outcome {
     let state = result(state)?;
-    let saved = slave.save()?;
+    let saved = instance.save()?;
     match state.cast::<Snapshot<U>>().as_mut() {
         Some(existing) => *existing = saved,
         None => *state = Box::into_raw(Box::new(saved)).cast(),
@@ -26,13 +26,13 @@ pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> O
 }
 
 /// Goes back to a stored state, which stays as it is.
-pub(crate) unsafe fn set<U: Unit>(slave: &mut Slave<U>, state: Stored) -> Outcome {
-    slave.restore(snapshot(state)?)
+pub(crate) unsafe fn set<U: Unit>(instance: &mut FmuInstance<U>, state: Stored) -> Outcome {
+    instance.restore(snapshot(state)?)
 }
 
 /// Frees a stored state and sets it to null; null is legal.
-pub(crate) unsafe fn free<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> Outcome {
-    slave.allow(Call::Always)?;
+pub(crate) unsafe fn free<U: Unit>(instance: &mut FmuInstance<U>, state: *mut Stored) -> Outcome {
+    instance.allow(Call::Always)?;
     if let Some(state) = state.as_mut()
         && !state.is_null()
     {
@@ -43,16 +43,20 @@ pub(crate) unsafe fn free<U: Unit>(slave: &mut Slave<U>, state: *mut Stored) -> 
 }
 
 /// Number of bytes of a stored state.
-pub(crate) unsafe fn size<U: Unit>(slave: &mut Slave<U>, state: Stored, size: *mut usize) -> Outcome {
+pub(crate) unsafe fn size<U: Unit>(instance: &mut FmuInstance<U>, state: Stored, size: *mut usize) -> Outcome {
     let (snapshot, size) = (snapshot(state)?, result(size)?);
-    *size = slave.serialize(snapshot)?.len();
+    *size = instance.serialize(snapshot)?.len();
     Ok(())
 }
 
 /// Writes a stored state as bytes, as many as [`size`] counts.
-pub(crate) unsafe fn serialize<U: Unit>(slave: &mut Slave<U>, state: Stored, bytes: (*mut u8, usize)) -> Outcome {
+pub(crate) unsafe fn serialize<U: Unit>(
+    instance: &mut FmuInstance<U>,
+    state: Stored,
+    bytes: (*mut u8, usize),
+) -> Outcome {
     let (snapshot, target) = (snapshot(state)?, array_mut(bytes)?);
-    let bytes = slave.serialize(snapshot)?;
+    let bytes = instance.serialize(snapshot)?;
     let (given, needed) = (target.len(), bytes.len());
     match target.get_mut(..needed) {
         Some(target) => target.copy_from_slice(&bytes),
@@ -63,7 +67,7 @@ pub(crate) unsafe fn serialize<U: Unit>(slave: &mut Slave<U>, state: Stored, byt
 
 /// Makes a stored state from bytes. The previous value of `*state` is not read: it is not freed.
 pub(crate) unsafe fn deserialize<U: Unit>(
-    slave: &mut Slave<U>,
+    instance: &mut FmuInstance<U>,
     bytes: (*const u8, usize),
     state: *mut Stored,
 ) -> Outcome {
@@ -71,7 +75,7 @@ pub(crate) unsafe fn deserialize<U: Unit>(
     if state.is_null() {
         return refused(NULL_RESULT);
     }
-    let snapshot = slave.deserialize(bytes)?;
+    let snapshot = instance.deserialize(bytes)?;
     state.write(Box::into_raw(Box::new(snapshot)).cast());
     Ok(())
 }

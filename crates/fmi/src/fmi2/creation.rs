@@ -5,9 +5,9 @@ use libc::{c_char, c_int, c_void};
 use super::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{c_string, create};
 use crate::c::floating_point::in_hosts;
+use crate::instance::{Importer, Version};
 use crate::log::{Sink, Status};
 use crate::processor;
-use crate::slave::{Master, Version};
 use crate::unit::Unit;
 
 /// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
@@ -48,11 +48,11 @@ pub(super) unsafe fn instantiate<U: Unit>(
         let functions = functions?;
         Some(sink(functions.logger?, functions.component_environment, instance))
     };
-    let master = |_: &dyn Fn(&str)| match fmu_type {
-        CO_SIMULATION => Ok(Master::default()),
+    let importer = |_: &dyn Fn(&str)| match fmu_type {
+        CO_SIMULATION => Ok(Importer::default()),
         _ => Err("this FMU is for co-simulation only".to_owned()),
     };
-    create::<U>(Version::Two, texts, debug, messages, master)
+    create::<U>(Version::Two, texts, debug, messages, importer)
 }
 
 /// `fmi2CoSimulation` of the standard's `fmi2Type`.

@@ -1,6 +1,6 @@
 //! The C functions of FMI 2.0 for co-simulation, for any unit.
 //!
-//! The functions convert raw pointers to references and slices; the module `slave` makes the calls.
+//! The functions convert raw pointers to references and slices; the module `instance` makes the calls.
 //! No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
 //!
 //! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time

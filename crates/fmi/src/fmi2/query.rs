@@ -8,8 +8,8 @@ use std::ptr;
 use super::Component;
 use crate::c::creation::c_string;
 use crate::c::entry::{contain, enter, result};
+use crate::instance::FmuInstance;
 use crate::log::Status;
-use crate::slave::Slave;
 use crate::unit::{Remark, Unit};
 
 /// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
@@ -25,9 +25,9 @@ pub unsafe fn query<U: Unit>(
     if !text.is_null() {
         text.write(ptr::null_mut());
     }
-    enter(c, function, |slave: &mut Slave<U>| {
+    enter(c, function, |instance: &mut FmuInstance<U>| {
         let text = result(text)?;
-        let (status, found) = slave.query(query)?;
+        let (status, found) = instance.query(query)?;
         *text = c_string(&found).into_raw();
         Ok(status)
     })

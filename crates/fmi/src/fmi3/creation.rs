@@ -9,9 +9,9 @@ use super::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Refe
 use crate::c::creation::{c_string, create};
 use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
+use crate::instance::{Importer, TIME, Version};
 use crate::log::{Category, Sink, Status};
 use crate::processor;
-use crate::slave::{Master, TIME, Version};
 use crate::table::Causality;
 use crate::unit::Unit;
 
@@ -48,10 +48,10 @@ pub(super) unsafe fn instantiate<U: Unit>(
 ) -> Instance {
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let [debug, events, early_return] = flags.map(|flag| flag != 0);
-    let master = |warn: &dyn Fn(&str)| {
+    let importer = |warn: &dyn Fn(&str)| {
         let required = array(required).map_err(|error| error.to_string())?;
         let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
-        Ok(Master {
+        Ok(Importer {
             version: Version::Three,
             events,
             early_return,
@@ -60,15 +60,15 @@ pub(super) unsafe fn instantiate<U: Unit>(
             intermediate,
         })
     };
-    create::<U>(Version::Three, texts, debug, messages, master)
+    create::<U>(Version::Three, texts, debug, messages, importer)
 }
 
-/// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
-/// them. The others are a warning: some masters name all outputs, and access is refused. Time can be read there in any case.
+/// Those of the required variables that the importer may set and read in intermediate update mode, and whether inputs are among
+/// them. The others are a warning: some importers name all outputs, and access is refused. Time can be read there in any case.
 fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
-    // A master may name a variable more than once.
+    // An importer may name a variable more than once.
     let named: BTreeSet<_> = required.iter().copied().filter(|one| *one != TIME).collect();
     for reference in named {
         let Some(variable) = table.by_reference(reference) else {

@@ -15,7 +15,7 @@ mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
 
-pub use crate::slave::{Environment, IntermediateUpdate};
+pub use crate::instance::{Environment, IntermediateUpdate};
 pub use functions::NAMES;
 pub use terminals::{Terminal, terminals_and_icons};
 

@@ -1,13 +1,13 @@
 //! Communication steps, with intermediate update mode.
 //!
-//! The master is called back between two borrows of the instance, never within one, because its callback calls functions on the
+//! The importer is called back between two borrows of the instance, never within one, because its callback calls functions on the
 //! same instance.
 
 use super::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
 use crate::c::floating_point::in_hosts;
+use crate::instance::{CallError, Ended, FmuInstance, Next, Update, refused};
 use crate::log::Status;
-use crate::slave::{CallError, Ended, Next, Slave, Update, refused};
 use crate::unit::Unit;
 
 /// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event or a requested return. `flags` are
@@ -23,13 +23,13 @@ pub(super) unsafe fn do_step<U: Unit>(
     last_successful_time: *mut f64,
 ) -> Status {
     let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
-    let mut ended = Ended::at(f64::NAN);
+    let mut ended = Ended::completed_at(f64::NAN);
     let status = contain(Status::Error, || {
-        let mut call = |body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
+        let mut call = |body: &dyn Fn(&mut FmuInstance<U>) -> Result<Next, CallError>| {
             let mut update = None;
-            let call = |slave: &mut Slave<U>| {
-                let next = body(slave);
-                ended = Ended::at(slave.time());
+            let call = |instance: &mut FmuInstance<U>| {
+                let next = body(instance);
+                ended = Ended::completed_at(instance.time());
                 match next? {
                     Next::Update(next) => update = Some(next),
                     Next::Ended(how) => ended = how,
@@ -39,13 +39,13 @@ pub(super) unsafe fn do_step<U: Unit>(
             // No reference to the instance exists during a callback.
             (enter(c, function, call), update)
         };
-        let mut now = call(&|slave| match writable {
-            true => slave.begin_step(current, step),
+        let mut now = call(&|instance| match writable {
+            true => instance.begin_step(current, step),
             false => refused(NULL_RESULT),
         });
         while let (_, Some(update)) = now {
             let until = call_back(&update);
-            now = call(&|slave| slave.resume_step(until));
+            now = call(&|instance| instance.resume_step(until));
         }
         now.0
     });
@@ -59,7 +59,7 @@ pub(super) unsafe fn do_step<U: Unit>(
     status
 }
 
-/// Calls the master back; the time at which the step is to end, if the master requests that, s.
+/// Calls the importer back; the time at which the step is to end, if the importer requests that, s.
 ///
 /// # Safety
 /// The callback can be called with its environment.

@@ -34,19 +34,19 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
             // What is not UTF-8 in a text is replaced.
             (name, Some(c"a\xffb"), "a\u{fffd}b is not that"),
         ] {
-            assert_refused(version, &Arguments::of([name, token, None]), why);
+            assert_refused(version, &Arguments::new([name, token, None]), why);
         }
-        let importer = Importer::with(version, &Arguments::of([name, Some(&right), None]));
+        let importer = Importer::with(version, &Arguments::new([name, Some(&right), None]));
         assert!(!importer.c.is_null() && importer.last().is_empty());
     }
     let [two, three] = BOTH.map(token::<Tank>);
-    let mut exchange = Arguments::of([name, Some(&two), None]);
+    let mut exchange = Arguments::new([name, Some(&two), None]);
     exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
-    let mut of_three = Arguments::of([name, Some(&three), None]);
+    let mut of_three = Arguments::new([name, Some(&three), None]);
     of_three.handles.2 = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
-    let blank = Arguments::of([Some(c" "), Some(&three), None]);
+    let blank = Arguments::new([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");
 }
 
@@ -60,9 +60,9 @@ fn a_text_without_end_is_refused() {
         for which in 0..3 {
             let mut texts = [Some(c"instance"), Some(&right), None];
             texts[which] = Some(&long);
-            assert_refused(version, &Arguments::of(texts), "a text has more than 1048576 bytes");
+            assert_refused(version, &Arguments::new(texts), "a text has more than 1048576 bytes");
         }
-        let importer = Importer::with(version, &Arguments::of([Some(longest), Some(&right), None]));
+        let importer = Importer::with(version, &Arguments::new([Some(longest), Some(&right), None]));
         assert!(!importer.c.is_null(), "{}", importer.last());
         importer.assert(importer.log(true, &[&long]), Error, "1048576 bytes");
         importer.assert(importer.log(true, &[c"logEvents", longest]), Error, "no log category");
@@ -90,7 +90,7 @@ impl Resources {
         let location = CString::new(location).expect("no zero inside");
         Importer::with(
             version,
-            &Arguments::of([Some(c"instance"), Some(token), Some(&location)]),
+            &Arguments::new([Some(c"instance"), Some(token), Some(&location)]),
         )
     }
 
@@ -162,7 +162,7 @@ fn an_unusable_file_is_an_error_that_names_it() {
 #[test]
 fn data_come_from_the_first_folder_that_has_them() {
     let token = token::<Tank>(Two);
-    let at = |location| Arguments::of([Some(c"instance"), Some(&*token), Some(location)]);
+    let at = |location| Arguments::new([Some(c"instance"), Some(&*token), Some(location)]);
     assert_refused(Two, &at(c"file:///a/none"), "there are no data");
     // It may be percent-encoded or not.
     assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
@@ -189,7 +189,7 @@ fn a_copy_with_start_values_needs_its_file() {
         importer.assert_logged(resources.0.to_str().expect("UTF-8"));
         let long = text(format!("file:///tmp/{}", "x".repeat(5000)));
         for (location, why) in [(c"", ""), (c"http://a/b", "is not a file: URI"), (&long, "")] {
-            let mut arguments = Arguments::of([Some(c"instance"), Some(&copy), Some(location)]);
+            let mut arguments = Arguments::new([Some(c"instance"), Some(&copy), Some(location)]);
             assert_refused(version, &arguments, "this copy of the FMU has start values of its own");
             let original = text(token.clone());
             (arguments.texts[1], arguments.debug) = (Some(&*original), true);
@@ -204,7 +204,7 @@ fn a_copy_with_start_values_needs_its_file() {
 fn errors_are_logged_always_and_the_rest_on_request() {
     for version in BOTH {
         let arguments = [Some(c"instance"), Some(&*token::<Tank>(version)), None];
-        let importer = Importer::with(version, &Arguments::of(arguments));
+        let importer = Importer::with(version, &Arguments::new(arguments));
         let taken = || std::mem::take(&mut *importer.record.messages.borrow_mut());
         // In FMI 2.0 warnings and discarded values are no debug messages.
         let quiet = version == Three;

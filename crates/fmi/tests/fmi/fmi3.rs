@@ -136,7 +136,7 @@ fn an_event_ends_a_step_that_may_end_early() {
 }
 
 #[test]
-fn a_master_reads_sets_and_returns_within_a_step() {
+fn an_importer_reads_sets_and_returns_within_a_step() {
     let importer = running_with(WATCHES);
     let alias = importer.alias();
     importer.answer(move |update| {

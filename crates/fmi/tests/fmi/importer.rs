@@ -147,7 +147,7 @@ pub struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
-    pub fn of(texts: [Option<&'a CStr>; 3]) -> Self {
+    pub fn new(texts: [Option<&'a CStr>; 3]) -> Self {
         Self {
             texts,
             debug: false,
@@ -256,7 +256,7 @@ impl<U: Unit> Importer<U> {
         let arguments = Arguments {
             debug: version == Three,
             handles,
-            ..Arguments::of([Some(c"instance"), Some(&token), None])
+            ..Arguments::new([Some(c"instance"), Some(&token), None])
         };
         let importer = Self::with(version, &arguments);
         assert!(!importer.c.is_null(), "{}", importer.last());

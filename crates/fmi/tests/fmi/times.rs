@@ -76,9 +76,9 @@ fn a_short_step_can_follow_a_long_one() {
     assert!((importer.real(LEVEL) - 1.0 - 2.0 * time).abs() < 1e-6);
 }
 
-/// A master with callback has its own times in the updates, in an early return and in messages.
+/// An importer with callback has its own times in the updates, in an early return and in messages.
 #[test]
-fn intermediate_updates_have_the_masters_times() {
+fn intermediate_updates_have_the_importers_times() {
     let importer = Importer::handling(Three, (false, true, &[LEVEL]));
     importer.start_at(TODAY);
     importer.assert_logged("start at 1700000000 s");

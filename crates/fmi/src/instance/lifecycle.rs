@@ -1,8 +1,8 @@
 //! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored states.
 
 use super::bytes;
+use super::calls::FmuInstance;
 use super::clock::Clock;
-use super::instance::Slave;
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::log::Category;
@@ -10,7 +10,7 @@ use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::{Archive, Mismatch};
 
-impl<U: Unit> Slave<U> {
+impl<U: Unit> FmuInstance<U> {
     /// Chooses the logged categories by their names; without any, all.
     pub fn set_debug_logging(
         &mut self,
@@ -45,11 +45,11 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Leaves initialisation mode, for event mode if the master handles events.
+    /// Leaves initialisation mode, for event mode if the importer handles events.
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
-        self.now.state = match self.master.events {
+        self.now.state = match self.importer.events {
             true => State::Event,
             false => State::StepComplete,
         };
@@ -58,7 +58,7 @@ impl<U: Unit> Slave<U> {
 
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.allow(Call::EnterEventMode)?;
-        if !self.master.events {
+        if !self.importer.events {
             return refused("the instance was created without event mode (eventModeUsed)");
         }
         self.now.state = State::Event;
@@ -84,8 +84,8 @@ impl<U: Unit> Slave<U> {
         let stop = self.now.experiment.stop;
         self.now = snapshot.clone();
         self.now.experiment.stop = stop;
-        // The state may come from an instance whose master handles events.
-        if self.now.state == State::Event && !self.master.events {
+        // The state may come from an instance whose importer handles events.
+        if self.now.state == State::Event && !self.importer.events {
             self.now.state = State::StepComplete;
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! Derivatives of inputs and outputs with respect to time.
 
-use super::instance::Slave;
+use super::calls::FmuInstance;
 use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
 use super::{Outcome, refused};
@@ -8,7 +8,7 @@ use crate::state::Call;
 use crate::table::{Causality, Value, Variable, not_finite};
 use crate::unit::Unit;
 
-impl<U: Unit> Slave<U> {
+impl<U: Unit> FmuInstance<U> {
     /// Sets derivatives of inputs, in FMI 2.0: the inputs change in proportion to time during the next step, and are held
     /// after it. Either all derivatives are set or none.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {

@@ -30,9 +30,9 @@ pub type Environment = *mut c_void;
 /// step is accepted, whether an early return may be requested; results: whether it is requested, and for which time.
 pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
-/// Capabilities of a master. The default is a master of FMI 2.0.
+/// Capabilities of an importer. The default is an importer of FMI 2.0.
 #[derive(Clone, Debug, Default)]
-pub struct Master {
+pub struct Importer {
     /// Version of the standard.
     pub version: Version,
     /// Whether it handles events: `eventModeUsed`.
@@ -61,10 +61,10 @@ pub(super) struct StepInProgress<U: Unit> {
 }
 
 /// An instance of a unit.
-pub struct Slave<U: Unit> {
+pub struct FmuInstance<U: Unit> {
     pub(super) table: Table<U::Settings, U::Readings>,
     pub(super) log: Log,
-    pub(super) master: Master,
+    pub(super) importer: Importer,
     /// The start values of a new or reset instance.
     pub(super) start: U::Settings,
     /// Computed once: it is a hash of the whole description.
@@ -75,12 +75,12 @@ pub struct Slave<U: Unit> {
     pub(super) now: Snapshot<U>,
 }
 
-impl<U: Unit> Slave<U> {
-    pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
+impl<U: Unit> FmuInstance<U> {
+    pub fn new(importer: Importer, log: Log, start: U::Settings) -> Self {
         Self {
             table: U::table(),
             log,
-            master,
+            importer,
             start: start.clone(),
             guid: OnceCell::new(),
             step: None,
@@ -97,7 +97,7 @@ impl<U: Unit> Slave<U> {
     /// time of the unit.
     pub fn time(&self) -> f64 {
         match &self.now.unit {
-            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.of_master(unit.time()),
+            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.importer_time(unit.time()),
             Some(_) => self.now.clock.point,
             None => self.now.experiment.start,
         }
@@ -106,7 +106,7 @@ impl<U: Unit> Slave<U> {
     pub(crate) fn allow(&self, call: Call) -> Outcome {
         let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
-        let early = call == Call::Get && state == State::Instantiated && self.master.version == Version::Three;
+        let early = call == Call::Get && state == State::Instantiated && self.importer.version == Version::Three;
         if early || call.allowed_in(state) {
             return Ok(());
         }

@@ -1,22 +1,22 @@
 //! One instance: its calls, for both versions of the standard.
 //!
 //! A call is [done](crate::log::Status), or it ends with a [`CallError`]: *refused* (wrong state, unknown value reference, not
-//! supported), and nothing has changed; *failed* (no initial state, a panic), and only [`Slave::reset`], a stored state or the
-//! end of the instance follow; *discarded* (a value out of range, a step that was not completed): all is as before, and the master decides.
+//! supported), and nothing has changed; *failed* (no initial state, a panic), and only [`FmuInstance::reset`], a stored state or the
+//! end of the instance follow; *discarded* (a value out of range, a step that was not completed): all is as before, and the importer decides.
 //!
-//! Methods have the names of the C functions; a call that only changes the state is `enter`. [`Slave::call`] makes a call: it logs
+//! Methods have the names of the C functions; a call that only changes the state is `enter`. [`FmuInstance::call`] makes a call: it logs
 //! errors and contains panics.
 
 mod bytes;
+mod calls;
 mod clock;
 mod derivatives;
-mod instance;
 mod lifecycle;
 mod snapshot;
 mod steps;
 mod values;
 
-pub use instance::{Environment, IntermediateUpdate, Master, Slave, Version};
+pub use calls::{Environment, FmuInstance, Importer, IntermediateUpdate, Version};
 pub use snapshot::Snapshot;
 pub use steps::{Ended, Next, Update};
 pub(crate) use values::TIME;
@@ -30,7 +30,7 @@ pub enum CallError {
     Refused(String),
     /// The instance needs a reset or a stored state.
     Failed(String),
-    /// A value was not set, or a step was completed in part only. The master may continue.
+    /// A value was not set, or a step was completed in part only. The importer may continue.
     Discarded(String),
 }
 

@@ -6,7 +6,7 @@ use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::Archive;
 
-/// The whole dynamic state of an instance: [`Slave::save`](super::Slave::save) copies it, [`Slave::restore`](super::Slave::restore)
+/// The whole dynamic state of an instance: [`FmuInstance::save`](super::FmuInstance::save) copies it, [`FmuInstance::restore`](super::FmuInstance::restore)
 /// goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {

@@ -2,7 +2,7 @@
 
 use num_traits::{NumCast, ToPrimitive};
 
-use super::instance::{Slave, Version};
+use super::calls::{FmuInstance, Version};
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::state::{Call, State};
@@ -39,7 +39,7 @@ impl Type {
     }
 }
 
-impl<U: Unit> Slave<U> {
+impl<U: Unit> FmuInstance<U> {
     /// Reads or writes variables of a type that no variable has.
     pub fn no_such_type(&mut self, call: Call, references: &[u32], type_name: &str) -> Outcome {
         self.allow(call)?;
@@ -51,7 +51,7 @@ impl<U: Unit> Slave<U> {
 
     /// In intermediate update mode, refuses variables that were not announced for it.
     pub(super) fn allow_intermediate(&self, references: &[u32]) -> Outcome {
-        let announced = |reference: &u32| *reference == TIME || self.master.intermediate.contains(reference);
+        let announced = |reference: &u32| *reference == TIME || self.importer.intermediate.contains(reference);
         match references.iter().find(|reference| !announced(reference)) {
             Some(other) if self.now.state == State::IntermediateUpdate => refused(format!(
                 "in intermediate update mode, and the value reference {other} is not among the required intermediate \
@@ -66,7 +66,7 @@ impl<U: Unit> Slave<U> {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
         self.allow(Call::Get)?;
-        let version = self.master.version;
+        let version = self.importer.version;
         let time = (of == Type::Real && version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
         for &reference in references.iter().filter(|one| **one != TIME || time.is_none()) {
@@ -85,7 +85,7 @@ impl<U: Unit> Slave<U> {
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
-        for (reference, value) in each(version, &self.table, references).zip(values) {
+        for (reference, value) in value_references(version, &self.table, references).zip(values) {
             let found = match time {
                 Some(_) if reference == TIME => time,
                 _ => find(&self.table, reference, of)?.value(settings, readings),
@@ -107,7 +107,7 @@ impl<U: Unit> Slave<U> {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         let mut settings = self.now.settings.clone();
-        for (reference, value) in each(self.master.version, &self.table, references).zip(values) {
+        for (reference, value) in value_references(self.importer.version, &self.table, references).zip(values) {
             let value = match of {
                 Type::Real => Value::Real(value.to_f64().unwrap_or(f64::NAN)),
                 _ => Value::Integer(value.to_i64().unwrap_or(i64::MAX)),
@@ -146,7 +146,7 @@ impl<U: Unit> Slave<U> {
             .iter()
             .filter_map(|one| Some((*one, self.table.array_of(*one)?)));
         if let Some((element, array)) = arrays.find(|(one, array)| *one != array.first)
-            && self.master.version == Version::Three
+            && self.importer.version == Version::Three
         {
             return refused(format!(
                 "the value reference {element} is that of an element of {}: use the array, value reference {}",
@@ -156,13 +156,13 @@ impl<U: Unit> Slave<U> {
         check_count(
             references.len(),
             values,
-            each(self.master.version, &self.table, references).count(),
+            value_references(self.importer.version, &self.table, references).count(),
         )
     }
 }
 
 /// The value reference of each value: in FMI 3.0 those of an array's elements for that of the array.
-fn each<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
+fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
     references
         .iter()
         .flat_map(move |&reference| match table.array_of(reference) {

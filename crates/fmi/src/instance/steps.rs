@@ -1,6 +1,6 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
-use super::instance::{Environment, IntermediateUpdate, Slave, StepInProgress};
+use super::calls::{Environment, FmuInstance, IntermediateUpdate, StepInProgress};
 use super::{CallError, Outcome, refused};
 use crate::log::{Category, Status};
 use crate::state::{Call, State};
@@ -8,12 +8,12 @@ use crate::unit::Unit;
 
 /// How a communication step goes on.
 pub enum Next {
-    /// The master is called back, in intermediate update mode.
+    /// The importer is called back, in intermediate update mode.
     Update(Update),
     Ended(Ended),
 }
 
-/// The callback of the master and its arguments.
+/// The callback of the importer and its arguments.
 pub struct Update {
     pub callback: (IntermediateUpdate, Environment),
     /// Time of the unit, s.
@@ -22,7 +22,7 @@ pub struct Update {
     pub can_return_early: bool,
 }
 
-/// How a communication step ended: whether by an event, whether before the end that the master had set, and at which time, s.
+/// How a communication step ended: whether by an event, whether before the end that the importer had set, and at which time, s.
 pub struct Ended {
     pub event: bool,
     pub early: bool,
@@ -31,7 +31,7 @@ pub struct Ended {
 
 impl Ended {
     /// Neither early nor by an event, at a time, s.
-    pub fn at(time: f64) -> Self {
+    pub fn completed_at(time: f64) -> Self {
         Self {
             event: false,
             early: false,
@@ -40,8 +40,8 @@ impl Ended {
     }
 }
 
-impl<U: Unit> Slave<U> {
-    /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or until the master is to be called back.
+impl<U: Unit> FmuInstance<U> {
+    /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or until the importer is to be called back.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
         let now = &mut self.now;
@@ -54,7 +54,7 @@ impl<U: Unit> Slave<U> {
         if !end.is_after(unit.time()) {
             // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
             (now.clock, now.rates, now.state) = (end, None, State::StepComplete);
-            return Ok(Next::Ended(Ended::at(end.point)));
+            return Ok(Next::Ended(Ended::completed_at(end.point)));
         }
         // A longer previous step may have ended on a coarser grid, just ahead of this time.
         let to = end.on_grid(step).max(unit.time());
@@ -72,7 +72,7 @@ impl<U: Unit> Slave<U> {
         self.go_on(false)
     }
 
-    /// Goes on after the master's callback, which may request that the step ends at a time, s.
+    /// Goes on after the importer's callback, which may request that the step ends at a time, s.
     pub fn resume_step(&mut self, until: Option<f64>) -> Result<Next, CallError> {
         let (State::IntermediateUpdate, Some(unit), Some(step)) = (self.now.state, &mut self.now.unit, &mut self.step)
         else {
@@ -80,12 +80,12 @@ impl<U: Unit> Slave<U> {
         };
         self.now.state = State::StepComplete;
         if let Some(until) = until {
-            step.end_at(unit, self.now.clock.of_unit(until));
+            step.end_at(unit, self.now.clock.unit_time(until));
         }
         self.go_on(true)
     }
 
-    /// Internal steps until the end of the communication step, an event after one of them, or the master's callback. `stepped`: whether one
+    /// Internal steps until the end of the communication step, an event after one of them, or the importer's callback. `stepped`: whether one
     /// has just been done.
     fn go_on(&mut self, mut stepped: bool) -> Result<Next, CallError> {
         loop {
@@ -93,7 +93,7 @@ impl<U: Unit> Slave<U> {
                 return refused("no communication step is in progress");
             };
             let mut over = unit.is_over(step.to, &step.step);
-            let watched = stepped && self.master.events && (over || self.master.early_return);
+            let watched = stepped && self.importer.events && (over || self.importer.early_return);
             let event = watched.then(|| unit.event(&step.step)).flatten();
             if over || event.is_some() {
                 return self.end_step(event);
@@ -101,19 +101,19 @@ impl<U: Unit> Slave<U> {
             let mut remarks = Vec::new();
             let advanced = unit.advance(step.to, &mut step.step, &self.now.settings, &mut remarks);
             (over, stepped) = (unit.is_over(step.to, &step.step), true);
-            let time = self.now.clock.of_master(unit.time());
+            let time = self.now.clock.importer_time(unit.time());
             self.log_remarks(&remarks);
             if let Err(text) = advanced {
                 self.now.rates = self.step.take().and_then(|step| step.rates);
                 return self.fail_step(&text);
             }
-            if let Some(callback) = self.master.update {
+            if let Some(callback) = self.importer.update {
                 self.now.state = State::IntermediateUpdate;
                 return Ok(Next::Update(Update {
                     callback,
                     time,
-                    inputs_may_be_set: self.master.sets_inputs && !over,
-                    can_return_early: self.master.early_return && !over,
+                    inputs_may_be_set: self.importer.sets_inputs && !over,
+                    can_return_early: self.importer.early_return && !over,
                 }));
             }
         }
