@@ -12,7 +12,7 @@ use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
-use pushbelt_fmi::unit::{Experiment, Identity, Remark, Unit};
+use pushbelt_fmi::unit::{Experiment, Identity, Message, Unit};
 
 use crate::file::THRUST_RATIO;
 use crate::law::{Law, Point, State};
@@ -89,7 +89,7 @@ impl MapUnit {
     }
 
     /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
-    fn observe(&mut self, remarks: &mut Vec<Remark>) {
+    fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening(&self.inputs, point.closing, self.time);
         let opens = opens.filter(|_| !self.opened);
@@ -101,7 +101,7 @@ impl MapUnit {
             )
         });
         (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
-        remarks.extend([opens, outside].into_iter().flatten().map(Remark::warning));
+        remarks.extend([opens, outside].into_iter().flatten().map(Message::warning));
         self.readings = self.read(&point);
     }
 
@@ -209,7 +209,7 @@ impl Unit for MapUnit {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
         unit.initialise(remarks);
         unit.observe(remarks);
@@ -235,7 +235,7 @@ impl Unit for MapUnit {
         to: f64,
         inputs: &mut InputProfile,
         settings: &Settings,
-        remarks: &mut Vec<Remark>,
+        remarks: &mut Vec<Message>,
     ) -> Result<(), String> {
         let before = (self.state, self.time, self.inputs);
         self.law.parameters.friction.pulley = settings.parameters.friction.pulley;
@@ -265,15 +265,15 @@ impl Unit for MapUnit {
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
-        archive.within(primary, -LARGEST, LARGEST);
-        archive.within(secondary, -LARGEST, LARGEST);
+        archive.bounded_real(primary, -LARGEST, LARGEST);
+        archive.bounded_real(secondary, -LARGEST, LARGEST);
         let [least, most] = self.law.stops;
-        archive.within(&mut self.state.log_ratio, least, most);
+        archive.bounded_real(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
-        archive.within(&mut self.state.thrust_ratio, least, most);
+        archive.bounded_real(&mut self.state.thrust_ratio, least, most);
         for value in self.inputs.each_mut() {
-            archive.within(value, -LARGEST, LARGEST);
+            archive.bounded_real(value, -LARGEST, LARGEST);
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);

@@ -140,8 +140,8 @@ impl VariatorSystem {
         self.loads.serialize(archive);
         archive.real(&mut self.friction_velocity);
         let friction = &mut self.parameters.friction;
-        archive.within(&mut friction.pulley, 0.0, 1.0);
-        archive.within(&mut friction.ring, 0.0, 1.0);
+        archive.bounded_real(&mut friction.pulley, 0.0, 1.0);
+        archive.bounded_real(&mut friction.ring, 0.0, 1.0);
     }
 
     /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.

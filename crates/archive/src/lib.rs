@@ -96,16 +96,16 @@ impl<'a> Archive<'a> {
 
     /// A real number. One that is read and not finite is rejected.
     pub fn real(&mut self, value: &mut f64) {
-        self.within(value, f64::MIN, f64::MAX);
+        self.bounded_real(value, f64::MIN, f64::MAX);
     }
 
     /// Any real number: a marker, or one that is not in use.
-    pub fn any(&mut self, value: &mut f64) {
+    pub fn any_real(&mut self, value: &mut f64) {
         *value = f64::from_le_bytes(self.word(value.to_le_bytes()));
     }
 
     /// A real number between limits, which may be infinite. One that is read and not between them is rejected.
-    pub fn within(&mut self, value: &mut f64, min: f64, max: f64) {
+    pub fn bounded_real(&mut self, value: &mut f64, min: f64, max: f64) {
         let found = f64::from_le_bytes(self.word(value.to_le_bytes()));
         if (min..=max).contains(&found) {
             *value = found;
@@ -242,7 +242,7 @@ mod tests {
             let mut found = 7.0;
             match limits {
                 None => archive.real(&mut found),
-                Some([min, max]) => archive.within(&mut found, min, max),
+                Some([min, max]) => archive.bounded_real(&mut found, min, max),
             }
             archive.finish().map(|()| found)
         };

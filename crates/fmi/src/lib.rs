@@ -46,7 +46,7 @@ mod xml;
 /// What the file of a unit imports.
 pub mod prelude {
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
-    pub use crate::unit::{Experiment, Identity, Remark};
+    pub use crate::unit::{Experiment, Identity, Message};
     pub use crate::{Archive, Unit, Version, model_description, setting};
 }
 

@@ -176,7 +176,7 @@ impl Range {
 
     /// The same limits with a typical size.
     #[must_use]
-    pub const fn of_size(mut self, nominal: f64) -> Self {
+    pub const fn with_nominal(mut self, nominal: f64) -> Self {
         self.nominal = Some(nominal);
         self
     }
@@ -308,7 +308,7 @@ impl<S, R> Variable<S, R> {
 
     /// The same with other limits, if it is real.
     #[must_use]
-    pub fn within(mut self, limits: Range) -> Self {
+    pub fn with_range(mut self, limits: Range) -> Self {
         if let Kind::Real { range, .. } = &mut self.kind {
             *range = limits;
         }

@@ -236,8 +236,8 @@ impl Newton {
             archive.counter(&mut self.jacobians);
             archive.reals(&mut self.residual);
         }
-        archive.within(&mut self.bound.left, f64::MIN, f64::INFINITY);
-        archive.within(&mut self.alpha, 0.0, f64::INFINITY);
+        archive.bounded_real(&mut self.bound.left, f64::MIN, f64::INFINITY);
+        archive.bounded_real(&mut self.alpha, 0.0, f64::INFINITY);
         if self.alpha.is_finite() {
             self.factors.serialize(archive);
         }

@@ -116,9 +116,9 @@ impl Sdirk {
     /// Writes to an archive, or reads from it, all that later steps depend on.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
-        archive.within(&mut self.step, 0.0, f64::MAX);
+        archive.bounded_real(&mut self.step, 0.0, f64::MAX);
         archive.option(&mut self.last_step);
-        archive.within(&mut self.error, 0.0, 1.0);
+        archive.bounded_real(&mut self.error, 0.0, 1.0);
         archive.reals(&mut self.slope);
         if self.last_step.is_some() {
             for stage in &mut self.stages {

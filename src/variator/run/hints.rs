@@ -61,7 +61,7 @@ impl Hints {
             archive.flag(said);
         }
         for time in [&mut self.doubtful_since, &mut self.buckled] {
-            archive.within(time, f64::NEG_INFINITY, f64::INFINITY);
+            archive.bounded_real(time, f64::NEG_INFINITY, f64::INFINITY);
         }
     }
 }

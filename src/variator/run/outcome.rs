@@ -1,17 +1,8 @@
-//! What a run reports: remarks, errors, events, outputs around a moment.
+//! What a run reports beside messages: errors, events, outputs around a moment.
 
 use crate::pulley::Pulley;
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::settings::ParameterError;
-
-/// A remark for the user's log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    /// Whether the user should act on it.
-    pub warning: bool,
-    /// Text of the remark, one sentence.
-    pub text: String,
-}
 
 /// Why a variator could not be initialised.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -121,7 +121,7 @@ impl RealTime {
         self.waiting.serialize(archive);
         self.inputs.serialize(archive);
         archive.real(&mut self.reached);
-        archive.within(&mut self.share, REAL_TIME.shortest, 1.0);
+        archive.bounded_real(&mut self.share, REAL_TIME.shortest, 1.0);
         archive.option(&mut self.open);
     }
 }

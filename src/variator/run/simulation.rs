@@ -1,6 +1,7 @@
 //! Equations and state of a run: what a stepper advances.
 
 use crate::archive::Archive;
+use crate::fmi::unit::Message;
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
@@ -10,7 +11,6 @@ use crate::variator::diagnostics::energy_balance::{EnergyBalance, Problem};
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::outcome::Message;
 use crate::variator::run::tuning::{RAMP, RAMP_PARTS, RAMP_VELOCITY};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
@@ -61,7 +61,7 @@ impl Simulation {
         self.system.serialize(archive);
         archive.real(&mut self.time);
         self.energy.serialize(archive);
-        archive.within(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
+        archive.bounded_real(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
     }
 
     /// Equations and state for the solver.

@@ -1,6 +1,7 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
 use crate::archive::Archive;
+use crate::fmi::unit::Message;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
@@ -9,7 +10,7 @@ use crate::variator::diagnostics::energy_balance::EnergyBalance;
 use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::hints::Hints;
-use crate::variator::run::outcome::{Event, InitialisationError, Message};
+use crate::variator::run::outcome::{Event, InitialisationError};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
@@ -183,7 +184,7 @@ impl Variator {
     /// The same without what the solver reuses from step to step.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
-        archive.within(&mut self.slipped, f64::NEG_INFINITY, f64::MAX);
+        archive.bounded_real(&mut self.slipped, f64::NEG_INFINITY, f64::MAX);
         let work = &mut self.work;
         for count in [
             &mut work.steps,

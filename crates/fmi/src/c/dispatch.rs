@@ -20,7 +20,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::entry::contain;
 use super::library::{self, Library};
 use crate::hash;
-use crate::unit::Remark;
+use crate::unit::Message;
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
@@ -29,21 +29,21 @@ const SWITCH: &str = "PUSHBELT_AVX2";
 const HANDSHAKE: &str = "pushbeltVariant";
 
 /// Why the library of a portable build runs.
-static REMARK: Mutex<Option<Remark>> = Mutex::new(None);
+static REMARK: Mutex<Option<Message>> = Mutex::new(None);
 
-fn remark_now() -> MutexGuard<'static, Option<Remark>> {
+fn remark_now() -> MutexGuard<'static, Option<Message>> {
     REMARK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the log of a new instance has about the choice of the library.
-pub(crate) fn remark() -> Option<Remark> {
+pub(crate) fn remark() -> Option<Message> {
     remark_now().clone()
 }
 
 /// Another library opens this one as its variant.
 pub fn handshake() {
     let (warning, text) = (false, "the library for processors with AVX2 runs".to_owned());
-    *remark_now() = Some(Remark { warning, text });
+    *remark_now() = Some(Message { warning, text });
 }
 
 /// Instances of this library, and those that it has forwarded.
@@ -124,7 +124,7 @@ fn choose(hash: &str) -> Option<Library> {
     }
     let found = open(hash, forwarded).map_err(|why| {
         let text = format!("the slower library for all processors runs: {why}");
-        *remark_now() = Some(Remark::warning(text));
+        *remark_now() = Some(Message::warning(text));
     });
     found.ok()
 }

@@ -10,7 +10,7 @@ use crate::c::creation::c_string;
 use crate::c::entry::{contain, enter, result};
 use crate::instance::FmuInstance;
 use crate::log::Status;
-use crate::unit::{Remark, Unit};
+use crate::unit::{Message, Unit};
 
 /// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
 ///
@@ -20,7 +20,7 @@ pub unsafe fn query<U: Unit>(
     c: Component,
     function: &'static str,
     text: *mut *mut c_char,
-    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
 ) -> Status {
     if !text.is_null() {
         text.write(ptr::null_mut());

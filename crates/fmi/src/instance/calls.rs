@@ -11,7 +11,7 @@ use crate::description;
 use crate::log::{Category, Log, Status};
 use crate::state::{Call, State};
 use crate::table::Table;
-use crate::unit::{Remark, Unit};
+use crate::unit::{Message, Unit};
 
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,7 +129,7 @@ impl<U: Unit> FmuInstance<U> {
     /// them the status is a warning.
     pub fn query(
         &mut self,
-        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
     ) -> Result<(Status, String), CallError> {
         self.allow(Call::Get)?;
         if self.now.state == State::Initialisation {
@@ -146,7 +146,7 @@ impl<U: Unit> FmuInstance<U> {
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    pub(crate) fn log_remarks(&self, remarks: &[Remark]) {
+    pub(crate) fn log_remarks(&self, remarks: &[Message]) {
         for remark in remarks {
             let (status, category) = match remark.warning {
                 true => (Status::Warning, Category::Warning),

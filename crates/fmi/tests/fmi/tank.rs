@@ -111,7 +111,7 @@ impl Unit for Tank {
     fn table() -> Table<Valves, Gauges> {
         type Type = Kind<Valves, Gauges>;
         let real = |reference, name: &str, causality, access: Access<Valves, Gauges, f64>| {
-            Variable::real(reference, name, "", causality, "1", access).within(Range::from(-1e3))
+            Variable::real(reference, name, "", causality, "1", access).with_range(Range::from(-1e3))
         };
         let other = |reference, name: &str, causality, kind: Type| Variable {
             reference,
@@ -131,7 +131,7 @@ impl Unit for Tank {
         };
         let mut variables = vec![
             real(START, "start", Parameter, setting!(start)),
-            real(GAIN, "gain", Tunable, setting!(gain)).within(Range::between(-1e3, 10.0)),
+            real(GAIN, "gain", Tunable, setting!(gain)).with_range(Range::between(-1e3, 10.0)),
             real(INFLOW, "inflow", Input, setting!(inflow)),
             real(BRIM, "brim", Input, setting!(brim)),
             real(LEVEL, "level", Output, Access::Reading(|gauges| gauges.level)),
@@ -172,9 +172,9 @@ impl Unit for Tank {
         }
     }
 
-    fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         Self::check(valves)?;
-        remarks.push(Remark {
+        remarks.push(Message {
             warning: valves.start > 5.0,
             text: format!("filled to 100%s {}", valves.start),
         });
@@ -212,7 +212,7 @@ impl Unit for Tank {
         })
     }
 
-    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), String> {
+    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Message>) -> Result<(), String> {
         assert!(valves.inflow != BURST, "the tank burst");
         let to = to.min(self.time + LONGEST);
         let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
