@@ -58,17 +58,17 @@ impl Identity {
     }
 }
 
-/// A remark for the log.
+/// A message for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
     /// Whether the user should act on it.
     pub warning: bool,
-    /// The remark in one sentence.
+    /// The message in one sentence.
     pub text: String,
 }
 
 impl Message {
-    /// A remark on which the user should act.
+    /// A message on which the user should act.
     pub fn warning(text: String) -> Self {
         Self { warning: true, text }
     }
@@ -119,7 +119,7 @@ pub trait Unit: Clone + Sized {
     }
 
     /// Builds the model and finds its state at the start, the unit's time 0.
-    fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String>;
+    fn start(settings: &Self::Settings, experiment: &Experiment, messages: &mut Vec<Message>) -> Result<Self, String>;
 
     /// The present time since the start, s.
     fn time(&self) -> f64;
@@ -150,7 +150,7 @@ pub trait Unit: Clone + Sized {
         to: f64,
         step: &mut Self::Step,
         settings: &Self::Settings,
-        remarks: &mut Vec<Message>,
+        messages: &mut Vec<Message>,
     ) -> Result<(), String>;
 
     /// Whether the end of the communication step at the time `to`, s, is reached.
@@ -167,7 +167,7 @@ pub trait Unit: Clone + Sized {
     fn end_at(&mut self, _to: f64, _step: &mut Self::Step) {}
 
     /// Ends the communication step at the present time.
-    fn finish(&mut self, _step: &Self::Step, _remarks: &mut Vec<Message>) {}
+    fn finish(&mut self, _step: &Self::Step, _messages: &mut Vec<Message>) {}
 
     /// Readings a moment before and a moment after the present, with the inputs as they were, and the time between the two, s: time derivatives
     /// follow. Without elements of arrays.

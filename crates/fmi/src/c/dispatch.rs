@@ -29,21 +29,21 @@ const SWITCH: &str = "PUSHBELT_AVX2";
 const HANDSHAKE: &str = "pushbeltVariant";
 
 /// Why the library of a portable build runs.
-static REMARK: Mutex<Option<Message>> = Mutex::new(None);
+static MESSAGE: Mutex<Option<Message>> = Mutex::new(None);
 
-fn remark_now() -> MutexGuard<'static, Option<Message>> {
-    REMARK.lock().unwrap_or_else(PoisonError::into_inner)
+fn message_now() -> MutexGuard<'static, Option<Message>> {
+    MESSAGE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the log of a new instance has about the choice of the library.
-pub(crate) fn remark() -> Option<Message> {
-    remark_now().clone()
+pub(crate) fn message() -> Option<Message> {
+    message_now().clone()
 }
 
 /// Another library opens this one as its variant.
 pub fn handshake() {
     let (warning, text) = (false, "the library for processors with AVX2 runs".to_owned());
-    *remark_now() = Some(Message { warning, text });
+    *message_now() = Some(Message { warning, text });
 }
 
 /// Instances of this library, and those that it has forwarded.
@@ -124,7 +124,7 @@ fn choose(hash: &str) -> Option<Library> {
     }
     let found = open(hash, forwarded).map_err(|why| {
         let text = format!("the slower library for all processors runs: {why}");
-        *remark_now() = Some(Message::warning(text));
+        *message_now() = Some(Message::warning(text));
     });
     found.ok()
 }

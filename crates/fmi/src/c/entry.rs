@@ -62,13 +62,14 @@ pub(crate) fn unsupported(why: &str) -> Outcome {
 pub(crate) unsafe fn set_debug_logging<U: Unit>(
     instance: &mut FmuInstance<U>,
     on: bool,
-    categories: (*const *const c_char, usize),
+    categories: *const *const c_char,
+    count: usize,
 ) -> Outcome {
-    instance.set_debug_logging(on, array(categories)?.iter().map(|category| text(*category)))
+    instance.set_debug_logging(on, array(categories, count)?.iter().map(|category| text(*category)))
 }
 
 /// The address of as many elements; an error if they can't be there: null, misaligned, longer than an allocation can be.
-fn usable<T>((pointer, count): (*mut T, usize)) -> Result<*mut T, CallError> {
+fn usable<T>(pointer: *mut T, count: usize) -> Result<*mut T, CallError> {
     let size = count.checked_mul(size_of::<T>());
     let fits = size.is_some_and(|bytes| isize::try_from(bytes).is_ok());
     match count {
@@ -82,8 +83,8 @@ fn usable<T>((pointer, count): (*mut T, usize)) -> Result<*mut T, CallError> {
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that stay untouched for `'a`.
-pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result<&'a [T], CallError> {
-    Ok(std::slice::from_raw_parts(usable((pointer.cast_mut(), count))?, count))
+pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], CallError> {
+    Ok(std::slice::from_raw_parts(usable(pointer.cast_mut(), count)?, count))
 }
 
 /// An array for results; an error if it is null though it should have elements.
@@ -91,8 +92,8 @@ pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result
 /// # Safety
 /// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are initialised
 /// numbers.
-pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Result<&'a mut [T], CallError> {
-    Ok(std::slice::from_raw_parts_mut(usable((pointer, count))?, count))
+pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [T], CallError> {
+    Ok(std::slice::from_raw_parts_mut(usable(pointer, count)?, count))
 }
 
 /// The place of a result; an error if it is null.

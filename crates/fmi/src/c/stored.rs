@@ -53,9 +53,10 @@ pub(crate) unsafe fn size<U: Unit>(instance: &mut FmuInstance<U>, state: Stored,
 pub(crate) unsafe fn serialize<U: Unit>(
     instance: &mut FmuInstance<U>,
     state: Stored,
-    bytes: (*mut u8, usize),
+    bytes: *mut u8,
+    count: usize,
 ) -> Outcome {
-    let (snapshot, target) = (snapshot(state)?, array_mut(bytes)?);
+    let (snapshot, target) = (snapshot(state)?, array_mut(bytes, count)?);
     let bytes = instance.serialize(snapshot)?;
     let (given, needed) = (target.len(), bytes.len());
     match target.get_mut(..needed) {
@@ -68,10 +69,11 @@ pub(crate) unsafe fn serialize<U: Unit>(
 /// Makes a stored state from bytes. The previous value of `*state` is not read: it is not freed.
 pub(crate) unsafe fn deserialize<U: Unit>(
     instance: &mut FmuInstance<U>,
-    bytes: (*const u8, usize),
+    bytes: *const u8,
+    count: usize,
     state: *mut Stored,
 ) -> Outcome {
-    let bytes = array(bytes)?;
+    let bytes = array(bytes, count)?;
     if state.is_null() {
         return refused(NULL_RESULT);
     }

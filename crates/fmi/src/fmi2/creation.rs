@@ -3,7 +3,7 @@
 use libc::{c_char, c_int, c_void};
 
 use super::{CallbackFunctions, Component, Logger};
-use crate::c::creation::{c_string, create};
+use crate::c::creation::{Texts, c_string, create};
 use crate::c::floating_point::in_hosts;
 use crate::instance::{Importer, Version};
 use crate::log::{Sink, Status};
@@ -30,7 +30,7 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
     false
 }
 
-/// `fmi2Instantiate`: creates an instance; null if the arguments don't fit this FMU. `texts` are name, GUID and resource location. Never
+/// `fmi2Instantiate`: creates an instance; null if the arguments don't fit this FMU. Never
 /// inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
@@ -38,7 +38,7 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
 /// in it, until the instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
-    texts: [*const c_char; 3],
+    texts: Texts<*const c_char>,
     fmu_type: c_int,
     functions: *const CallbackFunctions,
     debug: bool,

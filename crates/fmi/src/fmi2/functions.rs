@@ -5,7 +5,7 @@ use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
 use super::{CallbackFunctions, Component, FmuState};
-use crate::c::creation::free_instance;
+use crate::c::creation::{Texts, free_instance};
 use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type};
@@ -31,12 +31,13 @@ macro_rules! fmi2_functions {
         fmi2GetVersion() -> *const c_char = c"2.0".as_ptr();
         fmi2SetDebugLogging(
             c: Component, logging_on: c_int, n_categories: usize, categories: *const *const c_char
-        ) -> Status => c, |instance| set_debug_logging(instance, logging_on != 0, (categories, n_categories));
+        ) -> Status => c, |instance| set_debug_logging(instance, logging_on != 0, categories, n_categories);
         fmi2Instantiate(
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
         ) -> Component, creates = if processor_suffices(instance_name, functions) {
-            instantiate::<U>([instance_name, guid, resource_location], fmu_type, functions, logging_on != 0)
+            let texts = Texts { name: instance_name, token: guid, location: resource_location };
+            instantiate::<U>(texts, fmu_type, functions, logging_on != 0)
         } else {
             null_mut()
         };
@@ -58,21 +59,21 @@ macro_rules! fmi2_functions {
 
         // Variables.
         fmi2GetReal(c: Component, vr: *const c_uint, nvr: usize, value: *mut f64) -> Status =>
-            c, |instance| instance.get(Type::Real, array((vr, nvr))?, array_mut((value, nvr))?);
+            c, |instance| instance.get(Type::Real, array(vr, nvr)?, array_mut(value, nvr)?);
         fmi2GetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
-            c, |instance| instance.get(Type::IntegerOrEnumeration, array((vr, nvr))?, array_mut((value, nvr))?);
+            c, |instance| instance.get(Type::IntegerOrEnumeration, array(vr, nvr)?, array_mut(value, nvr)?);
         fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
-            c, |instance| instance.get(Type::Boolean, array((vr, nvr))?, array_mut((value, nvr))?);
+            c, |instance| instance.get(Type::Boolean, array(vr, nvr)?, array_mut(value, nvr)?);
         fmi2GetString(c: Component, vr: *const c_uint, nvr: usize, value: *mut *const c_char) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array((vr, nvr))?, "string");
+            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "string");
         fmi2SetReal(c: Component, vr: *const c_uint, nvr: usize, value: *const f64) -> Status =>
-            c, |instance| instance.set(Type::Real, array((vr, nvr))?, array((value, nvr))?);
+            c, |instance| instance.set(Type::Real, array(vr, nvr)?, array(value, nvr)?);
         fmi2SetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
-            c, |instance| instance.set(Type::IntegerOrEnumeration, array((vr, nvr))?, array((value, nvr))?);
+            c, |instance| instance.set(Type::IntegerOrEnumeration, array(vr, nvr)?, array(value, nvr)?);
         fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
-            c, |instance| instance.set(Type::Boolean, array((vr, nvr))?, array((value, nvr))?);
+            c, |instance| instance.set(Type::Boolean, array(vr, nvr)?, array(value, nvr)?);
         fmi2SetString(c: Component, vr: *const c_uint, nvr: usize, value: *const *const c_char) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array((vr, nvr))?, "string");
+            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "string");
 
         // Stored states.
         fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status => c, |instance| stored::get(instance, state);
@@ -81,9 +82,9 @@ macro_rules! fmi2_functions {
         fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status =>
             c, |instance| stored::size(instance, state, size);
         fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut c_char, size: usize) -> Status =>
-            c, |instance| stored::serialize(instance, state, (bytes.cast(), size));
+            c, |instance| stored::serialize(instance, state, bytes.cast(), size);
         fmi2DeSerializeFMUstate(c: Component, bytes: *const c_char, size: usize, state: *mut FmuState) -> Status =>
-            c, |instance| stored::deserialize(instance, (bytes.cast(), size), state);
+            c, |instance| stored::deserialize(instance, bytes.cast(), size, state);
 
         // Derivatives.
         fmi2GetDirectionalDerivative(
@@ -93,11 +94,11 @@ macro_rules! fmi2_functions {
         fmi2SetRealInputDerivatives(
             c: Component, vr: *const c_uint, nvr: usize, order: *const c_int, value: *const f64
         ) -> Status =>
-            c, |instance| instance.set_input_derivatives(array((vr, nvr))?, array((order, nvr))?, array((value, nvr))?);
+            c, |instance| instance.set_input_derivatives(array(vr, nvr)?, array(order, nvr)?, array(value, nvr)?);
         fmi2GetRealOutputDerivatives(
             c: Component, vr: *const c_uint, nvr: usize, order: *const c_int, value: *mut f64
         ) -> Status =>
-            c, |instance| instance.get_output_derivatives(array((vr, nvr))?, array((order, nvr))?, array_mut((value, nvr))?);
+            c, |instance| instance.get_output_derivatives(array(vr, nvr)?, array(order, nvr)?, array_mut(value, nvr)?);
 
         // Communication steps. States are stored on request only, so the last argument of `fmi2DoStep` does not matter.
         fmi2DoStep(

@@ -5,11 +5,11 @@ use std::ptr;
 
 use libc::c_int;
 
-use super::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use crate::c::creation::{c_string, create};
+use super::{Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+use crate::c::creation::{Texts, c_string, create};
 use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
-use crate::instance::{Importer, TIME, Version};
+use crate::instance::{Callback, Importer, TIME, Version};
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::table::Causality;
@@ -32,35 +32,53 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     false
 }
 
-/// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU. `texts` are name, token and
-/// resource path; `flags` are logging, event mode and early return. Never inlined: none of its code may run before
-/// [`processor_suffices`].
+/// What the importer asks for.
+pub(super) struct Modes {
+    pub logging: bool,
+    pub events: bool,
+    pub early_return: bool,
+}
+
+/// Functions of the importer, and the environment that it gets back with each call.
+pub(super) struct Callbacks {
+    pub environment: Environment,
+    pub log_message: Option<LogMessage>,
+    pub intermediate_update: Option<IntermediateUpdate>,
+}
+
+/// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU. Never inlined: none of its code
+/// may run before [`processor_suffices`].
 ///
 /// # Safety
 /// The strings and the array are null or valid during the call; the callbacks are null or can be called, with the environment,
 /// until the instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
-    texts: [Text; 3],
-    flags: [Boolean; 3],
-    required: (*const Reference, usize),
-    (environment, log_message, update): (Environment, Option<LogMessage>, Option<IntermediateUpdate>),
+    texts: Texts<Text>,
+    modes: Modes,
+    required: *const Reference,
+    n_required: usize,
+    callbacks: Callbacks,
 ) -> Instance {
+    let Callbacks {
+        environment,
+        log_message,
+        intermediate_update,
+    } = callbacks;
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
-    let [debug, events, early_return] = flags.map(|flag| flag != 0);
     let importer = |warn: &dyn Fn(&str)| {
-        let required = array(required).map_err(|error| error.to_string())?;
+        let required = array(required, n_required).map_err(|error| error.to_string())?;
         let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
         Ok(Importer {
             version: Version::Three,
-            events,
-            early_return,
-            update: update.map(|update| (update, environment)),
+            events: modes.events,
+            early_return: modes.early_return,
+            update: intermediate_update.map(|function| Callback { function, environment }),
             sets_inputs,
             intermediate,
         })
     };
-    create::<U>(Version::Three, texts, debug, messages, importer)
+    create::<U>(Version::Three, texts, modes.logging, messages, importer)
 }
 
 /// Those of the required variables that the importer may set and read in intermediate update mode, and whether inputs are among

@@ -6,23 +6,35 @@
 use super::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
 use crate::c::floating_point::in_hosts;
-use crate::instance::{CallError, Ended, FmuInstance, Next, Update, refused};
+use crate::instance::{CallError, Callback, Ended, FmuInstance, Next, Update, refused};
 use crate::log::Status;
 use crate::unit::Unit;
 
-/// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event or a requested return. `flags` are
-/// the places for event, end of the simulation, and early return.
+/// Where the results of a communication step are written.
+pub(super) struct Results {
+    pub event_handling_needed: *mut Boolean,
+    pub terminate_simulation: *mut Boolean,
+    pub early_return: *mut Boolean,
+    pub last_successful_time: *mut f64,
+}
+
+/// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event or a requested return.
 ///
 /// # Safety
 /// The caller grants what [the head of this module](super) lists.
 pub(super) unsafe fn do_step<U: Unit>(
     c: Instance,
     function: &str,
-    (current, step): (f64, f64),
-    flags: [*mut Boolean; 3],
-    last_successful_time: *mut f64,
+    current: f64,
+    step: f64,
+    results: Results,
 ) -> Status {
-    let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
+    let flags = [
+        results.event_handling_needed,
+        results.terminate_simulation,
+        results.early_return,
+    ];
+    let writable = flags.iter().all(|flag| !flag.is_null()) && !results.last_successful_time.is_null();
     let mut ended = Ended::completed_at(f64::NAN);
     let status = contain(Status::Error, || {
         let mut call = |body: &dyn Fn(&mut FmuInstance<U>) -> Result<Next, CallError>| {
@@ -50,11 +62,10 @@ pub(super) unsafe fn do_step<U: Unit>(
         now.0
     });
     if writable {
-        let [event, terminate, early] = flags;
-        event.write(ended.event.into());
-        terminate.write(0);
-        early.write(ended.early.into());
-        last_successful_time.write(ended.time);
+        results.event_handling_needed.write(ended.event.into());
+        results.terminate_simulation.write(0);
+        results.early_return.write(ended.early.into());
+        results.last_successful_time.write(ended.time);
     }
     status
 }
@@ -64,7 +75,8 @@ pub(super) unsafe fn do_step<U: Unit>(
 /// # Safety
 /// The callback can be called with its environment.
 unsafe fn call_back(update: &Update) -> Option<f64> {
-    let ((function, environment), time) = (update.callback, update.time);
+    let Callback { function, environment } = update.callback;
+    let time = update.time;
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
     let (mut requested, mut until) = (0, time);
     let places = (&raw mut requested, &raw mut until);

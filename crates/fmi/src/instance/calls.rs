@@ -30,6 +30,13 @@ pub type Environment = *mut c_void;
 /// step is accepted, whether an early return may be requested; results: whether it is requested, and for which time.
 pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
+/// A function of the importer, and the environment that it gets back.
+#[derive(Clone, Copy, Debug)]
+pub struct Callback {
+    pub function: IntermediateUpdate,
+    pub environment: Environment,
+}
+
 /// Capabilities of an importer. The default is an importer of FMI 2.0.
 #[derive(Clone, Debug, Default)]
 pub struct Importer {
@@ -39,8 +46,8 @@ pub struct Importer {
     pub events: bool,
     /// Whether a communication step may end early.
     pub early_return: bool,
-    /// Called after each internal step of the unit, with the importer's environment.
-    pub update: Option<(IntermediateUpdate, Environment)>,
+    /// Called after each internal step of the unit.
+    pub update: Option<Callback>,
     /// Variables that it sets and reads there.
     pub intermediate: Vec<u32>,
     /// Whether inputs are among them.
@@ -116,16 +123,16 @@ impl<U: Unit> FmuInstance<U> {
     /// Starts the unit, unless it has been started.
     pub(super) fn start_unit(&mut self) -> Outcome {
         if self.now.unit.is_none() {
-            let mut remarks = Vec::new();
-            let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
-            self.log_remarks(&remarks);
+            let mut messages = Vec::new();
+            let started = U::start(&self.now.settings, &self.now.experiment, &mut messages);
+            self.log_messages(&messages);
             self.now.unit = Some(started.map_err(CallError::Failed)?);
             self.now.clock = Clock::start(self.now.experiment.start)?;
         }
         Ok(())
     }
 
-    /// A query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are logged; with a warning among
+    /// A query beyond the standard about the unit in its present state, from initialisation mode on. Messages are logged; with a warning among
     /// them the status is a warning.
     pub fn query(
         &mut self,
@@ -138,21 +145,21 @@ impl<U: Unit> FmuInstance<U> {
         let Some(unit) = &mut self.now.unit else {
             return refused("there is no model after a failed start");
         };
-        let mut remarks = Vec::new();
-        let found = query(unit, &self.now.settings, &mut remarks);
-        self.log_remarks(&remarks);
-        let warned = remarks.iter().any(|remark| remark.warning);
+        let mut messages = Vec::new();
+        let found = query(unit, &self.now.settings, &mut messages);
+        self.log_messages(&messages);
+        let warned = messages.iter().any(|message| message.warning);
         let status = if warned { Status::Warning } else { Status::Ok };
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    pub(crate) fn log_remarks(&self, remarks: &[Message]) {
-        for remark in remarks {
-            let (status, category) = match remark.warning {
+    pub(crate) fn log_messages(&self, messages: &[Message]) {
+        for message in messages {
+            let (status, category) = match message.warning {
                 true => (Status::Warning, Category::Warning),
                 false => (Status::Ok, Category::Events),
             };
-            self.log.send(status, category, &self.with_start(&remark.text));
+            self.log.send(status, category, &self.with_start(&message.text));
         }
     }
 

@@ -16,7 +16,7 @@ mod snapshot;
 mod steps;
 mod values;
 
-pub use calls::{Environment, FmuInstance, Importer, IntermediateUpdate, Version};
+pub use calls::{Callback, Environment, FmuInstance, Importer, IntermediateUpdate, Version};
 pub use snapshot::Snapshot;
 pub use steps::{Ended, Next, Update};
 pub(crate) use values::TIME;

@@ -1,6 +1,6 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
-use super::calls::{Environment, FmuInstance, IntermediateUpdate, StepInProgress};
+use super::calls::{Callback, FmuInstance, StepInProgress};
 use super::{CallError, Outcome, refused};
 use crate::log::{Category, Status};
 use crate::state::{Call, State};
@@ -15,7 +15,7 @@ pub enum Next {
 
 /// The callback of the importer and its arguments.
 pub struct Update {
-    pub callback: (IntermediateUpdate, Environment),
+    pub callback: Callback,
     /// Time of the unit, s.
     pub time: f64,
     pub inputs_may_be_set: bool,
@@ -98,11 +98,11 @@ impl<U: Unit> FmuInstance<U> {
             if over || event.is_some() {
                 return self.end_step(event);
             }
-            let mut remarks = Vec::new();
-            let advanced = unit.advance(step.to, &mut step.step, &self.now.settings, &mut remarks);
+            let mut messages = Vec::new();
+            let advanced = unit.advance(step.to, &mut step.step, &self.now.settings, &mut messages);
             (over, stepped) = (unit.is_over(step.to, &step.step), true);
             let time = self.now.clock.importer_time(unit.time());
-            self.log_remarks(&remarks);
+            self.log_messages(&messages);
             if let Err(text) = advanced {
                 self.now.rates = self.step.take().and_then(|step| step.rates);
                 return self.fail_step(&text);
@@ -133,15 +133,15 @@ impl<U: Unit> FmuInstance<U> {
         if !unit.is_over(step.to, &step.step) {
             step.end_at(unit, unit.time());
         }
-        let mut remarks = Vec::new();
-        unit.finish(&step.step, &mut remarks);
+        let mut messages = Vec::new();
+        unit.finish(&step.step, &mut messages);
         self.now.state = State::StepComplete;
         self.now.clock = match step.shortened {
             true => self.now.clock.back_at(unit.time()),
             false => step.end,
         };
         let time = self.now.clock.point;
-        self.log_remarks(&remarks);
+        self.log_messages(&messages);
         if let Some(event) = &event {
             let text = format!("event at {time} s: {event}");
             self.log.send(Status::Ok, Category::Events, &text);
