@@ -35,7 +35,7 @@ pub(crate) fn c_string(text: &str) -> CString {
 /// on warnings; or why there is no instance.
 ///
 /// # Safety
-/// The texts are null or end with a zero.
+/// Each of the texts is null or ends with a zero.
 pub(crate) unsafe fn create<U: Unit>(
     version: Version,
     texts: Texts<*const c_char>,
@@ -44,7 +44,8 @@ pub(crate) unsafe fn create<U: Unit>(
     importer: impl FnOnce(&dyn Fn(&str)) -> Result<Importer, String>,
 ) -> *mut c_void {
     contain(ptr::null_mut(), || {
-        let read = |pointer| text(pointer).map_err(|error| error.to_string());
+        // SAFETY: it is one of the texts, for which the caller grants this.
+        let read = |pointer| unsafe { text(pointer) }.map_err(|error| error.to_string());
         let Texts { name, token, location } = texts;
         let (name, token, location) = (read(name), read(token), read(location));
         let texts = Texts { name, token, location };
@@ -74,11 +75,13 @@ pub(crate) unsafe fn create<U: Unit>(
 pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
     contain((), || {
         let pointer = instance.cast::<FmuInstance<U>>();
-        if pointer
-            .as_ref()
-            .is_some_and(|instance| instance.allow(Call::Always).is_ok())
-        {
-            drop(Box::from_raw(pointer));
+        // SAFETY: the caller grants that it is null or an instance, and that no other call uses it. During a callback
+        // of `fmi3DoStep` there is no other reference either (`fmi3::steps`).
+        let instance = unsafe { pointer.as_ref() };
+        if instance.is_some_and(|instance| instance.allow(Call::Always).is_ok()) {
+            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, with the same `U`: a library has one
+            // unit. The reference above is not used any more, nor the pointer by the caller.
+            drop(unsafe { Box::from_raw(pointer) });
         }
     });
 }

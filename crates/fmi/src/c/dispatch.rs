@@ -92,7 +92,9 @@ pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_v
 /// # Safety
 /// `c` is null, or comes from [`create`] and has not been freed.
 pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void) -> T) -> T {
-    let Some(handle) = c.cast::<Handle>().as_ref() else {
+    // SAFETY: the caller grants that it is null or a boxed handle. The references of two calls at once, of which one is
+    // in a callback of the other, are both shared: `is_in_call` is a cell.
+    let Some(handle) = (unsafe { c.cast::<Handle>().as_ref() }) else {
         return call(null_mut(), null_mut());
     };
     let outer = handle.is_in_call.replace(true);
@@ -107,10 +109,14 @@ pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *
 /// As for [`on`].
 pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void)) {
     let handle = c.cast::<Handle>();
-    if handle.as_ref().is_some_and(|handle| !handle.is_in_call.get()) {
-        on(c, name, call);
+    // SAFETY: the caller grants that it is null or a boxed handle.
+    if unsafe { handle.as_ref() }.is_some_and(|handle| !handle.is_in_call.get()) {
+        // SAFETY: the same handle.
+        unsafe { on(c, name, call) };
         contain((), || {
-            let handle = Box::from_raw(handle);
+            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, and has not been freed. No call on it is
+            // in progress, and none follows.
+            let handle = unsafe { Box::from_raw(handle) };
             handle.count().fetch_sub(1, SeqCst);
         });
     }
@@ -147,13 +153,14 @@ fn open(hash: &str, is_open: bool) -> Result<Library, String> {
 
 /// Loads a checked file.
 fn load(path: &Path) -> Result<Library, String> {
-    // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
+    // SAFETY: `check` has compared the file's hash with that of the library compiled with this one, whose initialisation
+    // is that of Rust's standard library; or that library is open already.
     let library = unsafe { Library::open(path) }?;
     let handshake = library.find(HANDSHAKE);
     if handshake.is_null() {
         return Err("it has no handshake".to_owned());
     }
-    // SAFETY: the library exports the function of this name, with this type.
+    // SAFETY: it is not null, and `export!` gives the function of this name this type. The library is open.
     unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
     Ok(library)
 }

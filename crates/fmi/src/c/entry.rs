@@ -28,10 +28,12 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     body: impl FnOnce(&mut FmuInstance<U>) -> Result<T, CallError>,
 ) -> Status {
     let mut body = Some(body);
-    make(instance, function, &mut |instance| match body.take() {
+    let mut call = |instance: &mut FmuInstance<U>| match body.take() {
         Some(body) => body(instance).map(Into::into),
         None => Ok(Status::Error),
-    })
+    };
+    // SAFETY: the caller grants the same.
+    unsafe { make(instance, function, &mut call) }
 }
 
 /// [`enter`] for any call: compiled once, not for each of a hundred functions.
@@ -44,9 +46,11 @@ unsafe fn make<U: Unit>(
     function: &str,
     body: &mut dyn FnMut(&mut FmuInstance<U>) -> Result<Status, CallError>,
 ) -> Status {
-    contain(Status::Error, || match instance.cast::<FmuInstance<U>>().as_mut() {
-        Some(instance) => instance.call(function, body),
-        None => Status::Error,
+    contain(Status::Error, || {
+        // SAFETY: the caller grants that it is null or an instance that no other call uses, so this reference is the only
+        // one. It ends with this call.
+        let instance = unsafe { instance.cast::<FmuInstance<U>>().as_mut() };
+        instance.map_or(Status::Error, |instance| instance.call(function, body))
     })
 }
 
@@ -58,14 +62,17 @@ pub(crate) fn unsupported(why: &str) -> Outcome {
 /// Chooses the logged categories.
 ///
 /// # Safety
-/// As for [`array`]; each of the strings is null or ends with a zero.
+/// `categories` is null or points to `count` strings, each of which is null or ends with a zero.
 pub(crate) unsafe fn set_debug_logging<U: Unit>(
     instance: &mut FmuInstance<U>,
     on: bool,
     categories: *const *const c_char,
     count: usize,
 ) -> Outcome {
-    instance.set_debug_logging(on, array(categories, count)?.iter().map(|category| text(*category)))
+    // SAFETY: the caller grants that it is null or points to so many strings.
+    let categories = unsafe { array(categories, count) }?;
+    // SAFETY: it is one of the strings, for which the caller grants this.
+    instance.set_debug_logging(on, categories.iter().map(|category| unsafe { text(*category) }))
 }
 
 /// The address of as many elements; an error if they can't be there: null, misaligned, longer than an allocation can be.
@@ -82,26 +89,32 @@ fn usable<T>(pointer: *mut T, count: usize) -> Result<*mut T, CallError> {
 /// An array argument; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements that stay untouched for `'a`.
+/// `pointer` is null, or points to `count` initialised elements in one allocation that nobody writes to for `'a`.
 pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], CallError> {
-    Ok(std::slice::from_raw_parts(usable(pointer.cast_mut(), count)?, count))
+    let pointer = usable(pointer.cast_mut(), count)?;
+    // SAFETY: `usable` has checked that it is aligned, not null, and not longer than an allocation can be; without
+    // elements it dangles. The caller grants that the elements are there and stay as they are.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
 /// An array for results; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are initialised
-/// numbers.
+/// `pointer` is null, or points to `count` initialised elements in one allocation, writable and not otherwise used for
+/// `'a`.
 pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [T], CallError> {
-    Ok(std::slice::from_raw_parts_mut(usable(pointer, count)?, count))
+    let pointer = usable(pointer, count)?;
+    // SAFETY: as in `array`. The caller grants that nobody else uses the elements.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
 /// The place of a result; an error if it is null.
 ///
 /// # Safety
-/// `pointer` is null or points to a writable value that is not otherwise used for `'a`.
+/// `pointer` is null, or is aligned and points to a writable, initialised value that is not otherwise used for `'a`.
 pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallError> {
-    pointer.as_mut().map_or_else(|| refused(NULL_RESULT), Ok)
+    // SAFETY: the caller grants that it is null or such a value.
+    unsafe { pointer.as_mut() }.map_or_else(|| refused(NULL_RESULT), Ok)
 }
 
 /// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as many.
@@ -115,11 +128,12 @@ pub(crate) unsafe fn text(pointer: *const c_char) -> Result<Option<String>, Call
     if pointer.is_null() {
         return Ok(None);
     }
-    // Nothing beyond the zero at the end is read.
-    let length = libc::strnlen(pointer, LONGEST_TEXT + 1);
+    // SAFETY: it is not null, and the caller grants a zero at the end, beyond which `strnlen` reads nothing.
+    let length = unsafe { libc::strnlen(pointer, LONGEST_TEXT + 1) };
     if length > LONGEST_TEXT {
         return refused(format!("a text has more than {LONGEST_TEXT} bytes"));
     }
-    let bytes = std::slice::from_raw_parts(pointer.cast::<u8>(), length);
+    // SAFETY: `strnlen` has read so many bytes, which are initialised and belong to the string. They are copied at once.
+    let bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>(), length) };
     Ok(Some(String::from_utf8_lossy(bytes).into_owned()))
 }

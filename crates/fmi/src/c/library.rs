@@ -16,12 +16,15 @@ impl Library {
     /// Loads a library, whose own libraries must be those of the system.
     ///
     /// # Safety
-    /// The initialisation of the library is sound.
+    /// The initialisation of the library at this path, and its end when it is closed, may run in this process.
+    ///
+    /// # Errors
+    /// The system can't load it, with the system's reason.
     pub unsafe fn open(path: &Path) -> Result<Self, String> {
-        // SAFETY: as the caller grants.
+        // SAFETY: the caller grants that the library's initialisation may run.
         #[cfg(unix)]
         let opened = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) };
-        // SAFETY: as the caller grants.
+        // SAFETY: the caller grants that the library's initialisation may run.
         #[cfg(windows)]
         let opened = unsafe { windows::Library::load_with_flags(path, windows::LOAD_LIBRARY_SEARCH_SYSTEM32) };
         opened
@@ -31,7 +34,7 @@ impl Library {
 
     /// The address of an exported function; null if there is none.
     pub fn find(&self, name: &str) -> *mut c_void {
-        // SAFETY: an address only; the caller decides what is there.
+        // SAFETY: it is read as an address, which any symbol has. Nothing is called here, and `self` keeps the library open.
         unsafe { self.0.get(name) }.map_or(null_mut(), |address| *address)
     }
 }

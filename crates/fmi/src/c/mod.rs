@@ -33,7 +33,10 @@ macro_rules! define {
             #[allow(clippy::too_many_arguments, clippy::extra_unused_type_parameters, reason = "the standard's")]
             pub unsafe fn $name<U: Unit>($($argument: $type),*) $(-> $result)? {
                 const FUNCTION: &str = stringify!($name);
-                $($body)? $(enter::<U, _>($c, FUNCTION, $call))?
+                // SAFETY: the caller grants what the head of the module lists. The body uses each argument for this
+                // alone: the instance by `enter` or `free_instance`, a stored state by `stored`, an array with its
+                // count by `array` or `array_mut`, a place by `result`, strings and callbacks by `instantiate`.
+                unsafe { $($body)? $(enter::<U, _>($c, FUNCTION, $call))? }
             }
         )*
     };
@@ -60,7 +63,7 @@ macro_rules! export_functions {
             $(#[$attribute])*
             #[cfg_attr(not(test), unsafe(no_mangle))]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
-                // SAFETY: as the caller grants.
+                // SAFETY: the caller grants what the section `Safety` above asks for, which is what the body needs.
                 $crate::__here_or_in_variant! {
                     [$($use $($instance)?)?] $name($($argument: $type),*) $(-> $result)?, unsafe { $body }
                 }

@@ -14,18 +14,21 @@ use crate::unit::Unit;
 /// before it, not even the packing of arguments.
 ///
 /// # Safety
-/// The name and `functions` are null or valid; the logger in it can be called, with the environment in it.
+/// The name is null or ends with a zero. `functions` is null or points to the standard's structure, whose logger is null or
+/// can be called with its environment.
 pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const CallbackFunctions) -> bool {
     if processor::suffices() {
         return true;
     }
     // Not through a `Sink`, whose code may need what the processor lacks.
-    if let Some(functions) = functions.as_ref()
+    // SAFETY: the caller grants that it is null or points to the structure.
+    if let Some(functions) = unsafe { functions.as_ref() }
         && let Some(logger) = functions.logger
     {
         let (environment, status) = (functions.component_environment, Status::Error as c_int);
         let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        logger(environment, name, status, category, c"%s".as_ptr(), text);
+        // SAFETY: the caller grants that the logger can be called. The texts are constants that end with a zero.
+        unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
     }
     false
 }
@@ -34,8 +37,8 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
 /// inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
-/// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
-/// in it, until the instance is freed.
+/// Each of the texts is null or ends with a zero. `functions` is null or points to the standard's structure, whose logger is
+/// null or can be called with its environment until the instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
     texts: Texts<*const c_char>,
@@ -43,7 +46,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
     functions: *const CallbackFunctions,
     debug: bool,
 ) -> Component {
-    let functions = functions.as_ref();
+    // SAFETY: the caller grants that it is null or points to the structure, during this call.
+    let functions = unsafe { functions.as_ref() };
     let messages = |instance: &str| {
         let functions = functions?;
         Some(sink(functions.logger?, functions.component_environment, instance))
@@ -52,7 +56,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
         CO_SIMULATION => Ok(Importer::default()),
         _ => Err("this FMU is for co-simulation only".to_owned()),
     };
-    create::<U>(Version::Two, texts, debug, messages, importer)
+    // SAFETY: the caller grants this of the texts.
+    unsafe { create::<U>(Version::Two, texts, debug, messages, importer) }
 }
 
 /// `fmi2CoSimulation` of the standard's `fmi2Type`.
@@ -65,8 +70,8 @@ fn sink(logger: Logger, environment: *mut c_void, instance: &str) -> Sink {
         let [category, text] = [category.name(), text].map(c_string);
         let (instance, category, text) = (instance.as_ptr(), category.as_ptr(), text.as_ptr());
         // The argument of "%s", so that a percent sign in it is not taken for a format.
-        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
-        // a zero and exist during the call.
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance, in which the
+        // log owns this sink. The strings end with a zero and exist during the call.
         in_hosts(|| unsafe { logger(environment, instance, status as c_int, category, c"%s".as_ptr(), text) });
     })
 }

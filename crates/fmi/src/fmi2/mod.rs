@@ -6,8 +6,9 @@
 //! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time
 //!   (not from within its own logger callback either);
 //! - a stored state is null, or it comes from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and has not been freed;
+//! - callbacks are null or can be called with their environment until the instance is freed;
 //! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
-//! - a pointer for a result is null or points to writable memory;
+//! - a pointer for a result is null or points to writable memory, which no other array or string argument contains;
 //! - a pointer is aligned for its type, and memory from the caller is initialised.
 //!
 //! The status is an error for a null pointer where the standard requires a value.

@@ -23,14 +23,18 @@ pub unsafe fn query<U: Unit>(
     query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
 ) -> Status {
     if !text.is_null() {
-        text.write(ptr::null_mut());
+        // SAFETY: it is not null, and the caller grants that a pointer may be written there.
+        unsafe { text.write(ptr::null_mut()) };
     }
-    enter(c, function, |instance: &mut FmuInstance<U>| {
-        let text = result(text)?;
+    let call = |instance: &mut FmuInstance<U>| {
+        // SAFETY: it is null or points to the pointer written above.
+        let text = unsafe { result(text) }?;
         let (status, found) = instance.query(query)?;
         *text = c_string(&found).into_raw();
         Ok(status)
-    })
+    };
+    // SAFETY: the caller grants that it is null or an instance that no other call uses.
+    unsafe { enter(c, function, call) }
 }
 
 /// Frees a text of [`query`]; null is legal.
@@ -40,7 +44,9 @@ pub unsafe fn query<U: Unit>(
 pub unsafe fn free_text(text: *mut c_char) {
     contain((), || {
         if !text.is_null() {
-            drop(CString::from_raw(text));
+            // SAFETY: it is not null, so it is from `CString::into_raw` in `query`, and the caller grants that it has not
+            // been freed.
+            drop(unsafe { CString::from_raw(text) });
         }
     });
 }

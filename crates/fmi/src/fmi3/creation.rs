@@ -27,7 +27,9 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     // Not through a `Sink`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
         let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        log_message(environment, Status::Error as c_int, category, message);
+        // SAFETY: the caller grants that it can be called with the environment. The texts are constants that end with a
+        // zero.
+        unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
     false
 }
@@ -50,8 +52,8 @@ pub(super) struct Callbacks {
 /// may run before [`processor_suffices`].
 ///
 /// # Safety
-/// The strings and the array are null or valid during the call; the callbacks are null or can be called, with the environment,
-/// until the instance is freed.
+/// Each of the texts is null or ends with a zero. `required` is null or points to `n_required` value references. The callbacks
+/// are null or can be called with the environment until the instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
     texts: Texts<Text>,
@@ -67,7 +69,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
     } = callbacks;
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let importer = |warn: &dyn Fn(&str)| {
-        let required = array(required, n_required).map_err(|error| error.to_string())?;
+        // SAFETY: the caller grants that it is null or points to so many value references, during this call.
+        let required = unsafe { array(required, n_required) }.map_err(|error| error.to_string())?;
         let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
         Ok(Importer {
             version: Version::Three,
@@ -78,7 +81,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
             intermediate,
         })
     };
-    create::<U>(Version::Three, texts, modes.logging, messages, importer)
+    // SAFETY: the caller grants this of the texts.
+    unsafe { create::<U>(Version::Three, texts, modes.logging, messages, importer) }
 }
 
 /// Those of the required variables that the importer may set and read in intermediate update mode, and whether inputs are among
@@ -131,8 +135,8 @@ fn sink(log_message: LogMessage, environment: Environment) -> Sink {
         // By the standard, "#" refers to a variable, and "##" is a number sign.
         let [category, text] = [category.name(), &text.replace('#', "##")].map(c_string);
         let (category, text) = (category.as_ptr(), text.as_ptr());
-        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance. The strings end with
-        // a zero and exist during the call.
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance, in which the
+        // log owns this sink, or for the call of `refuse_instance`. The strings end with a zero and exist during the call.
         in_hosts(|| unsafe { log_message(environment, status as c_int, category, text) });
     })
 }

@@ -48,24 +48,29 @@ pub(super) unsafe fn do_step<U: Unit>(
                 }
                 Ok(())
             };
-            // No reference to the instance exists during a callback.
-            (enter(c, function, call), update)
+            // SAFETY: the caller grants that it is null or an instance that no other call uses. The reference ends with
+            // this call: during a callback there is none, so that the calls in it may have theirs.
+            (unsafe { enter(c, function, call) }, update)
         };
         let mut now = call(&|instance| match writable {
             true => instance.begin_step(current, step),
             false => refused(NULL_RESULT),
         });
         while let (_, Some(update)) = now {
-            let until = call_back(&update);
+            // SAFETY: the importer gave the function with this environment to `fmi3InstantiateCoSimulation`.
+            let until = unsafe { call_back(&update) };
             now = call(&|instance| instance.resume_step(until));
         }
         now.0
     });
     if writable {
-        results.event_handling_needed.write(ended.event.into());
-        results.terminate_simulation.write(0);
-        results.early_return.write(ended.early.into());
-        results.last_successful_time.write(ended.time);
+        // SAFETY: none is null, and the caller grants that values may be written there. They may be the same place.
+        unsafe {
+            results.event_handling_needed.write(ended.event.into());
+            results.terminate_simulation.write(0);
+            results.early_return.write(ended.early.into());
+            results.last_successful_time.write(ended.time);
+        }
     }
     status
 }
@@ -80,7 +85,8 @@ unsafe fn call_back(update: &Update) -> Option<f64> {
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
     let (mut requested, mut until) = (0, time);
     let places = (&raw mut requested, &raw mut until);
-    in_hosts(|| function(environment, time, set, 1, 1, early, places.0, places.1));
+    // SAFETY: the caller grants that it can be called with its environment. The places are variables of this function.
+    in_hosts(|| unsafe { function(environment, time, set, 1, 1, early, places.0, places.1) });
     let until = if until.is_finite() { until.max(time) } else { time };
     (update.can_return_early && requested != 0).then_some(until)
 }
