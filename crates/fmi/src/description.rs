@@ -13,6 +13,7 @@ use super::xml::{Element, Number};
 use Version::{Three, Two};
 
 /// The model description of a unit whose resources have data of this hash.
+#[must_use] 
 pub fn model_description<U: Unit>(version: Version, data: Option<u128>) -> String {
     describe::<U>(version, &token::<U>(version, data)).document()
 }
@@ -20,6 +21,7 @@ pub fn model_description<U: Unit>(version: Version, data: Option<u128>) -> Strin
 /// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in the form of a GUID, so that
 /// description and binary fit each other. The hash of the data is in it by the bitwise exclusive or: a tool that replaces the data of an
 /// FMU can calculate the new token from the old one.
+#[must_use] 
 pub fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
     let description = describe::<U>(version, "").document();
     let digits = format!(

@@ -8,11 +8,13 @@ fn mix(hash: u128, value: u128) -> u128 {
 }
 
 /// Hash of bytes.
+#[must_use] 
 pub fn of_bytes(bytes: &[u8]) -> u128 {
     bytes.iter().fold(START, |hash, byte| mix(hash, (*byte).into()))
 }
 
 /// Hash of bytes taken eight at a time, the last ones filled up with zeros: for long states.
+#[must_use] 
 pub fn of_words(bytes: &[u8]) -> u128 {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut last = [0; 8];
@@ -22,6 +24,7 @@ pub fn of_words(bytes: &[u8]) -> u128 {
 }
 
 /// Length and hash of a file's content, in words: what identifies the variant of a library.
+#[must_use] 
 pub fn of_file(content: &[u8]) -> String {
     format!("{}-{:032x}", content.len(), of_words(content))
 }

@@ -34,6 +34,7 @@ impl Category {
     pub const ALL: [Self; 4] = [Self::Error, Self::Warning, Self::Discard, Self::Events];
 
     /// Name that the standard suggests for the log.
+    #[must_use] 
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "logStatusError",

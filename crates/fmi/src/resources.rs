@@ -10,7 +10,10 @@ use std::path::{Path, PathBuf};
 use percent_encoding::percent_decode_str;
 
 /// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file, or none that can be
-/// looked for: too long a name, a loop of links, a folder without permission. An error is the reason, as a sentence without the path.
+/// looked for: too long a name, a loop of links, a folder without permission.
+///
+/// # Errors
+/// It is not a regular file, too large, or can't be read: a sentence without the path.
 pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
     let Ok(data) = path.metadata() else {
         return Ok(None);
@@ -34,7 +37,10 @@ pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
 /// U+FEFF in UTF-8, with which some editors begin a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The places that a resource location may mean, the most likely one first; none for an empty location. Or why it means none, as a sentence.
+/// The places that a resource location may mean, the most likely one first; none for an empty location.
+///
+/// # Errors
+/// It is neither an absolute path nor the URI of a local file.
 pub(crate) fn places(location: &str) -> Result<Vec<PathBuf>, String> {
     Ok(read(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
 }

@@ -30,7 +30,9 @@ pub(crate) fn is_of_copy(token: &str, original: &str) -> Option<bool> {
 
 /// The settings that an instance starts from: those of the file in the first folder that has one, over `defaults`; `None` if
 /// there is no file.
-/// Or why it is unusable, or missing in a copy: a sentence with file, line, variable and value.
+///
+/// # Errors
+/// The file is unusable, or missing in a copy: a sentence with file, line, variable and value.
 pub(crate) fn find<U: Unit>(
     folders: &[PathBuf],
     is_copy: bool,

@@ -36,6 +36,7 @@ impl State {
     ];
 
     /// Name for messages.
+    #[must_use] 
     pub fn name(self) -> &'static str {
         match self {
             Self::Instantiated => "instantiated",
@@ -50,6 +51,7 @@ impl State {
     }
 
     /// Whether a run has started and not ended.
+    #[must_use] 
     pub fn is_running(self) -> bool {
         matches!(
             self,

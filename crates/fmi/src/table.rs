@@ -18,6 +18,7 @@ pub struct UnitDefinition {
 
 impl UnitDefinition {
     /// A unit without display units.
+    #[must_use] 
     pub const fn new(name: &'static str, exponents: &'static [(&'static str, i32)]) -> Self {
         Self {
             name,
@@ -47,6 +48,7 @@ pub struct Item {
 
 impl Item {
     /// A value with its name and meaning.
+    #[must_use] 
     pub const fn new(name: &'static str, value: i32, description: &'static str) -> Self {
         Self {
             name,
@@ -85,6 +87,7 @@ pub enum Causality {
 
 impl Causality {
     /// Whether the importer writes the variable (and the unit only reads it).
+    #[must_use] 
     pub fn is_setting(self) -> bool {
         matches!(self, Self::Parameter | Self::Tunable | Self::Input)
     }
@@ -157,6 +160,7 @@ impl From<f64> for Range {
 
 impl Range {
     /// Values within limits.
+    #[must_use] 
     pub const fn between(min: f64, max: f64) -> Self {
         Self {
             min: Some(min),
@@ -166,6 +170,7 @@ impl Range {
     }
 
     /// Values without limits, of a typical size.
+    #[must_use] 
     pub const fn typical(nominal: f64) -> Self {
         Self {
             min: None,
@@ -284,6 +289,7 @@ const ROUNDING: f64 = 1.0e-6;
 
 impl<S, R> Variable<S, R> {
     /// A real variable without limits, in a unit of [`Table::units`].
+    #[must_use] 
     pub fn real(
         reference: u32,
         name: &str,
@@ -411,6 +417,7 @@ pub struct Array {
 
 impl Array {
     /// The value references of its elements.
+    #[must_use] 
     pub fn elements(&self) -> std::ops::RangeInclusive<u32> {
         self.first..=self.first + (self.size - 1)
     }
@@ -452,6 +459,7 @@ pub struct Retired {
 
 impl<S, R> Table<S, R> {
     /// A table of these variables, in the order in which they appear in the description. It declares those of the `units` that they use.
+    #[must_use] 
     pub fn new(
         units: &'static [UnitDefinition],
         enumerations: &'static [&'static Enumeration],
@@ -476,6 +484,7 @@ impl<S, R> Table<S, R> {
     }
 
     /// The places of the settings on which a variable depends in initialisation mode, in order; `None` if it depends on all.
+    #[must_use] 
     pub fn initial_dependencies(&self, variable: &Variable<S, R>) -> Option<Vec<usize>> {
         let (_, settings) = self.initial.iter().find(|(name, _)| *name == variable.name)?;
         let places = self.variables.iter().enumerate();
@@ -484,21 +493,25 @@ impl<S, R> Table<S, R> {
     }
 
     /// The array that a variable with this value reference is an element of.
+    #[must_use] 
     pub fn array_of(&self, reference: u32) -> Option<&Array> {
         self.arrays.iter().find(|array| array.elements().contains(&reference))
     }
 
     /// The variables in order.
+    #[must_use] 
     pub fn variables(&self) -> &[Variable<S, R>] {
         &self.variables
     }
 
     /// The variable with a value reference.
+    #[must_use] 
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
         self.by_reference.get(&reference).map(|place| &self.variables[*place])
     }
 
     /// The variable with a name.
+    #[must_use] 
     pub fn by_name(&self, name: &str) -> Option<&Variable<S, R>> {
         self.variables.iter().find(|variable| variable.name == name)
     }

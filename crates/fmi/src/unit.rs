@@ -42,6 +42,7 @@ pub struct Identity {
 
 impl Identity {
     /// A model without author and licence, with an experiment of 1 s in steps of 1 ms.
+    #[must_use] 
     pub const fn new(name: &'static str, description: &'static str) -> Self {
         Self {
             name,
@@ -69,6 +70,7 @@ pub struct Message {
 
 impl Message {
     /// A message on which the user should act.
+    #[must_use] 
     pub fn warning(text: String) -> Self {
         Self { warning: true, text }
     }
@@ -114,11 +116,17 @@ pub trait Unit: Clone + Sized {
     }
 
     /// Checks the settings as a whole, when a tunable parameter changes during a run.
+    ///
+    /// # Errors
+    /// They do not fit together.
     fn check(_settings: &Self::Settings) -> Result<(), String> {
         Ok(())
     }
 
     /// Builds the model and finds its state at the start, the unit's time 0.
+    ///
+    /// # Errors
+    /// The settings do not fit, or there is no state to start from.
     fn start(settings: &Self::Settings, experiment: &Experiment, messages: &mut Vec<Message>) -> Result<Self, String>;
 
     /// The present time since the start, s.
@@ -176,6 +184,9 @@ pub trait Unit: Clone + Sized {
     }
 
     /// A model into which [`Unit::serialize`] can read a state.
+    ///
+    /// # Errors
+    /// The settings do not fit.
     fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String> {
         Self::start(settings, experiment, &mut Vec::new())
     }

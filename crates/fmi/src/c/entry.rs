@@ -90,6 +90,9 @@ fn usable<T>(pointer: *mut T, count: usize) -> Result<*mut T, CallError> {
 ///
 /// # Safety
 /// `pointer` is null, or points to `count` initialised elements in one allocation that nobody writes to for `'a`.
+///
+/// # Errors
+/// It is null, misaligned or too long.
 pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], CallError> {
     let pointer = usable(pointer.cast_mut(), count)?;
     // SAFETY: `usable` has checked that it is aligned, not null, and not longer than an allocation can be; without

@@ -19,6 +19,9 @@ fn head(guid: &str) -> Vec<u8> {
 }
 
 /// The content as a stored state of the FMU with this GUID, if there is content, and memory for a copy.
+///
+/// # Errors
+/// There is none, or no memory.
 pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
     let (mut bytes, head) = (Vec::new(), head(guid));
     if content.is_empty() || bytes.try_reserve_exact(head.len() + content.len() + 16).is_err() {
@@ -31,6 +34,9 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
 }
 
 /// The content, if the bytes are complete and a state of this FMU.
+///
+/// # Errors
+/// They are of another FMU or layout, incomplete or damaged.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let Some(rest) = bytes.strip_prefix(&*head(guid)) else {
         return Err(format!(

@@ -110,6 +110,10 @@ impl<U: Unit> FmuInstance<U> {
         }
     }
 
+    /// Whether a call is allowed now.
+    ///
+    /// # Errors
+    /// It is not.
     pub(crate) fn allow(&self, call: Call) -> Outcome {
         let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
@@ -121,6 +125,9 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Starts the unit, unless it has been started.
+    ///
+    /// # Errors
+    /// The unit does not start: the instance has failed.
     pub(super) fn start_unit(&mut self) -> Outcome {
         if self.now.unit.is_none() {
             let mut messages = Vec::new();
@@ -134,6 +141,9 @@ impl<U: Unit> FmuInstance<U> {
 
     /// A query beyond the standard about the unit in its present state, from initialisation mode on. Messages are logged; with a warning among
     /// them the status is a warning.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or the query has no result, with its reason.
     pub fn query(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,

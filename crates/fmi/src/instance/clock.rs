@@ -30,6 +30,9 @@ pub(crate) struct Clock {
 
 impl Clock {
     /// The clock at the start of a run, if the importer's time is in range.
+    ///
+    /// # Errors
+    /// The time is not finite or not in range.
     pub fn start(time: f64) -> Result<Self, CallError> {
         // False for NaN.
         if time.abs() <= LATEST {
@@ -46,6 +49,10 @@ impl Clock {
 
     /// The clock after a step of size `step` from the importer's time `current`, s, which is at most `longest`, if it is one forward from this
     /// point that does not end after the stop time.
+    ///
+    /// # Errors
+    /// The step does not begin here, is not forward or too long, or ends after the stop time or the
+    /// latest time.
     pub fn after(&self, current: f64, step: f64, longest: f64, stop: Option<f64>) -> Result<Self, CallError> {
         let start = self.point;
         if !(current.is_finite() && step.is_finite() && step > 0.0) {

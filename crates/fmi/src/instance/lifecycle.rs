@@ -12,6 +12,10 @@ use pushbelt_archive::{Archive, Mismatch};
 
 impl<U: Unit> FmuInstance<U> {
     /// Chooses the logged categories by their names; without any, all.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or there is no category of a name. Nothing
+    /// has changed.
     pub fn set_debug_logging(
         &mut self,
         on: bool,
@@ -32,6 +36,11 @@ impl<U: Unit> FmuInstance<U> {
         Ok(())
     }
 
+    /// Sets tolerance, start time and stop time of the run.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or a value makes no sense. Nothing has
+    /// changed.
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.allow(Call::SetupExperiment)?;
         self.now.experiment = experiment.checked()?;
@@ -39,6 +48,9 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Changes the state by a call that does nothing else.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance.
     pub(crate) fn enter(&mut self, state: State, by: Call) -> Outcome {
         self.allow(by)?;
         self.now.state = state;
@@ -46,6 +58,10 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Leaves initialisation mode, for event mode if the importer handles events.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance; or the unit does not start, and the instance
+    /// has failed.
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
@@ -56,6 +72,10 @@ impl<U: Unit> FmuInstance<U> {
         Ok(())
     }
 
+    /// Enters event mode.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or its importer handles no events.
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.allow(Call::EnterEventMode)?;
         if !self.importer.events {
@@ -66,6 +86,9 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Returns the instance to its state after instantiation. Allowed in every state.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn reset(&mut self) -> Outcome {
         self.allow(Call::Always)?;
         self.now = Snapshot::starting_from(self.start.clone());
@@ -73,12 +96,19 @@ impl<U: Unit> FmuInstance<U> {
         Ok(())
     }
 
+    /// A copy of the whole dynamic state.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         Ok(self.now.clone())
     }
 
     /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
         self.allow(Call::Always)?;
         let stop = self.now.experiment.stop;
@@ -92,6 +122,9 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// A state as bytes.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode, or there is no memory for the bytes.
     pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
         self.allow(Call::Always)?;
         let mut archive = Archive::writer();
@@ -101,6 +134,10 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// The state in these bytes.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode; the bytes are incomplete, damaged, or of
+    /// another FMU; or a value in them is out of range. Nothing has changed.
     pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
@@ -126,6 +163,10 @@ impl<U: Unit> FmuInstance<U> {
 
 impl Experiment {
     /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink pass, is none.
+    ///
+    /// # Errors
+    /// A time or the tolerance is not finite or out of range, or the stop time is before the start
+    /// time.
     pub(crate) fn checked(mut self) -> Result<Self, CallError> {
         self.stop = self.stop.filter(|stop| *stop != f64::INFINITY);
         let Self { tolerance, start, stop } = self;

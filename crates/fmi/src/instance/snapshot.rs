@@ -34,6 +34,9 @@ impl<U: Unit> Snapshot<U> {
     }
 
     /// Writes everything to an archive, or reads it from one into a new snapshot.
+    ///
+    /// # Errors
+    /// There is no unit to read the state into, with the reason of [`Unit::blank`].
     pub(super) fn serialize(
         &mut self,
         table: &Table<U::Settings, U::Readings>,

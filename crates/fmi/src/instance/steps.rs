@@ -42,6 +42,11 @@ impl Ended {
 
 impl<U: Unit> FmuInstance<U> {
     /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or until the importer is to be called back.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or the step does not begin at the
+    /// communication point, is not forward or too long, or ends after the stop time; or the unit
+    /// can't do it, and it is discarded.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
         let now = &mut self.now;
@@ -73,6 +78,10 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Goes on after the importer's callback, which may request that the step ends at a time, s.
+    ///
+    /// # Errors
+    /// A call within the callback failed; or the unit can't do the rest of the step, and the whole
+    /// step is discarded.
     pub fn resume_step(&mut self, until: Option<f64>) -> Result<Next, CallError> {
         let (State::IntermediateUpdate, Some(unit), Some(step)) = (self.now.state, &mut self.now.unit, &mut self.step)
         else {
@@ -161,6 +170,10 @@ impl<U: Unit> FmuInstance<U> {
 
     /// In FMI 2.0, how the last step ended. Writes to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0
     /// to 3, the one that has a value of this type.
+    ///
+    /// # Errors
+    /// The kind is not of the standard, or the call is not allowed in the state of the instance; or the
+    /// kind has no value of this type, and the call is discarded.
     pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
         if !(0..=3).contains(&kind) {
             return refused(format!("the kind of status {kind} is not one of the standard's"));

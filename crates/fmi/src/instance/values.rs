@@ -41,6 +41,9 @@ impl Type {
 
 impl<U: Unit> FmuInstance<U> {
     /// Reads or writes variables of a type that no variable has.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, or there is a value reference.
     pub fn no_such_type(&mut self, call: Call, references: &[u32], type_name: &str) -> Outcome {
         self.allow(call)?;
         match references.first() {
@@ -62,6 +65,11 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Reads variables of a type, in FMI 3.0 the time among them.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, a variable does not exist or has another
+    /// type, or the number of values is wrong; or the unit does not start, and the instance has
+    /// failed.
     pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
@@ -98,6 +106,11 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Writes variables of a type: either all values are set or none.
+    ///
+    /// # Errors
+    /// The call is not allowed in the state of the instance, a variable does not exist, has another type
+    /// or can't be set now, or the number of values is wrong; or a value is out of range, and it is
+    /// discarded.
     pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
@@ -172,6 +185,9 @@ fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u
 }
 
 /// The variable with a value reference, if it has this type.
+///
+/// # Errors
+/// No variable has it, or another type.
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
         None if reference == TIME => refused(
@@ -190,6 +206,9 @@ pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Resul
 }
 
 /// Checks that the number of values is that of all variables together.
+///
+/// # Errors
+/// It is another one.
 pub(super) fn check_count(variables: usize, values: usize, together: usize) -> Outcome {
     if values == together {
         return Ok(());
