@@ -1,8 +1,9 @@
 //! A row of values that is written once and read back in the same order.
 //!
-//! A structure that is stored writes its values to an [`Archive`] or reads them from one, by one function for both
-//! directions. So values are read in the order in which they were written. Numbers keep their bits. A structure is built
-//! before its values are read, so the lengths are known, and an archive that does not fit is rejected.
+//! A structure that is stored writes its values to an [`Archive`] or reads them from one, by one
+//! function for both directions. So values are read in the order in which they were written.
+//! Numbers keep their bits. A structure is built before its values are read, so the lengths are
+//! known, and an archive that does not fit is rejected.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -104,7 +105,8 @@ impl<'a> Archive<'a> {
         *value = f64::from_le_bytes(self.word(value.to_le_bytes()));
     }
 
-    /// A real number between limits, which may be infinite. One that is read and not between them is rejected.
+    /// A real number between limits, which may be infinite. One that is read and not between them
+    /// is rejected.
     pub fn bounded_real(&mut self, value: &mut f64, min: f64, max: f64) {
         let found = f64::from_le_bytes(self.word(value.to_le_bytes()));
         if (min..=max).contains(&found) {
@@ -129,7 +131,8 @@ impl<'a> Archive<'a> {
         }
     }
 
-    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't overflow.
+    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't
+    /// overflow.
     pub fn counter(&mut self, value: &mut u64) {
         let found = u64::from_le_bytes(self.word(value.to_le_bytes()));
         if found <= 1 << 53 {

@@ -1,5 +1,6 @@
-//! A whole FMU of both versions of FMI: a first-order lag, T·dy/dt + y = u. `cargo build --example lag` builds its library,
-//! `cargo run --example lag_description` prints its model description.
+//! A whole FMU of both versions of FMI: a first-order lag, T·dy/dt + y = u.
+//! `cargo build --example lag` builds its library, `cargo run --example lag_description` prints its
+//! model description.
 
 use pushbelt_fmi::prelude::*;
 

@@ -1,8 +1,9 @@
-//! `modelDescription.xml` of both versions, generated from the variable table, and the token made from it: the GUID of FMI 2.0, the
-//! instantiation token of FMI 3.0.
+//! `modelDescription.xml` of both versions, generated from the variable table, and the token made
+//! from it: the GUID of FMI 2.0, the instantiation token of FMI 3.0.
 //!
-//! Names, value references, units and limits are the same in both. The elements of an array in FMI 2.0 are one array in FMI 3.0, with the
-//! value reference of its first element. Its size is fixed: FMI 2.0 names each element.
+//! Names, value references, units and limits are the same in both. The elements of an array in FMI
+//! 2.0 are one array in FMI 3.0, with the value reference of its first element. Its size is fixed:
+//! FMI 2.0 names each element.
 
 use super::hash;
 use super::instance::{TIME, Version};
@@ -13,15 +14,16 @@ use super::xml::{Element, Number};
 use Version::{Three, Two};
 
 /// The model description of a unit whose resources have data of this hash.
-#[must_use] 
+#[must_use]
 pub fn model_description<U: Unit>(version: Version, data: Option<u128>) -> String {
     describe::<U>(version, &token::<U>(version, data)).document()
 }
 
-/// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in the form of a GUID, so that
-/// description and binary fit each other. The hash of the data is in it by the bitwise exclusive or: a tool that replaces the data of an
-/// FMU can calculate the new token from the old one.
-#[must_use] 
+/// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in
+/// the form of a GUID, so that description and binary fit each other. The hash of the data is in it
+/// by the bitwise exclusive or: a tool that replaces the data of an FMU can calculate the new token
+/// from the old one.
+#[must_use]
 pub fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
     let description = describe::<U>(version, "").document();
     let digits = format!(
@@ -78,8 +80,8 @@ fn capabilities<U: Unit>(version: Version) -> Element {
             .with("canNotUseMemoryManagementFunctions", true)
             .with("canGetAndSetFMUstate", true)
             .with("canSerializeFMUstate", true),
-        // Inputs may jump between the unit's internal steps, but without `recommendedIntermediateInputSmoothness="-1"`: checkers stop
-        // at a negative number.
+        // Inputs may jump between the unit's internal steps, but without
+        // `recommendedIntermediateInputSmoothness="-1"`: checkers stop at a negative number.
         Three => element
             .with("canGetAndSetFMUState", true)
             .with("canSerializeFMUState", true)
@@ -130,7 +132,8 @@ fn type_definition(version: Version, enumeration: &Enumeration) -> Element {
     }
 }
 
-/// Categories of the log. Without debug logging FMI 2.0 has warnings and discards too, FMI 3.0 only errors.
+/// Categories of the log. Without debug logging FMI 2.0 has warnings and discards too, FMI 3.0 only
+/// errors.
 fn log_categories(version: Version) -> Element {
     let describe = |category| match (category, version) {
         (Category::Error, _) => "Why a call failed (always logged)",
@@ -161,7 +164,8 @@ fn time() -> Element {
         .with("unit", "s")
 }
 
-/// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further elements of an array.
+/// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further
+/// elements of an array.
 fn variable<S, R>(version: Version, table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
     let reference = variable.reference;
     let array = table.array_of(reference).filter(|_| version == Three);
@@ -231,8 +235,9 @@ fn typed<S, R>(element: Element, variable: &Variable<S, R>, settings: &S) -> Ele
     }
 }
 
-/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs depend on
-/// settings, on all of them where there is no list (FMI 2.0, definition of the model structure; section 2.4.8 of FMI 3.0.2).
+/// In a run no output depends directly on an input: all effects pass through states. In
+/// initialisation mode outputs depend on settings, on all of them where there is no list (FMI 2.0,
+/// definition of the model structure; section 2.4.8 of FMI 3.0.2).
 fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
     // FMI 2.0 counts variables from 1; FMI 3.0 has their value references.
     let number = |place: usize| match version {

@@ -1,4 +1,5 @@
-//! A hash of texts, stored states and libraries: FNV-1a with 128 bits (Fowler, Noll, Vo). It detects accidents, not attacks.
+//! A hash of texts, stored states and libraries: FNV-1a with 128 bits (Fowler, Noll, Vo). It
+//! detects accidents, not attacks.
 
 const START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
@@ -8,13 +9,13 @@ fn mix(hash: u128, value: u128) -> u128 {
 }
 
 /// Hash of bytes.
-#[must_use] 
+#[must_use]
 pub fn of_bytes(bytes: &[u8]) -> u128 {
     bytes.iter().fold(START, |hash, byte| mix(hash, (*byte).into()))
 }
 
 /// Hash of bytes taken eight at a time, the last ones filled up with zeros: for long states.
-#[must_use] 
+#[must_use]
 pub fn of_words(bytes: &[u8]) -> u128 {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut last = [0; 8];
@@ -24,7 +25,7 @@ pub fn of_words(bytes: &[u8]) -> u128 {
 }
 
 /// Length and hash of a file's content, in words: what identifies the variant of a library.
-#[must_use] 
+#[must_use]
 pub fn of_file(content: &[u8]) -> String {
     format!("{}-{:032x}", content.len(), of_words(content))
 }

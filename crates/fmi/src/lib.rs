@@ -1,12 +1,13 @@
-//! FMI 2.0 and FMI 3.0 for co-simulation around any model: C functions, state machine, variable table, stored states, log,
-//! model description.
+//! FMI 2.0 and FMI 3.0 for co-simulation around any model: C functions, state machine, variable
+//! table, stored states, log, model description.
 //!
-//! A model implements [`Unit`]: settings that the importer writes (parameters and inputs), readings that it reads, a start and a
-//! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
-//! table. [`export!`] exports the C functions; `examples/lag.rs` is a whole FMU.
+//! A model implements [`Unit`]: settings that the importer writes (parameters and inputs), readings
+//! that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
+//! field. The C functions and `modelDescription.xml` come from the table. [`export!`] exports the C
+//! functions; `examples/lag.rs` is a whole FMU.
 //!
-//! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
-//! (`c::dispatch`).
+//! There are no threads, and every instance owns all its data. The only global is the choice of the
+//! library in portable builds (`c::dispatch`).
 
 #![warn(missing_docs)]
 // The program of the README is a test.

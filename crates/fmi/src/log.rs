@@ -2,7 +2,8 @@
 
 use crate::instance::Version;
 
-/// Status of a call, numbered as in the standard; the others, of lost instances and pending calls, are never returned.
+/// Status of a call, numbered as in the standard; the others, of lost instances and pending calls,
+/// are never returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
@@ -10,7 +11,8 @@ pub enum Status {
     Ok = 0,
     /// The call was done; a message has a warning.
     Warning = 1,
-    /// A value was discarded, or a step was not completed; another value or a smaller step may work.
+    /// A value was discarded, or a step was not completed; another value or a smaller step may
+    /// work.
     Discard = 2,
     /// The call failed; the run can't continue without reset or a stored state.
     Error = 3,
@@ -34,7 +36,7 @@ impl Category {
     pub const ALL: [Self; 4] = [Self::Error, Self::Warning, Self::Discard, Self::Events];
 
     /// Name that the standard suggests for the log.
-    #[must_use] 
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "logStatusError",
@@ -82,9 +84,11 @@ impl Log {
         self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none. Without it FMI 2.0 has errors, warnings
-    /// and discarded steps: they are no debug messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section
-    /// 2.3.1 of 3.0.2 forbids any message, but 3.0.3 corrects that. A host that reads none passes no function for messages.
+    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
+    /// Without it FMI 2.0 has errors, warnings and discarded steps: they are no debug messages, and
+    /// `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2
+    /// forbids any message, but 3.0.3 corrects that. A host that reads none passes no function for
+    /// messages.
     pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
         self.enabled = match (debug, chosen, self.version) {
             (false, _, Version::Two) => vec![Category::Error, Category::Warning, Category::Discard],

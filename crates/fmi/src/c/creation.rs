@@ -31,8 +31,9 @@ pub(crate) fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// An instance, as a `Box<FmuInstance<U>>`; null after a message if the arguments don't fit this FMU. `messages` is given the name. `importer` returns what the importer handles, and passes
-/// on warnings; or why there is no instance.
+/// An instance, as a `Box<FmuInstance<U>>`; null after a message if the arguments don't fit this
+/// FMU. `messages` is given the name. `importer` returns what the importer handles, and passes on
+/// warnings; or why there is no instance.
 ///
 /// # Safety
 /// Each of the texts is null or ends with a zero.
@@ -68,19 +69,22 @@ pub(crate) unsafe fn create<U: Unit>(
     })
 }
 
-/// Frees an instance; null is legal. Within `fmi3DoStep`, in intermediate update mode, nothing happens.
+/// Frees an instance; null is legal. Within `fmi3DoStep`, in intermediate update mode, nothing
+/// happens.
 ///
 /// # Safety
-/// `instance` is null or a `Box<FmuInstance<U>>` released by an `instantiate` function, which is not used any more.
+/// `instance` is null or a `Box<FmuInstance<U>>` released by an `instantiate` function, which is
+/// not used any more.
 pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
     contain((), || {
         let pointer = instance.cast::<FmuInstance<U>>();
-        // SAFETY: the caller grants that it is null or an instance, and that no other call uses it. During a callback
-        // of `fmi3DoStep` there is no other reference either (`fmi3::steps`).
+        // SAFETY: the caller grants that it is null or an instance, and that no other call uses it.
+        // During a callback of `fmi3DoStep` there is no other reference either (`fmi3::steps`).
         let instance = unsafe { pointer.as_ref() };
         if instance.is_some_and(|instance| instance.allow(Call::Always).is_ok()) {
-            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, with the same `U`: a library has one
-            // unit. The reference above is not used any more, nor the pointer by the caller.
+            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, with the same `U`:
+            // a library has one unit. The reference above is not used any more, nor the pointer by
+            // the caller.
             drop(unsafe { Box::from_raw(pointer) });
         }
     });
@@ -103,14 +107,18 @@ fn start<U: Unit>(
     };
     let token = texts.token?.ok_or_else(|| format!("the {what} is missing"))?;
     let importer = importer(warn)?;
-    // A location that means no place is a warning: without start values in its resources an FMU works too.
+    // A location that means no place is a warning: without start values in its resources an FMU
+    // works too.
     let places = resources::places(&texts.location?.unwrap_or_default());
     let mut places = places.map_err(|why| warn(&why)).unwrap_or_default();
     places.extend(library::own_path().and_then(|path| resources::resources_of(&path)));
     let defaults = load::<U>(&places)?;
     let own = description::token::<U>(version, U::data(&defaults));
     let is_copy = start_file::is_of_copy(&token, &own).ok_or_else(|| {
-        format!("the {what} {token} is not that of this binary, {own}: the model description belongs to another binary")
+        format!(
+            "the {what} {token} is not that of this binary, {own}: the model description belongs \
+             to another binary"
+        )
     })?;
     let start = start_file::find::<U>(&places, is_copy, &defaults)?;
     Ok((importer, start.unwrap_or(defaults)))

@@ -1,13 +1,16 @@
 //! Forwarding to a variant of the library for newer processors.
 //!
-//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by itself, and `Name-avx2` in the
-//! same folder. An instance that `Name` creates there opens `Name-avx2`, gets all its calls forwarded, and closes it at its end; the
-//! operating system counts how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances that exist at
-//! the same time are all in one of the two, because they exchange stored states. A function is looked up at each call: 0.1 µs.
+//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by
+//! itself, and `Name-avx2` in the same folder. An instance that `Name` creates there opens
+//! `Name-avx2`, gets all its calls forwarded, and closes it at its end; the operating system counts
+//! how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances
+//! that exist at the same time are all in one of the two, because they exchange stored states. A
+//! function is looked up at each call: 0.1 µs.
 //!
-//! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0",
-//! or if `Name-avx2` is not the file of its build. `Name` contains the hash of that file and compares it before the system opens the
-//! file, because to open a damaged or strange library can already end the host.
+//! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the
+//! environment variable `PUSHBELT_AVX2` is "0", or if `Name-avx2` is not the file of its build.
+//! `Name` contains the hash of that file and compares it before the system opens the file, because
+//! to open a damaged or strange library can already end the host.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -69,8 +72,8 @@ impl Handle {
     }
 }
 
-/// Creates an instance in the variant whose file has this hash, or here. `call` makes the call, of a function of the variant or, if that is
-/// null, of this library.
+/// Creates an instance in the variant whose file has this hash, or here. `call` makes the call, of
+/// a function of the variant or, if that is null, of this library.
 pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_void) -> *mut c_void {
     let mut handle = Handle {
         instance: null_mut(),
@@ -87,13 +90,14 @@ pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_v
     })
 }
 
-/// Makes a call on an instance: `call` gets it as its library has it, and the function as in [`create`].
+/// Makes a call on an instance: `call` gets it as its library has it, and the function as in
+/// [`create`].
 ///
 /// # Safety
 /// `c` is null, or comes from [`create`] and has not been freed.
 pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void) -> T) -> T {
-    // SAFETY: the caller grants that it is null or a boxed handle. The references of two calls at once, of which one is
-    // in a callback of the other, are both shared: `is_in_call` is a cell.
+    // SAFETY: the caller grants that it is null or a boxed handle. The references of two calls at
+    // once, of which one is in a callback of the other, are both shared: `is_in_call` is a cell.
     let Some(handle) = (unsafe { c.cast::<Handle>().as_ref() }) else {
         return call(null_mut(), null_mut());
     };
@@ -114,8 +118,8 @@ pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *m
         // SAFETY: the same handle.
         unsafe { on(c, name, call) };
         contain((), || {
-            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, and has not been freed. No call on it is
-            // in progress, and none follows.
+            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, and has not been
+            // freed. No call on it is in progress, and none follows.
             let handle = unsafe { Box::from_raw(handle) };
             handle.count().fetch_sub(1, SeqCst);
         });
@@ -135,7 +139,8 @@ fn choose(hash: &str) -> Option<Library> {
     found.ok()
 }
 
-/// Opens the variant, or says why this library runs by itself. Its file and the switch are not checked again if it `is_open`.
+/// Opens the variant, or says why this library runs by itself. Its file and the switch are not
+/// checked again if it `is_open`.
 fn open(hash: &str, is_open: bool) -> Result<Library, String> {
     if !has_avx2() {
         return Err("the processor has no AVX2".to_owned());
@@ -153,21 +158,23 @@ fn open(hash: &str, is_open: bool) -> Result<Library, String> {
 
 /// Loads a checked file.
 fn load(path: &Path) -> Result<Library, String> {
-    // SAFETY: `check` has compared the file's hash with that of the library compiled with this one, whose initialisation
-    // is that of Rust's standard library; or that library is open already.
+    // SAFETY: `check` has compared the file's hash with that of the library compiled with this one,
+    // whose initialisation is that of Rust's standard library; or that library is open already.
     let library = unsafe { Library::open(path) }?;
     let handshake = library.find(HANDSHAKE);
     if handshake.is_null() {
         return Err("it has no handshake".to_owned());
     }
-    // SAFETY: it is not null, and `export!` gives the function of this name this type. The library is open.
+    // SAFETY: it is not null, and `export!` gives the function of this name this type. The library
+    // is open.
     unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
     Ok(library)
 }
 
 /// Checks that a file has this hash.
 fn check(path: &Path, hash: &str) -> Result<(), String> {
-    // Without these checks the message would be that of the operating system, and a pipe would keep the host waiting.
+    // Without these checks the message would be that of the operating system, and a pipe would keep
+    // the host waiting.
     let found = fs::metadata(path).map_err(|_| "there is no such file")?;
     if !found.is_file() || !hash.starts_with(&format!("{}-", found.len())) {
         let size = found.len();

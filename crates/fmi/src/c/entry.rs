@@ -1,4 +1,5 @@
-//! The entry of every C function on an instance, and the conversion of its pointers to slices, references and strings.
+//! The entry of every C function on an instance, and the conversion of its pointers to slices,
+//! references and strings.
 
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,16 +13,18 @@ use crate::unit::Unit;
 /// Error text for a result without a pointer.
 pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
 
-/// Runs `body` in the default floating-point environment, and returns `instead` after a panic. Every C function that computes
-/// does so here.
+/// Runs `body` in the default floating-point environment, and returns `instead` after a panic.
+/// Every C function that computes does so here.
 pub(crate) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
     floating_point::in_default(|| catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead))
 }
 
-/// Makes the call of a C function on an instance; the entry of every C function. Without an instance the status is an error.
+/// Makes the call of a C function on an instance; the entry of every C function. Without an
+/// instance the status is an error.
 ///
 /// # Safety
-/// `instance` is null or a `Box<FmuInstance<U>>` released by an `instantiate` function, and no other call is using it.
+/// `instance` is null or a `Box<FmuInstance<U>>` released by an `instantiate` function, and no
+/// other call is using it.
 pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     instance: *mut c_void,
     function: &str,
@@ -47,8 +50,8 @@ unsafe fn make<U: Unit>(
     body: &mut dyn FnMut(&mut FmuInstance<U>) -> Result<Status, CallError>,
 ) -> Status {
     contain(Status::Error, || {
-        // SAFETY: the caller grants that it is null or an instance that no other call uses, so this reference is the only
-        // one. It ends with this call.
+        // SAFETY: the caller grants that it is null or an instance that no other call uses, so this
+        // reference is the only one. It ends with this call.
         let instance = unsafe { instance.cast::<FmuInstance<U>>().as_mut() };
         instance.map_or(Status::Error, |instance| instance.call(function, body))
     })
@@ -75,7 +78,8 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
     instance.set_debug_logging(on, categories.iter().map(|category| unsafe { text(*category) }))
 }
 
-/// The address of as many elements; an error if they can't be there: null, misaligned, longer than an allocation can be.
+/// The address of as many elements; an error if they can't be there: null, misaligned, longer than
+/// an allocation can be.
 fn usable<T>(pointer: *mut T, count: usize) -> Result<*mut T, CallError> {
     let size = count.checked_mul(size_of::<T>());
     let fits = size.is_some_and(|bytes| isize::try_from(bytes).is_ok());
@@ -89,22 +93,24 @@ fn usable<T>(pointer: *mut T, count: usize) -> Result<*mut T, CallError> {
 /// An array argument; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null, or points to `count` initialised elements in one allocation that nobody writes to for `'a`.
+/// `pointer` is null, or points to `count` initialised elements in one allocation that nobody
+/// writes to for `'a`.
 ///
 /// # Errors
 /// It is null, misaligned or too long.
 pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], CallError> {
     let pointer = usable(pointer.cast_mut(), count)?;
-    // SAFETY: `usable` has checked that it is aligned, not null, and not longer than an allocation can be; without
-    // elements it dangles. The caller grants that the elements are there and stay as they are.
+    // SAFETY: `usable` has checked that it is aligned, not null, and not longer than an allocation
+    // can be; without elements it dangles. The caller grants that the elements are there and stay
+    // as they are.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
 /// An array for results; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null, or points to `count` initialised elements in one allocation, writable and not otherwise used for
-/// `'a`.
+/// `pointer` is null, or points to `count` initialised elements in one allocation, writable and not
+/// otherwise used for `'a`.
 pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [T], CallError> {
     let pointer = usable(pointer, count)?;
     // SAFETY: as in `array`. The caller grants that nobody else uses the elements.
@@ -114,13 +120,15 @@ pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&
 /// The place of a result; an error if it is null.
 ///
 /// # Safety
-/// `pointer` is null, or is aligned and points to a writable, initialised value that is not otherwise used for `'a`.
+/// `pointer` is null, or is aligned and points to a writable, initialised value that is not
+/// otherwise used for `'a`.
 pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallError> {
     // SAFETY: the caller grants that it is null or such a value.
     unsafe { pointer.as_mut() }.map_or_else(|| refused(NULL_RESULT), Ok)
 }
 
-/// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as many.
+/// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as
+/// many.
 const LONGEST_TEXT: usize = 1 << 20;
 
 /// A string argument, if it is not too long, with what is not UTF-8 replaced; `None` if it is null.
@@ -131,12 +139,14 @@ pub(crate) unsafe fn text(pointer: *const c_char) -> Result<Option<String>, Call
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: it is not null, and the caller grants a zero at the end, beyond which `strnlen` reads nothing.
+    // SAFETY: it is not null, and the caller grants a zero at the end, beyond which `strnlen` reads
+    // nothing.
     let length = unsafe { libc::strnlen(pointer, LONGEST_TEXT + 1) };
     if length > LONGEST_TEXT {
         return refused(format!("a text has more than {LONGEST_TEXT} bytes"));
     }
-    // SAFETY: `strnlen` has read so many bytes, which are initialised and belong to the string. They are copied at once.
+    // SAFETY: `strnlen` has read so many bytes, which are initialised and belong to the string.
+    // They are copied at once.
     let bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>(), length) };
     Ok(Some(String::from_utf8_lossy(bytes).into_owned()))
 }

@@ -1,8 +1,10 @@
-//! Stored states as an importer holds them, in both versions: a pointer to a boxed snapshot, and its bytes.
+//! Stored states as an importer holds them, in both versions: a pointer to a boxed snapshot, and
+//! its bytes.
 //!
-//! A stored state is null, or a `Box<Snapshot<U>>` that [`get`] or [`deserialize`] has released and that has not been
-//! freed. The importer grants this (section 2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0), with the same unit `U`, of which a
-//! library has one. A state that is read stays as it is: no other call uses it at the same time.
+//! A stored state is null, or a `Box<Snapshot<U>>` that [`get`] or [`deserialize`] has released and
+//! that has not been freed. The importer grants this (section 2.1.8 of FMI 2.0, 2.2.6.4 of FMI
+//! 3.0), with the same unit `U`, of which a library has one. A state that is read stays as it is:
+//! no other call uses it at the same time.
 
 use libc::c_void;
 use std::ptr;
@@ -15,7 +17,8 @@ use crate::unit::Unit;
 /// A stored state.
 type Stored = *mut c_void;
 
-/// Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
+/// Stores the state, in a new object if `*state` is null, otherwise in the object that it points
+/// to.
 ///
 /// # Safety
 /// `state` is null or points to a stored state that no other call uses.
@@ -51,8 +54,8 @@ pub(crate) unsafe fn free<U: Unit>(instance: &mut FmuInstance<U>, state: *mut St
         && !state.is_null()
     {
         let freed = std::mem::replace(state, ptr::null_mut());
-        // SAFETY: it is not null, so it is from `Box::into_raw` in `get` or `deserialize`. The caller grants that it has
-        // not been freed and that no copy of it is used.
+        // SAFETY: it is not null, so it is from `Box::into_raw` in `get` or `deserialize`. The
+        // caller grants that it has not been freed and that no copy of it is used.
         drop(unsafe { Box::from_raw(freed.cast::<Snapshot<U>>()) });
     }
     Ok(())
@@ -106,7 +109,8 @@ pub(crate) unsafe fn deserialize<U: Unit>(
         return refused(NULL_RESULT);
     }
     let snapshot = instance.deserialize(bytes)?;
-    // SAFETY: it is not null, and the caller grants that a pointer may be written there. What is there is not read.
+    // SAFETY: it is not null, and the caller grants that a pointer may be written there. What is
+    // there is not read.
     unsafe { state.write(Box::into_raw(Box::new(snapshot)).cast()) };
     Ok(())
 }

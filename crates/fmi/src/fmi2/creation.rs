@@ -10,12 +10,12 @@ use crate::log::{Sink, Status};
 use crate::processor;
 use crate::unit::Unit;
 
-/// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
-/// before it, not even the packing of arguments.
+/// Whether the processor has the instructions that the code is compiled for; if not, logs an error.
+/// No other code may run before it, not even the packing of arguments.
 ///
 /// # Safety
-/// The name is null or ends with a zero. `functions` is null or points to the standard's structure, whose logger is null or
-/// can be called with its environment.
+/// The name is null or ends with a zero. `functions` is null or points to the standard's structure,
+/// whose logger is null or can be called with its environment.
 pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const CallbackFunctions) -> bool {
     if processor::suffices() {
         return true;
@@ -27,7 +27,8 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
     {
         let (environment, status) = (functions.component_environment, Status::Error as c_int);
         let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        // SAFETY: the caller grants that the logger can be called. The texts are constants that end with a zero.
+        // SAFETY: the caller grants that the logger can be called. The texts are constants that end
+        // with a zero.
         unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
     }
     false
@@ -37,8 +38,9 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
 /// inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
-/// Each of the texts is null or ends with a zero. `functions` is null or points to the standard's structure, whose logger is
-/// null or can be called with its environment until the instance is freed.
+/// Each of the texts is null or ends with a zero. `functions` is null or points to the standard's
+/// structure, whose logger is null or can be called with its environment until the instance is
+/// freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
     texts: Texts<*const c_char>,
@@ -70,8 +72,9 @@ fn sink(logger: Logger, environment: *mut c_void, instance: &str) -> Sink {
         let [category, text] = [category.name(), text].map(c_string);
         let (instance, category, text) = (instance.as_ptr(), category.as_ptr(), text.as_ptr());
         // The argument of "%s", so that a percent sign in it is not taken for a format.
-        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance, in which the
-        // log owns this sink. The strings end with a zero and exist during the call.
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the
+        // instance, in which the log owns this sink. The strings end with a zero and exist during
+        // the call.
         in_hosts(|| unsafe { logger(environment, instance, status as c_int, category, c"%s".as_ptr(), text) });
     })
 }

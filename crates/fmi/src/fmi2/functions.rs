@@ -22,7 +22,8 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 const TERMINATED: c_int = 3;
 const NONE: c_int = -1;
 
-/// Passes the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own arguments.
+/// Passes the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own
+/// arguments.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {
@@ -100,7 +101,8 @@ macro_rules! fmi2_functions {
         ) -> Status =>
             c, |instance| instance.get_output_derivatives(array(vr, nvr)?, array(order, nvr)?, array_mut(value, nvr)?);
 
-        // Communication steps. States are stored on request only, so the last argument of `fmi2DoStep` does not matter.
+        // Communication steps. States are stored on request only, so the last argument of
+        // `fmi2DoStep` does not matter.
         fmi2DoStep(
             c: Component, current_communication_point: f64, communication_step_size: f64,
             no_set_fmu_state_prior_to_current_point: c_int
@@ -125,8 +127,8 @@ fmi2_functions!([define]);
 
 /// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::Unit).
 ///
-/// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names;
-/// [`export!`](crate::export) does so for both versions.
+/// To be called once in a library, in a module of its own that allows `unsafe` code and the
+/// standard's names; [`export!`](crate::export) does so for both versions.
 #[macro_export]
 macro_rules! export_fmi2 {
     ($unit:ty) => {

@@ -12,10 +12,12 @@ use crate::instance::FmuInstance;
 use crate::log::Status;
 use crate::unit::{Message, Unit};
 
-/// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
+/// Makes a query about the unit and returns the result as a string of its own. `*text` is null
+/// where there is none.
 ///
 /// # Safety
-/// The caller grants what [the head of this module](super) lists. The previous value of `*text` is not read.
+/// The caller grants what [the head of this module](super) lists. The previous value of `*text` is
+/// not read.
 pub unsafe fn query<U: Unit>(
     c: Component,
     function: &'static str,
@@ -44,8 +46,8 @@ pub unsafe fn query<U: Unit>(
 pub unsafe fn free_text(text: *mut c_char) {
     contain((), || {
         if !text.is_null() {
-            // SAFETY: it is not null, so it is from `CString::into_raw` in `query`, and the caller grants that it has not
-            // been freed.
+            // SAFETY: it is not null, so it is from `CString::into_raw` in `query`, and the caller
+            // grants that it has not been freed.
             drop(unsafe { CString::from_raw(text) });
         }
     });

@@ -15,8 +15,8 @@ use crate::processor;
 use crate::table::Causality;
 use crate::unit::Unit;
 
-/// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
-/// before it, not even the packing of arguments.
+/// Whether the processor has the instructions that the code is compiled for; if not, logs an error.
+/// No other code may run before it, not even the packing of arguments.
 ///
 /// # Safety
 /// The function for messages is null or can be called with the environment.
@@ -27,8 +27,8 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     // Not through a `Sink`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
         let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
-        // SAFETY: the caller grants that it can be called with the environment. The texts are constants that end with a
-        // zero.
+        // SAFETY: the caller grants that it can be called with the environment. The texts are
+        // constants that end with a zero.
         unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
     false
@@ -48,12 +48,13 @@ pub(super) struct Callbacks {
     pub intermediate_update: Option<IntermediateUpdate>,
 }
 
-/// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU. Never inlined: none of its code
-/// may run before [`processor_suffices`].
+/// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU.
+/// Never inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
-/// Each of the texts is null or ends with a zero. `required` is null or points to `n_required` value references. The callbacks
-/// are null or can be called with the environment until the instance is freed.
+/// Each of the texts is null or ends with a zero. `required` is null or points to `n_required`
+/// value references. The callbacks are null or can be called with the environment until the
+/// instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
     texts: Texts<Text>,
@@ -69,7 +70,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
     } = callbacks;
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let importer = |warn: &dyn Fn(&str)| {
-        // SAFETY: the caller grants that it is null or points to so many value references, during this call.
+        // SAFETY: the caller grants that it is null or points to so many value references, during
+        // this call.
         let required = unsafe { array(required, n_required) }.map_err(|error| error.to_string())?;
         let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
         Ok(Importer {
@@ -85,8 +87,9 @@ pub(super) unsafe fn instantiate<U: Unit>(
     unsafe { create::<U>(Version::Three, texts, modes.logging, messages, importer) }
 }
 
-/// Those of the required variables that the importer may set and read in intermediate update mode, and whether inputs are among
-/// them. The others are a warning: some importers name all outputs, and access is refused. Time can be read there in any case.
+/// Those of the required variables that the importer may set and read in intermediate update mode,
+/// and whether inputs are among them. The others are a warning: some importers name all outputs,
+/// and access is refused. Time can be read there in any case.
 fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
@@ -95,7 +98,8 @@ fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u
     for reference in named {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
-                "no variable has the value reference {reference}, which is among the required intermediate variables"
+                "no variable has the value reference {reference}, which is among the required intermediate \
+                 variables"
             ));
         };
         if variable.is_intermediate() {
@@ -135,8 +139,9 @@ fn sink(log_message: LogMessage, environment: Environment) -> Sink {
         // By the standard, "#" refers to a variable, and "##" is a number sign.
         let [category, text] = [category.name(), &text.replace('#', "##")].map(c_string);
         let (category, text) = (category.as_ptr(), text.as_ptr());
-        // SAFETY: the importer gave the function, with this environment, for the lifetime of the instance, in which the
-        // log owns this sink, or for the call of `refuse_instance`. The strings end with a zero and exist during the call.
+        // SAFETY: the importer gave the function, with this environment, for the lifetime of the
+        // instance, in which the log owns this sink, or for the call of `refuse_instance`. The
+        // strings end with a zero and exist during the call.
         in_hosts(|| unsafe { log_message(environment, status as c_int, category, text) });
     })
 }

@@ -24,8 +24,8 @@ const ADJOINT: &str = "no output depends directly on an input, so every such der
                            (providesAdjointDerivatives is false)";
 const DEPENDENCIES: &str = "the model description lists the dependencies (providesPerElementDependencies is false)";
 
-/// Passes the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are stored on request only, so
-/// `noSetFMUStatePriorToCurrentPoint` of `fmi3DoStep` has no effect.
+/// Passes the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are
+/// stored on request only, so `noSetFMUStatePriorToCurrentPoint` of `fmi3DoStep` has no effect.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi3_functions {

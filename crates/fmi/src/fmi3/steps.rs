@@ -1,7 +1,7 @@
 //! Communication steps, with intermediate update mode.
 //!
-//! The importer is called back between two borrows of the instance, never within one, because its callback calls functions on the
-//! same instance.
+//! The importer is called back between two borrows of the instance, never within one, because its
+//! callback calls functions on the same instance.
 
 use super::{Boolean, Instance};
 use crate::c::entry::{NULL_RESULT, contain, enter};
@@ -18,7 +18,8 @@ pub(super) struct Results {
     pub last_successful_time: *mut f64,
 }
 
-/// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event or a requested return.
+/// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event
+/// or a requested return.
 ///
 /// # Safety
 /// The caller grants what [the head of this module](super) lists.
@@ -48,8 +49,9 @@ pub(super) unsafe fn do_step<U: Unit>(
                 }
                 Ok(())
             };
-            // SAFETY: the caller grants that it is null or an instance that no other call uses. The reference ends with
-            // this call: during a callback there is none, so that the calls in it may have theirs.
+            // SAFETY: the caller grants that it is null or an instance that no other call uses. The
+            // reference ends with this call: during a callback there is none, so that the calls in
+            // it may have theirs.
             (unsafe { enter(c, function, call) }, update)
         };
         let mut now = call(&|instance| match writable {
@@ -57,14 +59,16 @@ pub(super) unsafe fn do_step<U: Unit>(
             false => refused(NULL_RESULT),
         });
         while let (_, Some(update)) = now {
-            // SAFETY: the importer gave the function with this environment to `fmi3InstantiateCoSimulation`.
+            // SAFETY: the importer gave the function with this environment to
+            // `fmi3InstantiateCoSimulation`.
             let until = unsafe { call_back(&update) };
             now = call(&|instance| instance.resume_step(until));
         }
         now.0
     });
     if writable {
-        // SAFETY: none is null, and the caller grants that values may be written there. They may be the same place.
+        // SAFETY: none is null, and the caller grants that values may be written there. They may be
+        // the same place.
         unsafe {
             results.event_handling_needed.write(ended.event.into());
             results.terminate_simulation.write(0);
@@ -85,7 +89,8 @@ unsafe fn call_back(update: &Update) -> Option<f64> {
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
     let (mut requested, mut until) = (0, time);
     let places = (&raw mut requested, &raw mut until);
-    // SAFETY: the caller grants that it can be called with its environment. The places are variables of this function.
+    // SAFETY: the caller grants that it can be called with its environment. The places are
+    // variables of this function.
     in_hosts(|| unsafe { function(environment, time, set, 1, 1, early, places.0, places.1) });
     let until = if until.is_finite() { until.max(time) } else { time };
     (update.can_return_early && requested != 0).then_some(until)

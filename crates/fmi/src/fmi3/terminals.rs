@@ -1,5 +1,5 @@
-//! `terminalsAndIcons.xml`: variables that belong together at one connection, and where it is drawn. FMI 2.0.4 took the file over as
-//! it is, so it serves both versions.
+//! `terminalsAndIcons.xml`: variables that belong together at one connection, and where it is
+//! drawn. FMI 2.0.4 took the file over as it is, so it serves both versions.
 
 use crate::xml::{Element, Number};
 

@@ -4,8 +4,9 @@
 //! "FMUstate"  version  GUID hash  content  checksum
 //! 8 bytes     4        16                  16
 //! ```
-//! Numbers are little-endian. The GUID identifies the variable table and so the meaning of the settings. The
-//! checksum covers all bytes before it. Bytes that do not fit are refused with the reason.
+//! Numbers are little-endian. The GUID identifies the variable table and so the meaning of the
+//! settings. The checksum covers all bytes before it. Bytes that do not fit are refused with the
+//! reason.
 
 use crate::hash;
 
@@ -18,7 +19,8 @@ fn head(guid: &str) -> Vec<u8> {
     [&b"FMUstate"[..], &VERSION.to_le_bytes(), &guid.to_le_bytes()].concat()
 }
 
-/// The content as a stored state of the FMU with this GUID, if there is content, and memory for a copy.
+/// The content as a stored state of the FMU with this GUID, if there is content, and memory for a
+/// copy.
 ///
 /// # Errors
 /// There is none, or no memory.

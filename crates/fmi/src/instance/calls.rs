@@ -26,8 +26,9 @@ pub enum Version {
 /// `fmi3InstanceEnvironment`: a pointer that the importer gets back with each callback.
 pub type Environment = *mut c_void;
 
-/// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs may be read, whether the unit's
-/// step is accepted, whether an early return may be requested; results: whether it is requested, and for which time.
+/// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs
+/// may be read, whether the unit's step is accepted, whether an early return may be requested;
+/// results: whether it is requested, and for which time.
 pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
 /// A function of the importer, and the environment that it gets back.
@@ -100,8 +101,8 @@ impl<U: Unit> FmuInstance<U> {
             .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
     }
 
-    /// The present time, s: the communication point; before the start the start time, and in intermediate update mode the
-    /// time of the unit.
+    /// The present time, s: the communication point; before the start the start time, and in
+    /// intermediate update mode the time of the unit.
     pub fn time(&self) -> f64 {
         match &self.now.unit {
             Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.importer_time(unit.time()),
@@ -139,11 +140,12 @@ impl<U: Unit> FmuInstance<U> {
         Ok(())
     }
 
-    /// A query beyond the standard about the unit in its present state, from initialisation mode on. Messages are logged; with a warning among
-    /// them the status is a warning.
+    /// A query beyond the standard about the unit in its present state, from initialisation mode
+    /// on. Messages are logged; with a warning among them the status is a warning.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or the query has no result, with its reason.
+    /// The call is not allowed in the state of the instance, or the query has no result, with its
+    /// reason.
     pub fn query(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,

@@ -1,20 +1,25 @@
-//! The time of an instance: that of the importer, and that of its unit, which counts from the start of the run.
+//! The time of an instance: that of the importer, and that of its unit, which counts from the start
+//! of the run.
 //!
-//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any time of the importer. Where the
-//! importer's times are too coarse for its steps, the unit's time is the sum of these steps.
+//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any
+//! time of the importer. Where the importer's times are too coarse for its steps, the unit's time
+//! is the sum of these steps.
 
 use super::{CallError, refused};
 use pushbelt_archive::Archive;
 
 /// Latest time and earliest time of an importer, s, some three thousand years.
 const LATEST: f64 = 1e11;
-/// A time is known to so many times the rounding of the number: importers reach one point by different sums.
+/// A time is known to so many times the rounding of the number: importers reach one point by
+/// different sums.
 const UNCERTAIN: f64 = 16.0;
 /// Rounding of an importer that sums up its steps, as a share of the time.
 const ROUNDING_OF_TIME: f64 = 1e-9;
-/// The least difference between two communication points that is taken for rounding, as a share of the step.
+/// The least difference between two communication points that is taken for rounding, as a share of
+/// the step.
 const LEAST_ROUNDING: f64 = 1e-6;
-/// The largest difference that is taken for rounding, as a share of the step: results hardly change by it.
+/// The largest difference that is taken for rounding, as a share of the step: results hardly change
+/// by it.
 const LARGEST_ROUNDING: f64 = 1e-3;
 
 /// Times at a communication point.
@@ -43,12 +48,13 @@ impl Clock {
             });
         }
         refused(format!(
-            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for steps; is it in seconds?"
+            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for \
+             steps; is it in seconds?"
         ))
     }
 
-    /// The clock after a step of size `step` from the importer's time `current`, s, which is at most `longest`, if it is one forward from this
-    /// point that does not end after the stop time.
+    /// The clock after a step of size `step` from the importer's time `current`, s, which is at
+    /// most `longest`, if it is one forward from this point that does not end after the stop time.
     ///
     /// # Errors
     /// The step does not begin here, is not forward or too long, or ends after the stop time or the
@@ -91,9 +97,10 @@ impl Clock {
         Ok(clock)
     }
 
-    /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of about a millionth of the step. Importers
-    /// reach the same point by different sums, which differ by some 1e-12; a model can amplify that to visible differences.
-    /// On the grid all importers get the same bits.
+    /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of
+    /// about a millionth of the step. Importers reach the same point by different sums, which
+    /// differ by some 1e-12; a model can amplify that to visible differences. On the grid all
+    /// importers get the same bits.
     pub fn on_grid(&self, step: f64) -> f64 {
         let time = self.elapsed;
         let digits = -(LEAST_ROUNDING * step).log10().floor();
@@ -107,7 +114,8 @@ impl Clock {
         if count.abs() < exact { count / grid } else { time }
     }
 
-    /// Whether a time of the unit, s, is before this point by more than the rounding of the importer's times.
+    /// Whether a time of the unit, s, is before this point by more than the rounding of the
+    /// importer's times.
     pub fn is_after(&self, time: f64) -> bool {
         self.elapsed - time >= UNCERTAIN * f64::EPSILON * self.point.abs().max(self.origin.abs())
     }
@@ -156,7 +164,8 @@ impl Clock {
 /// The largest power of ten that a double holds exactly is 10²².
 const EXACT_POWERS_OF_TEN: f64 = 22.0;
 
-/// Whether two times are the same communication point, up to the rounding of an importer that sums up its steps.
+/// Whether two times are the same communication point, up to the rounding of an importer that sums
+/// up its steps.
 fn same_time(a: f64, b: f64, step: f64) -> bool {
     let size = a.abs().max(b.abs());
     let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);

@@ -1,4 +1,5 @@
-//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored states.
+//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored
+//! states.
 
 use super::bytes;
 use super::calls::FmuInstance;
@@ -14,8 +15,8 @@ impl<U: Unit> FmuInstance<U> {
     /// Chooses the logged categories by their names; without any, all.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or there is no category of a name. Nothing
-    /// has changed.
+    /// The call is not allowed in the state of the instance, or there is no category of a name.
+    /// Nothing has changed.
     pub fn set_debug_logging(
         &mut self,
         on: bool,
@@ -60,8 +61,8 @@ impl<U: Unit> FmuInstance<U> {
     /// Leaves initialisation mode, for event mode if the importer handles events.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance; or the unit does not start, and the instance
-    /// has failed.
+    /// The call is not allowed in the state of the instance; or the unit does not start, and the
+    /// instance has failed.
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
@@ -105,7 +106,8 @@ impl<U: Unit> FmuInstance<U> {
         Ok(self.now.clone())
     }
 
-    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
+    /// Goes back to a state, which may come from another instance. The stop time is the one of this
+    /// instance.
     ///
     /// # Errors
     /// The instance is in intermediate update mode.
@@ -153,7 +155,8 @@ impl<U: Unit> FmuInstance<U> {
             && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
         {
             return refused(format!(
-                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
+                "the stored state has a time of the model, {} s since the start, that is not its \
+                 communication point's",
                 unit.time()
             ));
         }
@@ -162,7 +165,8 @@ impl<U: Unit> FmuInstance<U> {
 }
 
 impl Experiment {
-    /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink pass, is none.
+    /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink
+    /// pass, is none.
     ///
     /// # Errors
     /// A time or the tolerance is not finite or out of range, or the stop time is before the start

@@ -1,11 +1,13 @@
 //! One instance: its calls, for both versions of the standard.
 //!
-//! A call is [done](crate::log::Status), or it ends with a [`CallError`]: *refused* (wrong state, unknown value reference, not
-//! supported), and nothing has changed; *failed* (no initial state, a panic), and only [`FmuInstance::reset`], a stored state or the
-//! end of the instance follow; *discarded* (a value out of range, a step that was not completed): all is as before, and the importer decides.
+//! A call is [done](crate::log::Status), or it ends with a [`CallError`]: *refused* (wrong state,
+//! unknown value reference, not supported), and nothing has changed; *failed* (no initial state, a
+//! panic), and only [`FmuInstance::reset`], a stored state or the end of the instance follow;
+//! *discarded* (a value out of range, a step that was not completed): all is as before, and the
+//! importer decides.
 //!
-//! Methods have the names of the C functions; a call that only changes the state is `enter`. [`FmuInstance::call`] makes a call: it logs
-//! errors and contains panics.
+//! Methods have the names of the C functions; a call that only changes the state is `enter`.
+//! [`FmuInstance::call`] makes a call: it logs errors and contains panics.
 
 mod bytes;
 mod calls;

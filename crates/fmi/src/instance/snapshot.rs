@@ -6,18 +6,20 @@ use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::Archive;
 
-/// The whole dynamic state of an instance: [`FmuInstance::save`](super::FmuInstance::save) copies it, [`FmuInstance::restore`](super::FmuInstance::restore)
-/// goes back to it.
+/// The whole dynamic state of an instance: [`FmuInstance::save`](super::FmuInstance::save) copies
+/// it, [`FmuInstance::restore`](super::FmuInstance::restore) goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {
     pub(super) state: State,
     pub(super) settings: U::Settings,
-    /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
+    /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all
+    /// are zero.
     pub(super) rates: Option<U::Settings>,
     pub(super) experiment: Experiment,
     /// Communication point at which the next step begins.
     pub(super) clock: Clock,
-    /// Present from the first calculated reading in initialisation mode on. A setting changed in that mode removes it.
+    /// Present from the first calculated reading in initialisation mode on. A setting changed in
+    /// that mode removes it.
     pub(super) unit: Option<U>,
 }
 

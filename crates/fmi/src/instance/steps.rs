@@ -22,7 +22,8 @@ pub struct Update {
     pub can_return_early: bool,
 }
 
-/// How a communication step ended: whether by an event, whether before the end that the importer had set, and at which time, s.
+/// How a communication step ended: whether by an event, whether before the end that the importer
+/// had set, and at which time, s.
 pub struct Ended {
     pub event: bool,
     pub early: bool,
@@ -41,7 +42,8 @@ impl Ended {
 }
 
 impl<U: Unit> FmuInstance<U> {
-    /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or until the importer is to be called back.
+    /// Begins a communication step of size `step` from `current`, s, and goes on until its end, or
+    /// until the importer is to be called back.
     ///
     /// # Errors
     /// The call is not allowed in the state of the instance, or the step does not begin at the
@@ -57,7 +59,8 @@ impl<U: Unit> FmuInstance<U> {
             return refused("the unit is not initialised");
         };
         if !end.is_after(unit.time()) {
-            // Rounding alone: the unit stays where it is, and the next step makes up for the difference.
+            // Rounding alone: the unit stays where it is, and the next step makes up for the
+            // difference.
             (now.clock, now.rates, now.state) = (end, None, State::StepComplete);
             return Ok(Next::Ended(Ended::completed_at(end.point)));
         }
@@ -94,8 +97,8 @@ impl<U: Unit> FmuInstance<U> {
         self.go_on(true)
     }
 
-    /// Internal steps until the end of the communication step, an event after one of them, or the importer's callback. `stepped`: whether one
-    /// has just been done.
+    /// Internal steps until the end of the communication step, an event after one of them, or the
+    /// importer's callback. `stepped`: whether one has just been done.
     fn go_on(&mut self, mut stepped: bool) -> Result<Next, CallError> {
         loop {
             let (Some(unit), Some(step)) = (&mut self.now.unit, &mut self.step) else {
@@ -162,18 +165,19 @@ impl<U: Unit> FmuInstance<U> {
         }))
     }
 
-    /// Ends a communication step that was not completed: all is as before, and the next step begins where this one did.
+    /// Ends a communication step that was not completed: all is as before, and the next step begins
+    /// where this one did.
     fn fail_step(&mut self, text: &str) -> Result<Next, CallError> {
         self.now.state = State::StepFailed;
         Err(CallError::Discarded(self.with_start(text)))
     }
 
-    /// In FMI 2.0, how the last step ended. Writes to `place`, if its `kind` is the `known` one: of the numbers of `fmi2StatusKind`, from 0
-    /// to 3, the one that has a value of this type.
+    /// In FMI 2.0, how the last step ended. Writes to `place`, if its `kind` is the `known` one: of
+    /// the numbers of `fmi2StatusKind`, from 0 to 3, the one that has a value of this type.
     ///
     /// # Errors
-    /// The kind is not of the standard, or the call is not allowed in the state of the instance; or the
-    /// kind has no value of this type, and the call is discarded.
+    /// The kind is not of the standard, or the call is not allowed in the state of the instance; or
+    /// the kind has no value of this type, and the call is discarded.
     pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
         if !(0..=3).contains(&kind) {
             return refused(format!("the kind of status {kind} is not one of the standard's"));
@@ -181,7 +185,8 @@ impl<U: Unit> FmuInstance<U> {
         self.allow(Call::GetStatus)?;
         if kind != known {
             return Err(CallError::Discarded(format!(
-                "there is no status of the kind {kind} in this type: each step is complete when fmi2DoStep returns"
+                "there is no status of the kind {kind} in this type: each step is complete when \
+                 fmi2DoStep returns"
             )));
         }
         *place = value(self);

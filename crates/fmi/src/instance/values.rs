@@ -57,8 +57,8 @@ impl<U: Unit> FmuInstance<U> {
         let announced = |reference: &u32| *reference == TIME || self.importer.intermediate.contains(reference);
         match references.iter().find(|reference| !announced(reference)) {
             Some(other) if self.now.state == State::IntermediateUpdate => refused(format!(
-                "in intermediate update mode, and the value reference {other} is not among the required intermediate \
-                 variables that fmi3InstantiateCoSimulation was given, or does not support this mode"
+                "in intermediate update mode, and the value reference {other} is not among the required \
+                 intermediate variables that fmi3InstantiateCoSimulation was given, or does not support this mode"
             )),
             _ => Ok(()),
         }
@@ -67,9 +67,9 @@ impl<U: Unit> FmuInstance<U> {
     /// Reads variables of a type, in FMI 3.0 the time among them.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, a variable does not exist or has another
-    /// type, or the number of values is wrong; or the unit does not start, and the instance has
-    /// failed.
+    /// The call is not allowed in the state of the instance, a variable does not exist or has
+    /// another type, or the number of values is wrong; or the unit does not start, and the instance
+    /// has failed.
     pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
@@ -108,9 +108,9 @@ impl<U: Unit> FmuInstance<U> {
     /// Writes variables of a type: either all values are set or none.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, a variable does not exist, has another type
-    /// or can't be set now, or the number of values is wrong; or a value is out of range, and it is
-    /// discarded.
+    /// The call is not allowed in the state of the instance, a variable does not exist, has another
+    /// type or can't be set now, or the number of values is wrong; or a value is out of range, and
+    /// it is discarded.
     pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
@@ -153,7 +153,8 @@ impl<U: Unit> FmuInstance<U> {
         }
     }
 
-    /// Checks that there is a value for each scalar, the time, and in FMI 3.0 each element of an array.
+    /// Checks that there is a value for each scalar, the time, and in FMI 3.0 each element of an
+    /// array.
     fn check_values(&self, references: &[u32], values: usize) -> Outcome {
         let mut arrays = references
             .iter()
@@ -162,7 +163,8 @@ impl<U: Unit> FmuInstance<U> {
             && self.importer.version == Version::Three
         {
             return refused(format!(
-                "the value reference {element} is that of an element of {}: use the array, value reference {}",
+                "the value reference {element} is that of an element of {}: use the array, value \
+                 reference {}",
                 array.name, array.first
             ));
         }
@@ -174,7 +176,8 @@ impl<U: Unit> FmuInstance<U> {
     }
 }
 
-/// The value reference of each value: in FMI 3.0 those of an array's elements for that of the array.
+/// The value reference of each value: in FMI 3.0 those of an array's elements for that of the
+/// array.
 fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
     references
         .iter()
@@ -191,7 +194,8 @@ fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
         None if reference == TIME => refused(
-            "time (value reference 0) is the independent variable: it can't be set, and only fmi3GetFloat64 reads it",
+            "time (value reference 0) is the independent variable: it can't be set, and only \
+             fmi3GetFloat64 reads it",
         ),
         None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),

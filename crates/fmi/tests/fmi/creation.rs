@@ -80,7 +80,8 @@ impl Resources {
         Self(folder)
     }
 
-    /// An instance with this token in which the resources are a URI in FMI 2.0 and a path in FMI 3.0.
+    /// An instance with this token in which the resources are a URI in FMI 2.0 and a path in FMI
+    /// 3.0.
     fn instance(&self, version: Version, token: &CStr) -> Importer {
         let path = self.0.to_str().expect("UTF-8");
         let location = match version {

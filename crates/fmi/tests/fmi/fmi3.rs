@@ -1,4 +1,5 @@
-//! What FMI 3.0 alone has, on a toy unit: arrays and the time, events, early returns, intermediate updates.
+//! What FMI 3.0 alone has, on a toy unit: arrays and the time, events, early returns, intermediate
+//! updates.
 
 #![allow(unsafe_code, reason = "C functions of the standard")]
 

@@ -1,4 +1,5 @@
-//! An importer of either version: it makes the C functions' calls, and records the messages and the intermediate updates.
+//! An importer of either version: it makes the C functions' calls, and records the messages and the
+//! intermediate updates.
 //!
 //! Other tests include this file: `crate::layer` is the FMI layer.
 
@@ -31,7 +32,8 @@ pub const TIME: u32 = 0;
 /// Status, category, text.
 pub type Message = (c_int, String, String);
 
-/// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and an early return be requested.
+/// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and
+/// an early return be requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     pub time: f64,
@@ -69,8 +71,8 @@ unsafe fn own(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the tests both are
-/// called the same way.
+/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the
+/// platforms of the tests both are called the same way.
 unsafe extern "C" fn log_of_fmi2(
     environment: *mut c_void,
     instance: *const c_char,
@@ -125,8 +127,8 @@ unsafe extern "C" fn update(
     }
 }
 
-/// Capabilities of an importer of FMI 3.0: events, early return, and the variables for intermediate update mode; the callback is set if
-/// there are any.
+/// Capabilities of an importer of FMI 3.0: events, early return, and the variables for intermediate
+/// update mode; the callback is set if there are any.
 pub type Handles<'a> = (bool, bool, &'a [u32]);
 
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {

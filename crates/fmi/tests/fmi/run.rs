@@ -74,7 +74,8 @@ fn in_state(version: Version, state: State) -> Importer {
     importer
 }
 
-/// A call and the states in which it is allowed: table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of FMI 3.0.
+/// A call and the states in which it is allowed: table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of
+/// FMI 3.0.
 type Rule = (&'static str, fn(&Importer) -> Status, &'static [State]);
 
 fn status<T>(result: Result<T, Status>) -> Status {
@@ -292,8 +293,8 @@ fn derivatives_are_those_of_the_unit() {
     }
 }
 
-/// A step that goes to an internal step's end on its own, a stored state, an overflow, a number that is none: the same bits in every
-/// environment, to which all calls and callbacks return.
+/// A step that goes to an internal step's end on its own, a stored state, an overflow, a number
+/// that is none: the same bits in every environment, to which all calls and callbacks return.
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {

@@ -16,7 +16,8 @@ fn running_from(version: Version, start: f64) -> Importer {
     importer
 }
 
-/// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the point at which the next one begins.
+/// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the
+/// point at which the next one begins.
 #[test]
 fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
     for version in BOTH {
