@@ -57,6 +57,9 @@ unsafe fn make<U: Unit>(
     })
 }
 
+/// Why functions of model exchange and scheduled execution are refused.
+pub(crate) const CO_SIMULATION_ONLY: &str = "this FMU is for co-simulation only";
+
 /// The refusal of a function that the capability flags exclude.
 pub(crate) fn unsupported(why: &str) -> Outcome {
     refused(format!("not supported: {why}"))

@@ -4,6 +4,7 @@ use libc::{c_char, c_int, c_void};
 
 use super::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Texts, c_string, create};
+use crate::c::entry::CO_SIMULATION_ONLY;
 use crate::c::floating_point::in_hosts;
 use crate::instance::{Importer, Version};
 use crate::log::{Sink, Status};
@@ -56,7 +57,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
     };
     let importer = |_: &dyn Fn(&str)| match fmu_type {
         CO_SIMULATION => Ok(Importer::default()),
-        _ => Err("this FMU is for co-simulation only".to_owned()),
+        _ => Err(CO_SIMULATION_ONLY.to_owned()),
     };
     // SAFETY: the caller grants this of the texts.
     unsafe { create::<U>(Version::Two, texts, debug, messages, importer) }

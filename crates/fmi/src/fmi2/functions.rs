@@ -1,12 +1,12 @@
 //! The C functions of FMI 2.0: signatures (`fmi2FunctionTypes.h`) and bodies.
 
-use libc::{c_char, c_int, c_uint};
+use libc::{c_char, c_int, c_uint, c_void};
 use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
 use super::{CallbackFunctions, Component, FmuState};
 use crate::c::creation::{Texts, free_instance};
-use crate::c::entry::{array, array_mut, enter, result, set_debug_logging, unsupported};
+use crate::c::entry::{CO_SIMULATION_ONLY, array, array_mut, enter, result, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type};
 use crate::log::Status;
@@ -22,7 +22,7 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 const TERMINATED: c_int = 3;
 const NONE: c_int = -1;
 
-/// Passes the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own
+/// Passes the 44 C functions of FMI 2.0 to another macro, after its own
 /// arguments.
 #[doc(hidden)]
 #[macro_export]
@@ -120,19 +120,36 @@ macro_rules! fmi2_functions {
             c, |instance| instance.status(kind, TERMINATED, result(value)?, |_| 0);
         fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =>
             c, |instance| instance.status(kind, NONE, &mut (), |_| ());
+
+        // Model exchange: hosts may look up all functions.
+        fmi2EnterEventMode(c: Component) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2NewDiscreteStates(c: Component, event_info: *mut c_void) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2EnterContinuousTimeMode(c: Component) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2CompletedIntegratorStep(
+            c: Component, no_set_fmu_state_prior_to_current_point: c_int, enter_event_mode: *mut c_int,
+            terminate_simulation: *mut c_int
+        ) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2SetTime(c: Component, time: f64) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2SetContinuousStates(c: Component, x: *const f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2GetDerivatives(c: Component, derivatives: *mut f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2GetEventIndicators(c: Component, event_indicators: *mut f64, ni: usize) -> Status =>
+            c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2GetContinuousStates(c: Component, x: *mut f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2GetNominalsOfContinuousStates(c: Component, x_nominal: *mut f64, nx: usize) -> Status =>
+            c, |_| unsupported(CO_SIMULATION_ONLY);
     } };
 }
 
 fmi2_functions!([define]);
 
-/// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::Unit).
+/// Exports the 44 C functions of FMI 2.0 for the given [`Unit`](crate::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the
 /// standard's names; [`export!`](crate::export) does so for both versions.
 #[macro_export]
 macro_rules! export_fmi2 {
     ($unit:ty) => {
-        use $crate::libc::{c_char, c_int, c_uint};
+        use $crate::libc::{c_char, c_int, c_uint, c_void};
 
         use $crate::fmi2::{CallbackFunctions, Component, FmuState};
         use $crate::log::Status;

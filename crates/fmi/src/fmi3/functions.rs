@@ -7,7 +7,7 @@ use super::creation::{Callbacks, Modes, instantiate, processor_suffices, refuse_
 use super::steps::{Results, do_step};
 use super::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use crate::c::creation::{Texts, free_instance};
-use crate::c::entry::{NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported};
+use crate::c::entry::{CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported};
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type, refused};
 use crate::log::Status;
@@ -15,7 +15,6 @@ use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 /// Why functions are not supported.
-const CO_SIMULATION: &str = "this FMU is for co-simulation only";
 const STRUCTURE: &str = "there are no structural parameters";
 const DISCRETE_STATES: &str = "there are no discrete states (providesEvaluateDiscreteStates is false)";
 const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
@@ -36,7 +35,7 @@ macro_rules! fmi3_functions {
         fmi3InstantiateModelExchange(
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             environment: Environment, log_message: Option<LogMessage>
-        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION, environment, log_message);
+        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION_ONLY, environment, log_message);
         fmi3InstantiateCoSimulation(
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             event_mode_used: Boolean, early_return_allowed: Boolean, required_intermediate_variables: *const Reference,
@@ -56,7 +55,7 @@ macro_rules! fmi3_functions {
             instance_name: Text, instantiation_token: Text, resource_path: Text, visible: Boolean, logging_on: Boolean,
             environment: Environment, log_message: Option<LogMessage>, clock_update: *const c_void,
             lock_preemption: *const c_void, unlock_preemption: *const c_void
-        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION, environment, log_message);
+        ) -> Instance = refuse_instance(FUNCTION, CO_SIMULATION_ONLY, environment, log_message);
         fmi3FreeInstance(c: Instance), free c = free_instance::<U>(c);
         fmi3EnterInitializationMode(
             c: Instance, tolerance_defined: Boolean, tolerance: f64, start_time: f64, stop_time_defined: Boolean,
@@ -196,26 +195,26 @@ macro_rules! fmi3_functions {
             next_event_time.write(0.0);
             Ok(())
         };
-        fmi3EnterContinuousTimeMode(c: Instance) -> Status => c, |_| unsupported(CO_SIMULATION);
+        fmi3EnterContinuousTimeMode(c: Instance) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3CompletedIntegratorStep(
             c: Instance, no_set_fmu_state_prior_to_current_point: Boolean, enter_event_mode: *mut Boolean,
             terminate_simulation: *mut Boolean
-        ) -> Status => c, |_| unsupported(CO_SIMULATION);
-        fmi3SetTime(c: Instance, time: f64) -> Status => c, |_| unsupported(CO_SIMULATION);
+        ) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi3SetTime(c: Instance, time: f64) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3SetContinuousStates(c: Instance, continuous_states: *const f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetContinuousStateDerivatives(c: Instance, derivatives: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetEventIndicators(c: Instance, event_indicators: *mut f64, n_event_indicators: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetContinuousStates(c: Instance, continuous_states: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetNominalsOfContinuousStates(c: Instance, nominals: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetNumberOfEventIndicators(c: Instance, n_event_indicators: *mut usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3GetNumberOfContinuousStates(c: Instance, n_continuous_states: *mut usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
         fmi3EnterStepMode(c: Instance) -> Status => c, |instance| instance.enter(State::StepComplete, Call::HandleEvent);
         fmi3GetOutputDerivatives(
             c: Instance, vr: *const Reference, nvr: usize, orders: *const i32, values: *mut f64, n_values: usize
@@ -230,7 +229,7 @@ macro_rules! fmi3_functions {
             do_step::<U>(c, FUNCTION, current_communication_point, communication_step_size, results)
         };
         fmi3ActivateModelPartition(c: Instance, clock_reference: Reference, activation_time: f64) -> Status =>
-            c, |_| unsupported(CO_SIMULATION);
+            c, |_| unsupported(CO_SIMULATION_ONLY);
     } };
 }
 

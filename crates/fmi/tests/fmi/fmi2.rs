@@ -7,7 +7,7 @@ use std::ptr::{null, null_mut};
 
 use pushbelt_fmi::Version::Two;
 use pushbelt_fmi::fmi2::functions::*;
-use pushbelt_fmi::log::Status::{Discard, Error, Ok};
+use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 
 use crate::importer::token;
 use crate::run::running;
@@ -15,7 +15,7 @@ use crate::tank::*;
 
 #[test]
 fn an_instance_without_a_logger_fails_silently() {
-    assert_eq!(NAMES.len(), 34);
+    assert_eq!(NAMES.len(), 44);
     // SAFETY: constant strings, an instance, and a value.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetVersion::<Tank>()), c"2.0");
@@ -105,6 +105,33 @@ fn status_calls_return_how_the_last_step_ended() {
         let instantiated = Importer::new(Two);
         assert_eq!(fmi2GetStatus::<Tank>(instantiated.c, 0, &raw mut number), Error);
     }
+}
+
+/// Model exchange: the functions are there, each logs its refusal, and the run goes on.
+#[test]
+fn functions_of_model_exchange_are_refused() {
+    let importer = running(Two);
+    let (c, mut number, mut flag) = (importer.c, 0.0, 0);
+    let (number, flag) = (&raw mut number, &raw mut flag);
+    // SAFETY: an instance, places for values, and null for the information on events.
+    let refused: [Status; 10] = unsafe {
+        [
+            fmi2EnterEventMode::<Tank>(c),
+            fmi2NewDiscreteStates::<Tank>(c, null_mut()),
+            fmi2EnterContinuousTimeMode::<Tank>(c),
+            fmi2CompletedIntegratorStep::<Tank>(c, 1, flag, flag),
+            fmi2SetTime::<Tank>(c, 1.0),
+            fmi2SetContinuousStates::<Tank>(c, number, 1),
+            fmi2GetDerivatives::<Tank>(c, number, 1),
+            fmi2GetEventIndicators::<Tank>(c, number, 1),
+            fmi2GetContinuousStates::<Tank>(c, number, 1),
+            fmi2GetNominalsOfContinuousStates::<Tank>(c, number, 1),
+        ]
+    };
+    let why = "fmi2GetNominalsOfContinuousStates: not supported: this FMU is for co-simulation only";
+    importer.assert(refused, [Error; 10], why);
+    assert_eq!(importer.record.messages.borrow().len(), refused.len());
+    assert_eq!(importer.step(0.0, 1.0).status, Ok, "and nothing has changed");
 }
 
 #[test]
