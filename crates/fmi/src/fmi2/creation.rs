@@ -30,7 +30,7 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
         let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
         // SAFETY: the caller grants that the logger can be called. The texts are constants that end
         // with a zero.
-        unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
+        unsafe { logger(environment, name, status, category, text) };
     }
     false
 }
@@ -70,12 +70,20 @@ const CO_SIMULATION: c_int = 1;
 fn sink(logger: Logger, environment: *mut c_void, instance: &str) -> Sink {
     let instance = c_string(instance);
     Box::new(move |status, category, text| {
+        // Loggers that take no arguments, as those of Python, write the format itself. A text with
+        // a percent sign is the argument of "%s".
+        let format = if text.contains('%') {
+            c"%s".to_owned()
+        } else {
+            c_string(text)
+        };
         let [category, text] = [category.name(), text].map(c_string);
         let (instance, category, text) = (instance.as_ptr(), category.as_ptr(), text.as_ptr());
-        // The argument of "%s", so that a percent sign in it is not taken for a format.
+        let (status, format) = (status as c_int, format.as_ptr());
         // SAFETY: the importer gave the function, with this environment, for the lifetime of the
         // instance, in which the log owns this sink. The strings end with a zero and exist during
-        // the call.
-        in_hosts(|| unsafe { logger(environment, instance, status as c_int, category, c"%s".as_ptr(), text) });
+        // the call. The format has no directive, or one with its argument; C ignores further
+        // arguments.
+        in_hosts(|| unsafe { logger(environment, instance, status, category, format, text) });
     })
 }
