@@ -144,8 +144,7 @@ impl<U: Unit> FmuInstance<U> {
     /// on. Messages are logged; with a warning among them the status is a warning.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or the query has no result, with its
-    /// reason.
+    /// The query has no result, with its reason.
     pub fn query(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,

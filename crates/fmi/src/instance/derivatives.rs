@@ -13,8 +13,8 @@ impl<U: Unit> FmuInstance<U> {
     /// next step, and are held after it. Either all derivatives are set or none.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, the unit holds its inputs, a variable
-    /// is no real input, an order is not 1, or a value is not finite.
+    /// The unit holds its inputs, a variable is no real input, an order is not 1, or a value is not
+    /// finite.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         self.allow(Call::Set)?;
         if !U::INTERPOLATES_INPUTS {
@@ -38,9 +38,8 @@ impl<U: Unit> FmuInstance<U> {
     /// Time derivatives of outputs at the present time.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, the unit has no derivatives, a
-    /// variable is no real output or an element of an array, an order is not 1, or the number of
-    /// values is wrong.
+    /// The unit has no derivatives, a variable is no real output or an element of an array, an
+    /// order is not 1, or the number of values is wrong.
     pub fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
         self.allow(Call::GetOutputDerivatives)?;
         self.allow_intermediate(references)?;

@@ -15,8 +15,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Chooses the logged categories by their names; without any, all.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or there is no category of a name.
-    /// Nothing has changed.
+    /// There is no category of a name. Nothing has changed.
     pub fn set_debug_logging(
         &mut self,
         on: bool,
@@ -40,8 +39,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Sets tolerance, start time and stop time of the run.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or a value makes no sense. Nothing has
-    /// changed.
+    /// A value makes no sense. Nothing has changed.
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.allow(Call::SetupExperiment)?;
         self.now.experiment = experiment.checked()?;
@@ -51,7 +49,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Changes the state by a call that does nothing else.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance.
+    /// The state does not allow it.
     pub(crate) fn enter(&mut self, state: State, by: Call) -> Outcome {
         self.allow(by)?;
         self.now.state = state;
@@ -61,8 +59,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Leaves initialisation mode, for event mode if the importer handles events.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance; or the unit does not start, and the
-    /// instance has failed.
+    /// The unit does not start, and the instance has failed.
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
@@ -76,7 +73,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Enters event mode.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or its importer handles no events.
+    /// Its importer handles no events.
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.allow(Call::EnterEventMode)?;
         if !self.importer.events {

@@ -46,9 +46,8 @@ impl<U: Unit> FmuInstance<U> {
     /// until the importer is to be called back.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or the step does not begin at the
-    /// communication point, is not forward or too long, or ends after the stop time; or the unit
-    /// can't do it, and it is discarded.
+    /// The step does not begin at the communication point, is not forward or too long, or ends
+    /// after the stop time; or the unit can't do it, and it is discarded.
     pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
         let now = &mut self.now;
@@ -176,7 +175,7 @@ impl<U: Unit> FmuInstance<U> {
     /// the numbers of `fmi2StatusKind`, from 0 to 3, the one that has a value of this type.
     ///
     /// # Errors
-    /// The kind is not of the standard, or the call is not allowed in the state of the instance; or
+    /// The kind is not of the standard; or
     /// the kind has no value of this type, and the call is discarded.
     pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
         if !(0..=3).contains(&kind) {

@@ -43,7 +43,7 @@ impl<U: Unit> FmuInstance<U> {
     /// Reads or writes variables of a type that no variable has.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, or there is a value reference.
+    /// There is a value reference.
     pub fn no_such_type(&mut self, call: Call, references: &[u32], type_name: &str) -> Outcome {
         self.allow(call)?;
         match references.first() {
@@ -67,9 +67,8 @@ impl<U: Unit> FmuInstance<U> {
     /// Reads variables of a type, in FMI 3.0 the time among them.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, a variable does not exist or has
-    /// another type, or the number of values is wrong; or the unit does not start, and the instance
-    /// has failed.
+    /// A variable does not exist or has another type, or the number of values is wrong; or the unit
+    /// does not start, and the instance has failed.
     pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
@@ -108,9 +107,8 @@ impl<U: Unit> FmuInstance<U> {
     /// Writes variables of a type: either all values are set or none.
     ///
     /// # Errors
-    /// The call is not allowed in the state of the instance, a variable does not exist, has another
-    /// type or can't be set now, or the number of values is wrong; or a value is out of range, and
-    /// it is discarded.
+    /// A variable does not exist, has another type or can't be set now, or the number of values is
+    /// wrong; or a value is out of range, and it is discarded.
     pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
