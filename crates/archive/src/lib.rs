@@ -260,6 +260,25 @@ mod tests {
     }
 
     #[test]
+    fn a_byte_that_is_no_truth_value_is_rejected() {
+        let mut archive = Archive::reader(&[2]);
+        archive.flag(&mut true);
+        assert_eq!(archive.finish(), Err(Mismatch));
+    }
+
+    #[test]
+    fn any_real_keeps_its_bits_and_memory_is_used_again() {
+        let marker = f64::from_bits(0x7ff8_0000_0000_0123);
+        let mut archive = Archive::writer_in(vec![7; 100]);
+        archive.any_real(&mut { marker });
+        let (bytes, mut found) = (archive.into_bytes(), 0.0);
+        assert_eq!((bytes.len(), bytes.capacity()), (8, 100));
+        let mut archive = Archive::reader(&bytes);
+        archive.any_real(&mut found);
+        assert_eq!((found.to_bits(), archive.finish()), (marker.to_bits(), Ok(())));
+    }
+
+    #[test]
     fn a_counter_that_no_run_reaches_is_rejected() {
         for (count, expected) in [
             (1 << 53, Ok(())),
@@ -286,7 +305,7 @@ mod tests {
         longer.reals(&mut [0.0; 4]);
         assert_eq!(longer.finish(), Err(Mismatch));
         let mut out_of_range = thing();
-        out_of_range.order[0] = 7;
+        out_of_range.order[0] = 3;
         let mut archive = Archive::writer();
         out_of_range.serialize(&mut archive);
         assert_eq!(read(&archive.into_bytes(), &mut Thing::default()), Err(Mismatch));

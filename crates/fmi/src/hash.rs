@@ -29,3 +29,18 @@ pub fn of_words(bytes: &[u8]) -> u128 {
 pub fn of_file(content: &[u8]) -> String {
     format!("{}-{:032x}", content.len(), of_words(content))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{of_bytes, of_file, of_words};
+
+    /// Values of the hash's authors.
+    #[test]
+    fn hashes_are_those_of_fnv_1a() {
+        assert_eq!(of_bytes(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
+        assert_eq!(of_bytes(b"foobar"), 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18);
+        assert_eq!(of_words(b"a"), of_bytes(b"a"));
+        assert_ne!(of_words(&[1; 8]), of_words(&[1; 9]));
+        assert_eq!(of_file(b"a"), "1-d228cb696f1a8caf78912b704e4a8964");
+    }
+}

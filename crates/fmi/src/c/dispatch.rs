@@ -200,6 +200,20 @@ fn has_avx2() -> bool {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_variant_has_the_size_and_the_content_of_its_build() {
+        let path = std::env::temp_dir().join(format!("pushbelt-fmi variant {}", std::process::id()));
+        let checked = |content: &[u8]| {
+            fs::write(&path, content).expect("a file");
+            check(&path, &hash::of_file(b"good")).err()
+        };
+        assert_eq!(checked(b"good"), None);
+        assert!(checked(b"evil").is_some_and(|why| why.contains("content")));
+        assert!(checked(b"goods").is_some_and(|why| why.contains("5 bytes")));
+        fs::remove_file(&path).expect("there");
+        assert!(check(&path, "4-").is_err_and(|why| why.contains("no such file")));
+    }
+
     /// There is no file with this hash, so the instance is one of this library.
     #[test]
     fn an_instance_is_freed_once_and_not_within_a_call_on_it() {

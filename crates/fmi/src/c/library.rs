@@ -113,3 +113,12 @@ fn loaded_from() -> Option<PathBuf> {
     };
     (0 < length && length < LONGEST).then(|| std::ffi::OsString::from_wide(&path[..length as usize]).into())
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_library_of_a_test_is_its_program() {
+        let program = std::env::current_exe().and_then(std::fs::canonicalize);
+        assert_eq!(super::own_path(), program.ok());
+    }
+}

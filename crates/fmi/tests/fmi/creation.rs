@@ -109,7 +109,7 @@ impl Drop for Resources {
 #[test]
 fn start_values_come_from_the_resources() {
     let resources = Resources::new("good");
-    resources.write("# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
+    resources.write("\u{feff}# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
     for version in BOTH {
         let importer = resources.instance(version, &token::<Tank>(version));
         assert!(!importer.c.is_null(), "{}", importer.last());
@@ -151,6 +151,8 @@ fn an_unusable_file_is_an_error_that_names_it() {
         importer.assert_logged(why);
         importer.assert_logged(FILE);
     }
+    resources.write(&large[1..]);
+    assert!(!resources.instance(Two, &token).c.is_null(), "the largest file");
     fs::remove_file(resources.0.join(FILE)).expect("there");
     let importer = resources.instance(Two, &token);
     assert!(!importer.c.is_null(), "without the file the defaults hold");
@@ -231,6 +233,10 @@ fn errors_are_logged_always_and_the_rest_on_request() {
             assert_eq!(importer.exit(), Error);
             assert_eq!(taken().len(), 1, "errors in any case");
         }
+        assert_eq!(importer.log(true, &[]), Ok);
+        assert_eq!(importer.reset(), Ok);
+        importer.start();
+        assert_eq!(taken(), [], "logged is what was at the creation");
         assert_eq!(importer.log(false, &[]), Ok);
         assert_eq!(importer.log(true, &[c"noise #1"]), Error);
         importer.assert_logged(if version == Two { "noise #1" } else { "noise ##1" });

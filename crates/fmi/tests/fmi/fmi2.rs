@@ -7,9 +7,11 @@ use std::ptr::{null, null_mut};
 
 use pushbelt_fmi::Version::Two;
 use pushbelt_fmi::fmi2::functions::*;
-use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
+use pushbelt_fmi::fmi2::query::{free_text, query};
+use pushbelt_fmi::log::Status::{self, Discard, Error, Ok, Warning};
+use pushbelt_fmi::unit::Message;
 
-use crate::importer::token;
+use crate::importer::{experiment, token};
 use crate::run::running;
 use crate::tank::*;
 
@@ -102,9 +104,42 @@ fn status_calls_return_how_the_last_step_ended() {
             assert_eq!(fmi2GetStatus::<Tank>(c, kind, &raw mut number), Error);
         }
         assert_eq!(fmi2CancelStep::<Tank>(c), Error);
+        assert_eq!(importer.terminate(), Ok);
+        assert_eq!(fmi2GetRealStatus::<Tank>(c, 2, &raw mut time), Ok);
         let instantiated = Importer::new(Two);
         assert_eq!(fmi2GetStatus::<Tank>(instantiated.c, 0, &raw mut number), Error);
     }
+}
+
+#[test]
+fn a_query_returns_a_text_or_null() {
+    let importer = Importer::new(Two);
+    let ask = |found: Result<&str, &str>, warning: bool| {
+        let mut text = c"before".as_ptr().cast_mut();
+        // SAFETY: an instance, and a place for a pointer; the text is copied and freed.
+        unsafe {
+            let status = query::<Tank>(importer.c, "ask", &raw mut text, |_, _, messages| {
+                messages.push(Message {
+                    warning,
+                    text: "a hint".into(),
+                });
+                found.map(str::to_owned).map_err(str::to_owned)
+            });
+            let found = (!text.is_null()).then(|| CStr::from_ptr(text).to_owned());
+            free_text(text);
+            (status, found)
+        }
+    };
+    assert_eq!(ask(Result::Ok("early"), false), (Error, None), "before the start");
+    assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+    assert_eq!(ask(Result::Ok("a\0b"), false), (Ok, Some(c"a b".to_owned())));
+    assert_eq!(ask(Result::Ok("text"), true), (Warning, Some(c"text".to_owned())));
+    importer.assert_logged("a hint");
+    importer.assert(ask(Err("no such thing"), true), (Error, None), "ask: no such thing");
+    // SAFETY: an instance, and null.
+    let refused = unsafe { query::<Tank>(importer.c, "ask", null_mut(), |_, _, _| Result::Ok(String::new())) };
+    importer.assert(refused, Error, "the pointer for the result is null");
+    assert_eq!(importer.exit(), Ok, "and the run goes on");
 }
 
 /// Model exchange: the functions are there, each logs its refusal, and the run goes on.

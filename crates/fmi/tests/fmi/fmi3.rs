@@ -116,6 +116,8 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.set(MARK, 2.2), Ok);
     assert_eq!(importer.step(0.0, 2.0), ended(true, true, 0.75));
     importer.assert_logged("event at 0.75 s: the level reaches 2.2");
+    let (status, category, _) = importer.record.messages.borrow().last().expect("it").clone();
+    assert_eq!((status, &*category), (0, "logEvents"));
     let flag: *mut u8 = &mut 9;
     let update = |time: *mut f64| {
         // SAFETY: an instance, and places for results or null.

@@ -5,6 +5,7 @@ use std::ptr::null_mut;
 use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
+use pushbelt_fmi::unit::Experiment;
 
 use crate::importer::{BOTH, experiment, token};
 use crate::run::{ended, running};
@@ -91,6 +92,40 @@ fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
         assert_eq!(fresh.bytes(), bytes, "stored again bit for bit");
         assert_eq!(fresh.step(1.0, 5.0), ended(false, false, 6.0));
     }
+}
+
+/// The tolerance is one of the values that are stored before the start.
+#[test]
+fn the_tolerance_is_stored() {
+    for version in BOTH {
+        let [importer, other] = [version; 2].map(Importer::new);
+        let tolerance = Some(0.25);
+        assert_eq!(
+            importer.enter(Experiment {
+                tolerance,
+                ..experiment(0.0, None)
+            }),
+            Ok
+        );
+        assert_eq!(other.continue_from(&importer.bytes()), Ok);
+        for started in [importer, other] {
+            assert_eq!(started.log(true, &[]), Ok);
+            assert_eq!(started.exit(), Ok);
+            started.assert_logged("filled within 0.25");
+        }
+    }
+}
+
+/// After a change of what is stored, or of its order, raise `VERSION` in `instance/bytes.rs` and pin both again.
+#[test]
+fn the_layout_belongs_to_its_version() {
+    let importer = running(Two);
+    assert_eq!(importer.set_derivative(INFLOW, 1, 0.5), Ok);
+    let bytes = importer.bytes();
+    assert_eq!(
+        (bytes[8], hash::of_bytes(&bytes[28..bytes.len() - 16])),
+        (17, 133_412_655_080_426_922_003_612_784_072_397_981_212)
+    );
 }
 
 #[test]

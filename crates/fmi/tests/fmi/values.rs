@@ -45,6 +45,10 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             assert_eq!(importer.real(LEVEL), 3.0);
         }
         let importer = Importer::new(version);
+        assert_eq!([1, 9].map(|limit| importer.set_number(FLOORS, limit)), [Ok; 2]);
+        assert_eq!(importer.set_number(LOCKED, -1), Ok, "true");
+        assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+        assert_eq!(importer.number(LOCKED), Result::Ok(1));
         for (reference, bad, why) in [
             (FLOORS, 10, "floors = 10 is out of range: 1 to 9"),
             (FLOORS, i32::MIN, "floors = -2147483648 is out of range"),
