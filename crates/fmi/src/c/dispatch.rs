@@ -225,6 +225,7 @@ mod tests {
         });
         let own = || INSTANCES[0].load(SeqCst);
         assert_eq!(own(), 1);
+        assert!(message().is_some_and(|why| why.warning && why.text.starts_with("the slower library")));
         // SAFETY: it is from `create`, and null is legal.
         unsafe {
             let free_it = || {
@@ -232,7 +233,10 @@ mod tests {
                     freed.set(freed.get() + u8::from(found == instance))
                 })
             };
-            on(c, "call", |_, _| free_it());
+            on(c, "call", |_, _| {
+                on(c, "call within it", |_, _| ());
+                free_it();
+            });
             assert_eq!((freed.get(), own()), (0, 1));
             free_it();
             assert_eq!((freed.get(), own()), (1, 0));

@@ -31,10 +31,10 @@ fn an_instance_without_a_logger_fails_silently() {
 }
 
 #[test]
-fn null_pointers_are_errors() {
+fn null_and_misaligned_pointers_are_errors() {
     let importer = running(Two);
-    let c = importer.c;
-    // SAFETY: null is what the functions are to handle.
+    let (c, numbers) = (importer.c, [1.0; 2]);
+    // SAFETY: null and a misaligned address are what the functions are to handle.
     unsafe {
         fmi2FreeInstance::<Tank>(null_mut());
         assert_eq!(fmi2DoStep::<Tank>(null_mut(), 0.0, 1.0, 1), Error);
@@ -44,6 +44,7 @@ fn null_pointers_are_errors() {
             fmi2GetReal::<Tank>(c, &LEVEL, 1, null_mut()),
             fmi2GetReal::<Tank>(c, &LEVEL, usize::MAX, &mut 0.0),
             fmi2SetReal::<Tank>(c, &INFLOW, 1, null()),
+            fmi2SetReal::<Tank>(c, &INFLOW, 1, (&raw const numbers).byte_add(1).cast()),
             fmi2GetString::<Tank>(c, null(), 1, null_mut()),
             fmi2SetRealInputDerivatives::<Tank>(c, &INFLOW, 1, null(), &1.0),
             fmi2GetRealOutputDerivatives::<Tank>(c, &LEVEL, 1, &1, null_mut()),
@@ -59,7 +60,7 @@ fn null_pointers_are_errors() {
             fmi2SetDebugLogging::<Tank>(c, 1, 1, null()),
             fmi2SetDebugLogging::<Tank>(c, 1, 1, &null()),
         ];
-        assert_eq!(refused, [Error; 18]);
+        assert_eq!(refused, [Error; 19]);
         assert_eq!(importer.record.messages.borrow().len(), refused.len(), "each is logged");
         for done in [
             fmi2GetReal::<Tank>(c, null(), 0, null_mut()),

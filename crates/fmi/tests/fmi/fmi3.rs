@@ -155,7 +155,14 @@ fn an_importer_reads_sets_and_returns_within_a_step() {
     });
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
     assert_eq!((importer.real(LEVEL), importer.record.updates.borrow().len()), (4.0, 4));
-    for (later, end) in [(0.0, 1.25), (0.1, 1.35), (f64::NAN, 1.25), (-1.0, 1.25), (9.0, 2.0)] {
+    for (later, end) in [
+        (0.0, 1.25),
+        (0.1, 1.35),
+        (f64::NAN, 1.25),
+        (-1.0, 1.25),
+        (0.75, 2.0),
+        (9.0, 2.0),
+    ] {
         let importer = running_with(WATCHES);
         assert_eq!(importer.step(0.0, 1.0).status, Ok);
         importer.answer(move |update| (update.time == 1.25).then_some(update.time + later));

@@ -237,10 +237,17 @@ fn invalid_experiments_are_refused() {
         assert_eq!(importer.exit(), Ok);
         assert_eq!(importer.step(1.0, 1.0).status, Ok);
         assert_eq!(importer.step(2.0, 1.0).status, Error);
-        assert_eq!(importer.reset(), Ok);
-        assert_eq!(importer.enter(with_stop(f64::INFINITY)), Ok, "none");
-        assert_eq!(importer.exit(), Ok);
-        assert_eq!(importer.step(1.0, 50.0).status, Ok);
+        for (stop, step) in [(f64::INFINITY, 100.0), (1.0, 1e-9)] {
+            assert_eq!(importer.reset(), Ok);
+            assert_eq!(importer.enter(with_stop(stop)), Ok, "none, or the start");
+            assert_eq!(importer.exit(), Ok);
+            let expected = if stop > 1.0 { Ok } else { Error };
+            assert_eq!(
+                importer.step(1.0, step).status,
+                expected,
+                "the longest step, or one too many"
+            );
+        }
     }
 }
 

@@ -42,6 +42,9 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
             }
         }
     }
+    // A thousandth of the step is taken for rounding, at any time.
+    let late = running_from(Three, TODAY);
+    assert_eq!([2e-4, 5e-5].map(|by| late.step(TODAY + by, 0.1).status), [Error, Ok]);
     // Steps of less than the rounding add up.
     let importer = running_from(Two, TODAY);
     let mut time = TODAY;
