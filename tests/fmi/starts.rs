@@ -20,9 +20,9 @@ fn implausible_loads_are_logged() {
         assert_eq!(importer.enter(Experiment::default()), Ok);
         let status = importer.exit();
         let messages = importer.record.messages.borrow();
-        let found = messages.iter().find(|(_, _, text)| text.contains(part));
-        let (level, category, text) = found.unwrap_or_else(|| panic!("{messages:?}")).clone();
-        (status, level, category, text)
+        let found = messages.iter().find(|message| message.text.contains(part));
+        let found = found.unwrap_or_else(|| panic!("{messages:?}")).clone();
+        (status, found.status, found.category, found.text)
     };
     let speed = logged("initial.primarySpeed", 2000.0, "initial.primarySpeed in rpm");
     assert_eq!((speed.0, speed.1, &*speed.2), (Ok, 1, "logStatusWarning"));

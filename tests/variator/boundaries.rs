@@ -1,4 +1,4 @@
-//! Runs continue under every kind of load and motion that a master may connect to shafts and sheaves.
+//! Runs continue under every kind of load and motion that an importer may connect to shafts and sheaves.
 
 use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
 use pushbelt::variator::settings::{Axial, BeltKind, Drive, Inputs, Outputs, Parameters, StartState};

@@ -8,7 +8,7 @@ use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 use pushbelt_fmi::start_file::FILE;
 
-use crate::importer::{Arguments, BOTH, experiment, token};
+use crate::importer::{Arguments, BOTH, Message, experiment, token};
 use crate::tank::*;
 
 fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
@@ -44,7 +44,7 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
     exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
     let mut of_three = Arguments::new([name, Some(&three), None]);
-    of_three.handles.2 = &[LEVEL, NONE];
+    of_three.handles.required = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
     let blank = Arguments::new([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");
@@ -213,13 +213,20 @@ fn errors_are_logged_always_and_the_rest_on_request() {
         let quiet = version == Three;
         assert_eq!(importer.set(START, 6.0), Ok);
         importer.start();
-        let warning = (1, "logStatusWarning".to_owned(), "filled to 100%s 6".to_owned());
+        let warning = Message {
+            status: 1,
+            category: "logStatusWarning".into(),
+            text: "filled to 100%s 6".into(),
+        };
         assert_eq!(taken(), [warning][usize::from(quiet)..]);
         assert_eq!(importer.set(GAIN, 99.0), Discard);
         assert_eq!(taken().len(), usize::from(!quiet));
         importer.assert(importer.step(9.0, 1.0).status, Error, "DoStep: the step starts at 9 s");
         let errors = taken();
-        assert_eq!((errors.len(), errors[0].0, &*errors[0].1), (1, 3, "logStatusError"));
+        assert_eq!(
+            (errors.len(), errors[0].status, &*errors[0].category),
+            (1, 3, "logStatusError")
+        );
         for (categories, events) in [
             (&[][..], true),
             (&[c"logEvents"], true),

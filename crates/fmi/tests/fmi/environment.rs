@@ -57,7 +57,7 @@ pub fn set((mxcsr, control, flags): Environment) {
 
 /// Runs calls of a host in its environment, and checks that they leave it as it is. `calls`
 /// computes nothing itself.
-pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
+pub fn call_in<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
     set(host);
     let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| not_inlined(calls)));
     let after = present();

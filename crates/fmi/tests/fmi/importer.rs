@@ -29,8 +29,12 @@ pub const BOTH: [Version; 2] = [Two, Three];
 /// Value reference of the time in FMI 3.0.
 pub const TIME: u32 = 0;
 
-/// Status, category, text.
-pub type Message = (c_int, String, String);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    pub status: c_int,
+    pub category: String,
+    pub text: String,
+}
 
 /// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and
 /// an early return be requested.
@@ -88,7 +92,8 @@ unsafe extern "C" fn log_of_fmi2(
         let text = if with_argument { own(argument) } else { format };
         assert_eq!(text.contains('%'), with_argument, "{text}");
         *record.instance.borrow_mut() = own(instance);
-        record.hear((status, own(category), text));
+        let category = own(category);
+        record.hear(Message { status, category, text });
     }
 }
 
@@ -100,7 +105,8 @@ pub unsafe extern "C" fn log_of_fmi3(
 ) {
     unsafe {
         let record = &*environment.cast::<Record>();
-        record.hear((status, own(category), own(message)));
+        let (category, text) = (own(category), own(message));
+        record.hear(Message { status, category, text });
     }
 }
 
@@ -130,9 +136,14 @@ unsafe extern "C" fn update(
     }
 }
 
-/// Capabilities of an importer of FMI 3.0: events, early return, and the variables for intermediate
-/// update mode; the callback is set if there are any.
-pub type Handles<'a> = (bool, bool, &'a [u32]);
+/// Capabilities of an importer of FMI 3.0.
+#[derive(Clone, Copy, Default)]
+pub struct Handles<'a> {
+    pub events: bool,
+    pub early_return: bool,
+    /// Variables for intermediate update mode; the callback is set if there are any.
+    pub required: &'a [u32],
+}
 
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     Experiment {
@@ -210,7 +221,11 @@ impl<U: Unit> Importer<U> {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
         let [name, token, location] = arguments.texts.map(|text| text.map_or(null(), CStr::as_ptr));
-        let (events, early_return, required) = arguments.handles;
+        let Handles {
+            events,
+            early_return,
+            required,
+        } = arguments.handles;
         let c = unsafe {
             match version {
                 Two => {
@@ -512,7 +527,7 @@ impl<U: Unit> Importer<U> {
 
     pub fn last(&self) -> String {
         let messages = self.record.messages.borrow();
-        messages.last().map_or_else(String::new, |message| message.2.clone())
+        messages.last().map_or_else(String::new, |message| message.text.clone())
     }
 
     /// A call ended like this, and the last message has this part.

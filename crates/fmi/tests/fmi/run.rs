@@ -5,7 +5,7 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Ended, experiment};
+use crate::importer::{BOTH, Ended, Handles, experiment};
 use crate::tank::*;
 
 pub fn running(version: Version) -> Importer {
@@ -51,7 +51,13 @@ use State::{
 };
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(version, (state == Event, false, &[]));
+    let importer = Importer::handling(
+        version,
+        Handles {
+            events: state == Event,
+            ..Handles::default()
+        },
+    );
     if state != Instantiated {
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     }
@@ -305,12 +311,18 @@ fn derivatives_are_those_of_the_unit() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
-    use crate::environment::{DEFAULT, HOSTS, present, within};
+    use crate::environment::{DEFAULT, HOSTS, call_in, present};
     use std::cell::RefCell;
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(version, (false, false, &[INFLOW, LEVEL]));
+        let importer = Importer::handling(
+            version,
+            Handles {
+                required: &[INFLOW, LEVEL],
+                ..Handles::default()
+            },
+        );
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));
@@ -339,9 +351,9 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
         (bits, seen.take())
     };
     for version in BOTH {
-        let (expected, _) = within(DEFAULT, || run(version));
+        let (expected, _) = call_in(DEFAULT, || run(version));
         for host in HOSTS {
-            let (bits, seen) = within(host, || run(version));
+            let (bits, seen) = call_in(host, || run(version));
             assert_eq!(bits, expected, "{host:?}");
             assert!(seen.len() > if version == Two { 0 } else { 6 });
             assert!(seen.iter().all(|of_callback| *of_callback == host), "{host:?} {seen:?}");
@@ -356,7 +368,13 @@ fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
     use crate::environment::{DEFAULT, HOSTS, present, set};
 
     for host in HOSTS {
-        let importer = Importer::handling(Three, (false, false, &[LEVEL]));
+        let importer = Importer::handling(
+            Three,
+            Handles {
+                required: &[LEVEL],
+                ..Handles::default()
+            },
+        );
         importer.start();
         importer.answer(move |_| {
             set(host);

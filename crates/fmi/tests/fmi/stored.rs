@@ -7,7 +7,7 @@ use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, experiment, token};
+use crate::importer::{BOTH, Handles, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -59,7 +59,13 @@ fn a_state_holds_everything_and_fits_every_instance() {
 
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(Three, (true, false, &[]));
+    let importer = Importer::handling(
+        Three,
+        Handles {
+            events: true,
+            ..Handles::default()
+        },
+    );
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();

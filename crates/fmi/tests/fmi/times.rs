@@ -3,7 +3,7 @@
 use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::BOTH;
+use crate::importer::{BOTH, Handles};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -86,7 +86,14 @@ fn a_short_step_can_follow_a_long_one() {
 /// An importer with callback has its own times in the updates, in an early return and in messages.
 #[test]
 fn intermediate_updates_have_the_importers_times() {
-    let importer = Importer::handling(Three, (false, true, &[LEVEL]));
+    let importer = Importer::handling(
+        Three,
+        Handles {
+            events: false,
+            early_return: true,
+            required: &[LEVEL],
+        },
+    );
     importer.start_at(TODAY);
     importer.assert_logged("start at 1700000000 s");
     importer.answer(|update| (update.time == TODAY + 0.25).then_some(TODAY + 0.375));
